@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load, Sweep, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
 BitsCase: TypeAlias = tuple[str, Arrays]

@@ -19,89 +19,92 @@ if TYPE_CHECKING:
     from cardan import plots as plots
     from cardan import reference as reference
     from cardan import scene as scene
-    from cardan import workshop as workshop
+    from cardan.arrays.errors import ArgumentError as ArgumentError
+    from cardan.arrays.errors import ArgumentTypeError as ArgumentTypeError
+    from cardan.arrays.errors import ArgumentValueError as ArgumentValueError
     from cardan.ball_joint import BallJoint as BallJoint
-    from cardan.check import Check as Check
-    from cardan.derivatives import Derivatives as Derivatives
-    from cardan.derivatives import Gradient as Gradient
+    from cardan.design.check import Check as Check
+    from cardan.design.judged import Finding as Finding
+    from cardan.design.limits import Limit as Limit
+    from cardan.design.limits import Limits as Limits
     from cardan.driveline import Driveline as Driveline
-    from cardan.equivalent import EquivalentJoint as EquivalentJoint
-    from cardan.equivalent import Motion as Motion
-    from cardan.equivalent import Transmission as Transmission
-    from cardan.errors import ArgumentError as ArgumentError
-    from cardan.errors import ArgumentTypeError as ArgumentTypeError
-    from cardan.errors import ArgumentValueError as ArgumentValueError
-    from cardan.finding import Finding as Finding
-    from cardan.free_running import FreeRunning as FreeRunning
-    from cardan.harmonics import Harmonics as Harmonics
-    from cardan.identification import Identification as Identification
-    from cardan.identification import TwoJoints as TwoJoints
-    from cardan.identification import identify as identify
-    from cardan.identification import identify_two_joints as identify_two_joints
+    from cardan.evaluation.derivatives import Derivatives as Derivatives
+    from cardan.evaluation.derivatives import Gradient as Gradient
+    from cardan.evaluation.harmonics import Harmonics as Harmonics
+    from cardan.evaluation.load import Load as Load
+    from cardan.evaluation.outputs import OUTPUTS as OUTPUTS
+    from cardan.evaluation.outputs import Output as Output
+    from cardan.evaluation.plan import Plan as Plan
+    from cardan.evaluation.result import Result as Result
+    from cardan.evaluation.sweep import Sweep as Sweep
     from cardan.interop import jax as jax
     from cardan.interop import scipy as scipy
     from cardan.interop import torch as torch
-    from cardan.life import Life as Life
-    from cardan.limits import Limit as Limit
-    from cardan.limits import Limits as Limits
-    from cardan.load import Load as Load
-    from cardan.losses import Losses as Losses
+    from cardan.motion import yoke_turns as workshop  # noqa: F401
+    from cardan.motion.equivalent import EquivalentJoint as EquivalentJoint
+    from cardan.motion.equivalent import Motion as Motion
+    from cardan.motion.equivalent import Transmission as Transmission
+    from cardan.motion.free_running import FreeRunning as FreeRunning
+    from cardan.motion.identification import Identification as Identification
+    from cardan.motion.identification import TwoJoints as TwoJoints
+    from cardan.motion.identification import identify as identify
+    from cardan.motion.identification import identify_two_joints as identify_two_joints
+    from cardan.motion.steering import Steering as Steering
     from cardan.optimisation import ActiveLimit as ActiveLimit
     from cardan.optimisation import Optimum as Optimum
     from cardan.optimisation import optimise as optimise
-    from cardan.order_tolerances import OrderTolerances as OrderTolerances
-    from cardan.outputs import OUTPUTS as OUTPUTS
-    from cardan.outputs import Output as Output
-    from cardan.plan import Plan as Plan
-    from cardan.result import Result as Result
     from cardan.scene import Scene as Scene
-    from cardan.slides import Slides as Slides
-    from cardan.slip import Lengths as Lengths
-    from cardan.slip import SplineForce as SplineForce
-    from cardan.steering import Steering as Steering
-    from cardan.sweep import Sweep as Sweep
     from cardan.tolerances import Tolerances as Tolerances
+    from cardan.tolerances.order_tolerances import OrderTolerances as OrderTolerances
     from cardan.torsion import TorsionalSystem as TorsionalSystem
     from cardan.torsion.tube import Tube as Tube
     from cardan.torsion.tube import tube as tube
+    from cardan.wear.axial_travel import Slides as Slides
+    from cardan.wear.life import Life as Life
+    from cardan.wear.losses import Losses as Losses
+    from cardan.wear.spline import Lengths as Lengths
+    from cardan.wear.spline import SplineForce as SplineForce
 else:
     from importlib import import_module as _import_module
 
     # All are imported when they are asked for: few programs need many of them.
     _NAMES = {
+        "arrays.errors": "ArgumentError ArgumentTypeError ArgumentValueError",
         "ball_joint": "BallJoint",
-        "check": "Check",
-        "derivatives": "Derivatives Gradient",
+        "design.check": "Check",
+        "design.judged": "Finding",
+        "design.limits": "Limit Limits",
         "driveline": "Driveline",
-        "equivalent": "EquivalentJoint Motion Transmission",
-        "errors": "ArgumentError ArgumentTypeError ArgumentValueError",
-        "finding": "Finding",
-        "free_running": "FreeRunning",
-        "harmonics": "Harmonics",
-        "identification": "Identification TwoJoints identify identify_two_joints",
-        "life": "Life",
-        "limits": "Limit Limits",
-        "load": "Load",
-        "losses": "Losses",
+        "evaluation.derivatives": "Derivatives Gradient",
+        "evaluation.harmonics": "Harmonics",
+        "evaluation.load": "Load",
+        "evaluation.outputs": "OUTPUTS Output",
+        "evaluation.plan": "Plan",
+        "evaluation.result": "Result",
+        "evaluation.sweep": "Sweep",
+        "motion.equivalent": "EquivalentJoint Motion Transmission",
+        "motion.free_running": "FreeRunning",
+        "motion.identification": "Identification TwoJoints identify identify_two_joints",
+        "motion.steering": "Steering",
         "optimisation": "ActiveLimit Optimum optimise",
-        "order_tolerances": "OrderTolerances",
-        "outputs": "OUTPUTS Output",
-        "plan": "Plan",
-        "result": "Result",
         "scene": "Scene",
-        "slides": "Slides",
-        "slip": "Lengths SplineForce",
-        "steering": "Steering",
-        "sweep": "Sweep",
         "tolerances": "Tolerances",
+        "tolerances.order_tolerances": "OrderTolerances",
         "torsion": "TorsionalSystem",
         "torsion.tube": "Tube tube",
+        "wear.axial_travel": "Slides",
+        "wear.life": "Life",
+        "wear.losses": "Losses",
+        "wear.spline": "Lengths SplineForce",
     }
     _HOMES = {
         name: f"cardan.{module}" for module, names in _NAMES.items() for name in names.split()
     }
     _MODULES = {
-        name: f"cardan.{name}" for name in ("approximations", "plots", "reference", "workshop")
+        "approximations": "cardan.approximations",
+        "plots": "cardan.plots",
+        "reference": "cardan.reference",
+        "workshop": "cardan.motion.yoke_turns",
     }
     # A star must not replace what its user has by these names.
     _NOT_BY_STAR = {

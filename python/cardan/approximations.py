@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, wrong_element
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft of a truck in rad/s²: usual limit, never above.

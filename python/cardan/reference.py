@@ -24,7 +24,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 
 Vector = tuple[float, float, float]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.reference import Loads, Shafts, Vector, _across, _cross, _plus, _scaled
 
 _ZERO: Vector = (0.0, 0.0, 0.0)

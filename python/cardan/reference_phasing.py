@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations_with_replacement, product
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.reference import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
 
 # Angles of half a turn among which the fastest and the slowest are looked for.

@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cardan import Driveline, Finding, Limit, Limits, workshop
-from cardan.limits import PRESETS
+from cardan import Driveline, Finding, Limit, Limits
+from cardan.design.limits import PRESETS
+from cardan.motion import yoke_turns as workshop
 
 RPM = 2 * math.pi / 60
 

@@ -31,9 +31,10 @@ from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.command import commands
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.sweep import Sweep
 from cardan.figures.summary import SummaryRow, summary
-from cardan.load import Load
-from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, space, write_picture
 from cardan.plots.bands import Bands
 from cardan.plots.key_figures import key_figures
@@ -42,7 +43,6 @@ from cardan.plots.space import View
 from cardan.plots.style import degree_ticks, text_width
 from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
-from cardan.sweep import Sweep
 from example_scenes import DRIVELINES, EXAMPLES
 from heights import NAMES, drivelines, scene_text
 

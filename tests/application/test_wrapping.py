@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from cardan.wrapping import fill, wrap
+from cardan.design.wrapping import fill, wrap
 
 SENTENCES = [
     "with these tolerances 99.83 % of the drivelines are within it",

@@ -14,11 +14,12 @@ import pytest
 from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
-from cardan import Driveline, approximations, workshop
+from cardan import Driveline, approximations
 from cardan.command import commands
 from cardan.figures import yokes
 from cardan.figures.advice import advice, arrangement, scene_advice
 from cardan.figures.catalogue import fork_signs
+from cardan.motion import yoke_turns as workshop
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
 from cardan.words.advice import remedies

@@ -12,16 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import (
-    OUTPUTS,
-    ArgumentTypeError,
-    BallJoint,
-    Driveline,
-    Load,
-    Result,
-    approximations,
-    workshop,
-)
+from cardan import OUTPUTS, ArgumentTypeError, BallJoint, Driveline, Load, Result, approximations
+from cardan.motion import yoke_turns as workshop
 
 ONE = Driveline.from_bends([0.5])
 THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9]).with_bearings(

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load, _core
-from cardan.plan import Plan
-from cardan.result import Result
+from cardan.evaluation.plan import Plan
+from cardan.evaluation.result import Result
 
 MOTION = ["angle", "speed_ratio", "acceleration_ratio"]
 ALONE = [

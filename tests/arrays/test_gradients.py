@@ -10,7 +10,7 @@ import pytest
 
 import cardan
 from cardan import Driveline, Load, Sweep, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADS = (

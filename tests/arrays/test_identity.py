@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load, Result, Sweep, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven", "pin_moment")

@@ -16,8 +16,8 @@ dask = pytest.importorskip("dask")
 da = pytest.importorskip("dask.array")
 
 from cardan import Driveline, Load, Result, Sweep, threads  # noqa: E402
+from cardan.evaluation.request import REDUCTIONS  # noqa: E402
 from cardan.interop.lazy import LazyDriveline  # noqa: E402
-from cardan.request import REDUCTIONS  # noqa: E402
 from cardan.scene import cluster  # noqa: E402
 
 RANDOM = np.random.default_rng(7)

@@ -30,7 +30,7 @@ import pytest
 
 import tiers
 from cardan import Driveline, Load, Result, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, limits, mp
 
 # --- one joint -------------------------------------------------------------------------------

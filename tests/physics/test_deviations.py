@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, TorsionalSystem, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 from deviation_oracle import LeaningChain, LeaningJoint
 from oracle import EPS, Doubles, limits, mp, read
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 from derivative_oracle import (
     BearingPlaces,
     differences,

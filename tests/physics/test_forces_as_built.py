@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Sweep, _core
-from cardan.plan import Plan
+from cardan.evaluation.plan import Plan
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces
 from oracle import Doubles, Exact, ExactTurn

@@ -11,15 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cardan import (
-    OUTPUTS,
-    ArgumentTypeError,
-    ArgumentValueError,
-    Driveline,
-    Harmonics,
-    Load,
-    Sweep,
-)
+from cardan import OUTPUTS, ArgumentTypeError, ArgumentValueError, Driveline, Harmonics, Load, Sweep
 from oracle import ExactTurn, Fold, MpNumber, mp
 from vectors import ExactLoads, Frames
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan.slides import SlideName
+from cardan.wear.axial_travel import SlideName
 
 OFFSETS: dict[str, Any] = {"driving_pin": 0.7, "cross": -0.4, "driven_pin": 0.3, "shafts": 0.9}
 Vector = np.ndarray[Any, np.dtype[np.float64]]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.errors import ArgumentTypeError
+from cardan.arrays.errors import ArgumentTypeError
 
 FloatArray = NDArray[np.float64]
 

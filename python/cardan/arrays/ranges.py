@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays.coercion import FloatArray, as_float64
-from cardan.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, wrong_element
 
 
 def positive(name: str, value: ArrayLike) -> FloatArray:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
+from cardan.arrays.errors import ArgumentValueError, wrong_element
 from cardan.ball_joint.contact import Contact, elliptic, fitting, loose, pressed
 from cardan.ball_joint.layers import layer_compliance
-from cardan.errors import ArgumentValueError, wrong_element
 
 __all__ = ["BallJoint", "layer_compliance"]
 

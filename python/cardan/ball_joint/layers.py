@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import as_float64, common_shape, scalar_or_array
-from cardan.errors import wrong_element
+from cardan.arrays.errors import wrong_element
 
 
 def layer_compliance(thickness: ArrayLike, modulus: ArrayLike, poisson: ArrayLike = 0.3) -> Any:  # noqa: ANN401 - a scalar or an array

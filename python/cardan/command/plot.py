@@ -7,10 +7,10 @@ from typing import get_args
 
 import click
 
+from cardan.arrays.errors import ArgumentValueError
 from cardan.command.files import check_output, check_picture
 from cardan.command.options import file_option, scene_argument
 from cardan.command.terminal import progress_bar, say
-from cardan.errors import ArgumentValueError
 from cardan.figures.backlash import drawn_backlash
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.slides import drawn_slides

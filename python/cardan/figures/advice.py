@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.driveline import Driveline
 from cardan.figures.answers import record
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
-from cardan.limits import MAX_EQUIVALENT_BEND
+from cardan.motion.yoke_turns import turn
 from cardan.scene.scene import Scene
-from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")
 """No bent joint, one, two whose outer shafts meet, two with a Z between them; in general."""

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
+from cardan.evaluation.sweep import Sweep
 from cardan.figures.answers import record
-from cardan.load import Load
 from cardan.scene.backlash import JointPlay
 from cardan.scene.scene import Scene
-from cardan.sweep import Sweep
 
 TURN = Sweep.revolutions(721 / 720, 720)
 """A turn in steps of half a degree, both ends included."""

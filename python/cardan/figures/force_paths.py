@@ -11,11 +11,11 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.sweep import Sweep
 from cardan.figures.forces import FORCES, ForceSource, force_source
 from cardan.figures.rounding import first_peak
 from cardan.figures.turn_extremes import period_of
-from cardan.load import Load
-from cardan.sweep import Sweep
 
 PER_DEGREE = 2
 """Samples of a path per degree of drive angle."""

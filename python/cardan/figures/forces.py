@@ -10,9 +10,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.figures.turn_extremes import peak
-from cardan.load import Load
-from cardan.outputs import OUTPUTS
 
 FORCES = ("joint_force", "bearing_force")
 """The outputs that are forces."""

@@ -11,7 +11,7 @@ import numpy as np
 from cardan.figures.answers import ANGLE, answer, answer_schema, one_of
 from cardan.figures.extremes import finite_or_none
 from cardan.files.recording import read_columns
-from cardan.identification import Identification, TwoJoints, identify, identify_two_joints
+from cardan.motion.identification import Identification, TwoJoints, identify, identify_two_joints
 
 LARGEST_ORDER = 4
 """The largest order that an answer holds."""

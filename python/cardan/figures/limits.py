@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.check import Check
+from cardan.design.check import Check
+from cardan.design.judged import VERDICTS, Finding, non_uniformity
 from cardan.driveline import Driveline
 from cardan.figures.answers import answer, answers_with, record
 from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
@@ -37,7 +38,6 @@ from cardan.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_da
 from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data
 from cardan.files.progress import Progress
-from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.scene.study import Study

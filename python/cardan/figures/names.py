@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from cardan.outputs import OUTPUTS
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.scene.study import Column
 from cardan.scene.units import ENDINGS, split
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.design.quantities import label
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.optimisation import ActiveLimit, Optimum
-from cardan.quantities import label
 from cardan.scene.errors import SceneError
 from cardan.scene.optimise import Optimisation, Variable
 from cardan.scene.scene import Scene

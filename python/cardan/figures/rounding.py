@@ -6,7 +6,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint
+from cardan.motion.equivalent import EquivalentJoint
 
 ROUNDING = 1e-9
 """Values that differ by less than this share of their size differ by rounding only."""

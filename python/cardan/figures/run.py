@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
 
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
 from cardan.figures.backlash import BACKLASH_SCHEMA, backlash_data, scene_backlash
@@ -16,7 +17,6 @@ from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import STATES_SCHEMA, forces_of, states_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.summary import SummaryRow, drive_angles, summary_data
-from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene

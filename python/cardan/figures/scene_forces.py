@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.figures.answers import ANGLE, one_of, record
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.force_paths import ForcePath, force_paths

@@ -11,7 +11,7 @@ import numpy as np
 from cardan.figures.answers import record
 from cardan.scene.offsets import AxisOffsets
 from cardan.scene.scene import Scene
-from cardan.slides import NAMES, SlideName, Slides
+from cardan.wear.axial_travel import NAMES, SlideName, Slides
 
 ORDERS = (1, 2, 3, 4)
 """The orders of a slide that answers have."""

@@ -10,12 +10,12 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 from cardan.figures.answers import record
 from cardan.figures.extremes import End, finite_or_none
 from cardan.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.figures.rounding import alike
 from cardan.figures.turn_extremes import peak
-from cardan.load import Load
 from cardan.scene.scene import Scene
 from cardan.scene.slip import Slip
 from cardan.scene.study import Study

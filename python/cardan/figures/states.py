@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from cardan.check import Check
+from cardan.design.check import Check
+from cardan.design.judged import VERDICTS
 from cardan.figures.answers import record
 from cardan.figures.extremes import End, extremes, finite_or_none
 from cardan.figures.scene_forces import Force, SceneForces, scene_forces
-from cardan.finding import VERDICTS
 from cardan.scene.scene import Scene
 from cardan.scene.states import STATE, StatesResult
 

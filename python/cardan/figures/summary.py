@@ -10,12 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.equivalent import EquivalentJoint
+from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.forces import shortest_arm
 from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
 from cardan.figures.turn_extremes import Peak, magnitudes, peak, period_of, slowest
-from cardan.outputs import OUTPUTS, Output
+from cardan.motion.equivalent import EquivalentJoint
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.signals import Signal
 from cardan.scene.units import RPM, ending_of, in_degrees

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.quantities import MOTION_QUANTITIES, label
+from cardan.design.quantities import MOTION_QUANTITIES, label
 from cardan.scene.scene import Scene
 from cardan.scene.units import in_degrees
 from cardan.tolerances import JOINT_GROUPS, Tolerances

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.torsion import TorsionCase
 from cardan.torsion import TorsionalSystem
 

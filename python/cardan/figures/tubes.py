@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 from cardan.figures.answers import record
 from cardan.figures.rounding import alike
 from cardan.figures.turn_extremes import peak
-from cardan.load import Load
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM
 

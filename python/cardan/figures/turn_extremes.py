@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan import threads
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, threads
 from cardan.driveline import Driveline
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, Output
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, Output
 
 
 @dataclass(frozen=True)

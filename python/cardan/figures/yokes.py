@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.check import Check
+from cardan.design.check import Check
 from cardan.driveline import Driveline
 from cardan.figures.advice import (
     ADVICE_KEYS,
@@ -22,8 +22,8 @@ from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.catalogue import CATALOGUE_SCHEMA, root_rule
 from cardan.figures.limits import check_states
 from cardan.figures.rounding import equivalent_bend_deg
+from cardan.motion.yoke_turns import VIEW
 from cardan.scene.scene import Scene
-from cardan.workshop import VIEW
 
 _NUMBER = {"type": "number"}
 _SENSE = {"enum": ["clockwise", "counter-clockwise", "none"]}

@@ -13,11 +13,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
+from cardan.evaluation.result import Result
 from cardan.files.ahead import read_ahead, write_behind
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
 from cardan.files.whole_file import whole_file
-from cardan.result import Result
 
 ROWS = 1 << 18
 """Rows of a chunk: enough to keep all threads busy, and few enough for the caches."""

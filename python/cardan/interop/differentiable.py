@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
+from cardan.arrays.indices import Items
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.layout import layout_of
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, nearest
-from cardan.plan import Plan
-from cardan.request import Items
+from cardan.evaluation.layout import layout_of
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.plan import Plan
 
 # How many axes of each parameter belong to one driveline.
 _ANGLES_OR_POINTS = {"bends": 1, "twists": 1, "phases": 1, "points": 2}

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
-from cardan.degrees import PlanInDegrees
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.outputs import OUTPUTS, Output
-from cardan.plan import Plan
-from cardan.result import Result
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.plan import Plan
+from cardan.evaluation.result import Result
 
 if TYPE_CHECKING:
     import pandas

@@ -8,26 +8,26 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields, replace
-from typing import Any, NamedTuple, cast
+from dataclasses import fields
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.arrays.planes import components_first, view
-from cardan.bearings import Bearings
-from cardan.degrees import PlanInDegrees
 from cardan.driveline import Driveline
-from cardan.driven_angle import planned
-from cardan.equivalent import EquivalentJoint
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.geometry import Geometry
-from cardan.load import Load
-from cardan.plan import Plan
-from cardan.request import item_index
-from cardan.result import Result
-from cardan.sweep import Sweep
+from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.load import Load
+from cardan.evaluation.plan import Plan
+from cardan.evaluation.result import Result
+from cardan.evaluation.sweep import Sweep
+from cardan.geometry.bearings import Bearings
+from cardan.geometry.geometry import Geometry
+from cardan.motion.equivalent import EquivalentJoint
 
 
 class _Part(NamedTuple):
@@ -188,7 +188,7 @@ def evaluate(
         TypeError: arrays to fill; angles that are not real numbers.
         ValueError: shapes that do not broadcast, chunks of unknown size.
     """
-    line = cast(Driveline, plan.request.line)
+    line = plan.line
     if not line.shape:
         return _evaluated(plan, None, (), (), angle, out)
     parts = [_Part(array, array.ndim - len(line.shape)) for array in line._geometry.arrays]
@@ -207,7 +207,7 @@ def _evaluated(
     if out is not None:
         raise ArgumentTypeError("out", "does not go with dask arrays; their results are new arrays")
     request = plan.request
-    plan = planned(*replace(request, workers=request.workers or 1).arguments())
+    plan = planned(plan.line, request._replace(workers=request.workers or 1))
     load, reduce = request.load, request.reduce
     sweep = angle if isinstance(angle, Sweep) else None
     more = {} if sweep else {"angle": _part("angle", angle, 0)}
@@ -300,11 +300,11 @@ def _task(
     angle = sweep or named.pop("angle")
     request = plan.request
     if make or named:
-        line = make(*pieces[: len(pieces) - len(more)]) if make else request.line
-        request = replace(request, line=line, load=_loaded(request.load, named))
-        plan = planned(*request.arguments())
+        line = make(*pieces[: len(pieces) - len(more)]) if make else plan.line
+        request = request._replace(load=_loaded(request.load, named))
+        plan = planned(line, request)
     result = plan(angle)
-    rows = np.broadcast_shapes(request.line.shape, angle.shape)
+    rows = np.broadcast_shapes(plan.line.shape, angle.shape)
     rows = (*rows[:-1], 1) if request.reduce else rows
     planes = [
         np.reshape(components_first(np.asarray(result[name]), place), (-1, *rows))

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.interop.differentiable import Evaluation, Options
-from cardan.outputs import nearest
 
 __all__ = ["Objective"]
 

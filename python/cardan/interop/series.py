@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
-from cardan.degrees import PlanInDegrees
-from cardan.errors import ArgumentTypeError
+from cardan.arrays.errors import ArgumentTypeError
+from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.plan import Plan
 from cardan.interop.labelled import columns_of
-from cardan.plan import Plan
 
 if TYPE_CHECKING:
     import pandas

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
+from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError, Place, wrong_element
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.optimisation.arguments import (
     check_whole,
     checked_bounds,

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.load import Load
+from cardan.evaluation.load import Load
+from cardan.geometry.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
 from cardan.optimisation.measures import Measure, measure_of
 from cardan.optimisation.problem import Parameter
-from cardan.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
 
 
 def checked_bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatArray, FloatArray]:

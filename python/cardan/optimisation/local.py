@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.optimisation.problem import Problem
 
 TOLERANCE = 1e-9

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.design.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
+from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.load import Load
-from cardan.parameters import LayoutVariables, Parameters, parameter_shape
-from cardan.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
-from cardan.reduced_quantities import ReducedQuantity, reduced_quantity
+from cardan.evaluation.load import Load
+from cardan.geometry.parameters import LayoutVariables, Parameters, parameter_shape
 
 Vectors: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.geometry.parameters import LayoutVariables
 from cardan.optimisation.measures import Measure, Vectors, over_states
-from cardan.parameters import LayoutVariables
 
 # Steps of central differences, as a share of the scale of a variable: the third root of the
 # rounding error balances it against the error of the formula.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.optimisation.local import MARGIN, TOLERANCE, local_best
 from cardan.optimisation.measures import Vectors
 from cardan.optimisation.problem import Problem

@@ -11,7 +11,7 @@ import numpy as np
 
 import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.figures.orders import orders
 from cardan.plots.bands import Bands
 from cardan.plots.style import line_style, value_ticks

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan import workshop
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.motion import yoke_turns as workshop
 from cardan.plots.style import LINES, MARKERS, THIN, drawing, legend_above
-from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

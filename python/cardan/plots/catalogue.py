@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.sweep import Sweep
 from cardan.plots.style import (
     LINES,
     THIN,
@@ -19,7 +20,6 @@ from cardan.plots.style import (
     number,
     value_ticks,
 )
-from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

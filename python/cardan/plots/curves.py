@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 import cardan.plots.panel as panel
 from cardan.arrays import as_float64
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, checked
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, checked
+from cardan.evaluation.sweep import Sweep
 from cardan.plots.style import drawing, legend_above
-from cardan.request import item_index
-from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

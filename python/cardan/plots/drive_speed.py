@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import cardan.plots.panel as panel
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.plots.style import drawing, legend_above
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.figures.places import bearing_places, length_text, shaft_lengths
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import DEPTH, View, tube, wedge, yoke

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
 from cardan.figures.force_paths import PER_DEGREE, ForcePath, force_path
-from cardan.load import Load
 from cardan.plots.style import (
     LINES,
     MM,
@@ -22,7 +23,6 @@ from cardan.plots.style import (
     matplotlib,
     value_ticks,
 )
-from cardan.request import item_index
 from cardan.words.summary import figure_text
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.driveline import Driveline
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.plots.panel import TURN
 from cardan.plots.style import LINES, degree_ticks, drawing, legend_above, number, value_ticks
 

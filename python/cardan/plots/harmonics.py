@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import cardan.plots.panel as panel
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.outputs import OUTPUTS
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.plots.style import drawing, legend_above
-from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
+from cardan.evaluation.sweep import Sweep
 from cardan.figures.turn_extremes import period_of
-from cardan.load import Load
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above, value_ticks
-from cardan.request import item_index
-from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

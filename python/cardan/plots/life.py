@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import cardan.plots.panel as panel
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
 from cardan.figures.life import LifeFigures, friction_of
-from cardan.load import Load
-from cardan.pins import pins_at
 from cardan.plots.style import (
     LINES,
     MM,
@@ -26,6 +25,7 @@ from cardan.plots.style import (
     save,
     value_ticks,
 )
+from cardan.wear.pin_loads import pins_at
 from cardan.words.life import hours_text
 
 if TYPE_CHECKING:

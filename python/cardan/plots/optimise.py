@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.quantities import label
 from cardan.figures.optimise import Optimised, unit_of
 from cardan.figures.states import without_common
 from cardan.plots.style import (
@@ -23,7 +24,6 @@ from cardan.plots.style import (
     save,
     value_ticks,
 )
-from cardan.quantities import label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

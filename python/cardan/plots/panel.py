@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.outputs import Output
+from cardan.evaluation.sweep import Sweep
 from cardan.figures.rounding import flat_limits
-from cardan.outputs import Output
 from cardan.plots.bands import Bands
 from cardan.plots.style import MARKERS, degree_ticks, line_style, value_ticks
 from cardan.scene.units import in_degrees
-from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

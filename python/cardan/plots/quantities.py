@@ -10,7 +10,7 @@ import numpy as np
 
 import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
-from cardan.outputs import Output
+from cardan.evaluation.outputs import Output
 from cardan.plots.abscissa import Abscissa
 from cardan.plots.style import LINES, legend_above
 from cardan.scene.scene import SceneResult

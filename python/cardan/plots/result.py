@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cardan.plots.panel as panel
-from cardan.errors import ArgumentValueError
-from cardan.outputs import OUTPUTS, Output
+from cardan.arrays.errors import ArgumentValueError
+from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.result import Result
 from cardan.plots.style import LINES, MM, STYLE, WIDTH, legend_above, matplotlib
-from cardan.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

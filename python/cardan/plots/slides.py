@@ -9,7 +9,7 @@ import numpy as np
 
 import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.plots.style import (
     MM,
     STYLE,
@@ -21,7 +21,7 @@ from cardan.plots.style import (
     matplotlib,
     save,
 )
-from cardan.slides import SlideName, Slides
+from cardan.wear.axial_travel import SlideName, Slides
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.figures.names import column_name
-from cardan.limits import MAX_EQUIVALENT_BEND
-from cardan.outputs import nearest
 from cardan.plots.style import LINES, THIN, drawing, legend_above, number, value_ticks
 from cardan.scene.states import StatesResult
 from cardan.scene.units import in_degrees

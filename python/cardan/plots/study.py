@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.figures.rounding import ROUNDING, flat_limits
-from cardan.limits import MAX_EQUIVALENT_BEND
-from cardan.outputs import nearest
 from cardan.plots.style import (
     LINES,
     THIN,

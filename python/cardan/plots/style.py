@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.files.pictures import SUFFIXES
 from cardan.files.whole_file import whole_file
 from cardan.plots.glyphs import with_glyphs

@@ -9,9 +9,9 @@ import numpy as np
 import cardan.plots.panel as panel
 from cardan.approximations import thoma_small_angle
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.plots.style import drawing, legend_above
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.figures.torsion import CriticalSpeed, TorsionFigures
 from cardan.figures.torsion_stability import stability_map
 from cardan.plots.style import (

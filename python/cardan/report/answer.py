@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from cardan.check import Check
+from cardan.design.check import Check
+from cardan.design.judged import counted
 from cardan.figures.advice import advice
 from cardan.figures.drive_speed import drive_speed
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of
 from cardan.figures.tolerances import tolerance_figures
-from cardan.finding import counted
+from cardan.motion.yoke_turns import SAME_YOKE
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.motion import deviates, turn_motion
 from cardan.report.samples import Samples
@@ -23,7 +24,6 @@ from cardan.words.forces import largest_text, reasons
 from cardan.words.summary import figure_text, range_ends
 from cardan.words.tolerances import verdict_texts
 from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
-from cardan.workshop import SAME_YOKE
 
 # Shafts that one reads in a list.
 _MOST = 8

@@ -9,10 +9,10 @@ import numpy as np
 
 from cardan.figures.life import LifeFigures
 from cardan.figures.tubes import TubeFigures
-from cardan.pins import pins_at
 from cardan.report.charts import chart
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
+from cardan.wear.pin_loads import pins_at
 from cardan.words.life import (
     SIZE_HEADS,
     STEP_HEADS,

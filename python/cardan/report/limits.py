@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cardan.check import Check
+from cardan.design.check import Check
+from cardan.design.judged import VERDICTS, Finding
 from cardan.figures.names import key_name
-from cardan.finding import VERDICTS, Finding
 from cardan.report.charts import number
 from cardan.report.tables import Table
 from cardan.words.summary import figure_text

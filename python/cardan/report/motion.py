@@ -8,9 +8,9 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint
 from cardan.figures.rounding import is_cancelled
 from cardan.figures.turn_extremes import peak, slowest
+from cardan.motion.equivalent import EquivalentJoint
 from cardan.scene.scene import Scene
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.figures.optimise import Optimised, optimised, unit_of
+from cardan.motion.yoke_turns import VIEW
 from cardan.report.charts import chart
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
@@ -17,7 +18,6 @@ from cardan.words.optimise import (
     result_text,
     table_of,
 )
-from cardan.workshop import VIEW
 
 
 def optimise(scene: Scene) -> dict[str, Any] | None:

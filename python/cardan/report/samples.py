@@ -11,11 +11,11 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import Output
 from cardan.figures.forces import shortest_arm
 from cardan.figures.rounding import alike, first_peak
 from cardan.figures.turn_extremes import magnitudes, peak, values_of
-from cardan.load import Load
-from cardan.outputs import Output
 from cardan.report.motion import as_built
 from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult

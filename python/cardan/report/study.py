@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.check import Check
+from cardan.design.check import Check
 from cardan.figures.extremes import End, extremes
 from cardan.figures.names import column_name, key_name
 from cardan.figures.rounding import ROUNDING, alike

@@ -15,6 +15,7 @@ from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
+from cardan.motion.yoke_turns import VIEW, turn
 from cardan.report.motion import deviates, equivalent, turn_motion
 from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
@@ -23,7 +24,6 @@ from cardan.scene.units import RPM, in_degrees
 from cardan.words.as_built import BY_DRAWING, as_built_rows
 from cardan.words.forces import force_rows, headings
 from cardan.words.summary import figure_text, range_ends
-from cardan.workshop import VIEW, turn
 
 # Shafts or joints that fit side by side on paper; more go below each other.
 _MOST_COLUMNS = 7

@@ -10,11 +10,11 @@ from typing import Any, Self
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
+from cardan.evaluation.sweep import Sweep
 from cardan.scene.format import FORMAT
 from cardan.scene.rules import shown
 from cardan.scene.signals import Signal
-from cardan.sweep import Sweep
 
 _MOST_STEPS = 10_000_000
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.scene.axis_rules import Spread
 from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT

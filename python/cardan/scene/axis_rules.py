@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cardan.outputs import nearest
+from cardan.arrays.errors import nearest
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, Whole, refused, shown
 

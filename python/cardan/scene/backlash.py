@@ -10,7 +10,7 @@ import numpy as np
 
 import cardan.scene.values as kinds
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.scene.sections import Key
 
 OF_PLAY: Mapping[str, Key] = {

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 import cardan.scene.values as kinds
+from cardan.arrays.errors import ArgumentValueError
 from cardan.ball_joint import BallJoint, layer_compliance
-from cardan.errors import ArgumentValueError
 from cardan.files import pictures
 from cardan.scene.sections import Key, Section
 

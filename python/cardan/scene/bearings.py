@@ -9,8 +9,8 @@ from typing import Any, Self
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.axes import Axis
 from cardan.scene.bearing_section import LENGTHS
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from cardan._core import __version__
 from cardan.arrays import FloatArray, import_optional
+from cardan.evaluation.sweep import Sweep
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
@@ -31,7 +32,6 @@ from cardan.scene.axes import Axis
 from cardan.scene.curves import study_columns
 from cardan.scene.study import Column, Study
 from cardan.scene.units import converted
-from cardan.sweep import Sweep
 
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""

@@ -11,8 +11,7 @@ from contextlib import contextmanager
 from os import PathLike, fspath
 from typing import Any
 
-from cardan.errors import ArgumentValueError
-from cardan.outputs import nearest
+from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.scene.errors import Location, SceneError, path_of
 from cardan.scene.format import FORMAT
 from cardan.scene.paths import nested

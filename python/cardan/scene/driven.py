@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.angles import Angles
 
 ANGLE_OF = "angle_of"

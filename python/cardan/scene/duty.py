@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
-from cardan.outputs import nearest
+from cardan.evaluation.load import Load
 from cardan.scene.layout import SceneLayout
 from cardan.scene.states import States
 from cardan.scene.units import RPM

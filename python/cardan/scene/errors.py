@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
-from cardan.errors import ArgumentError, ArgumentValueError, Place
+from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
 
 
 @dataclass(frozen=True)

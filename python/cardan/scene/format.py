@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import cardan.scene.values as kinds
+from cardan.design.limits import OWN, PRESETS
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.files import columns, pictures, recording
-from cardan.limits import OWN, PRESETS
-from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.bearing_section import BEARING, LENGTHS
 from cardan.scene.driveline_section import DRIVELINE, LOAD

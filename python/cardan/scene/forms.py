@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.bearings import in_metres
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.geometry.bearings import in_metres
 from cardan.scene.bearing_section import LENGTHS
 
 TEETH = "teeth"

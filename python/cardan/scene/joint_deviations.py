@@ -9,8 +9,8 @@ import numpy as np
 
 import cardan.scene.values as kinds
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.sections import Key
 from cardan.tolerances import JOINT_GROUPS
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import cardan.scene.values as kinds
-from cardan.errors import ArgumentValueError
-from cardan.outputs import nearest
+from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.scene.backlash import OF_PLAY
 from cardan.scene.joint_deviations import IN_DEGREES_OR_MM, OF_DEVIATIONS
 from cardan.scene.sections import Key, Section

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cardan.limits import PRESETS, unknown_preset
+from cardan.design.limits import PRESETS, unknown_preset
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, Text, refused
 

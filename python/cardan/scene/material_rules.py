@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cardan.outputs import nearest
+from cardan.arrays.errors import nearest
 from cardan.scene.errors import Location
 from cardan.scene.limit_rules import Source
 from cardan.scene.rules import Number, Rule, Schema, refused, shown

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import cardan.scene.values as kinds
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.sections import Key, Section
-from cardan.slides import SlideName, Slides, slides
+from cardan.wear.axial_travel import SlideName, Slides
 
 OFFSETS = Section(
     "distances of axes that should meet, for the axial travel; each value is one for all joints or "
@@ -53,8 +53,10 @@ class AxisOffsets:
 
     def slides(self, line: Driveline) -> Slides:
         """Return the slides of a driveline, or of a batch of drivelines, in mm."""
-        given = {"driving_pin": 0.0, "cross": 0.0, "driven_pin": 0.0, "shafts": 0.0}
-        return slides(line, **(given | dict(self.distances)), blocked=self.blocked, unit=" mm")
+        distances: Any = self.distances
+        found = line.slides(**distances)
+        found.check_free(self.blocked, " mm")
+        return found
 
 
 def offsets_of(values: Mapping[str, Any], lines: Driveline) -> AxisOffsets:

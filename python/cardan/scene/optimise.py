@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.quantities import MOTION_QUANTITIES
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
 from cardan.optimisation.local import TOLERANCE
 from cardan.optimisation.measures import Measure, measure_of, over_states
-from cardan.quantities import MOTION_QUANTITIES
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT

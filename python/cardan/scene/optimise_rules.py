@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from cardan.outputs import OUTPUTS, nearest
-from cardan.quantities import MOTION_QUANTITIES
-from cardan.reduced_quantities import pattern
+from cardan.arrays.errors import nearest
+from cardan.design.quantities import MOTION_QUANTITIES
+from cardan.design.reduced_quantities import pattern
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, refused
 from cardan.scene.units import ending_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import cardan.scene.values as kinds
-from cardan.quantities import MOTION_QUANTITIES
+from cardan.design.quantities import MOTION_QUANTITIES
 from cardan.scene.optimise_rules import KEPT
 from cardan.scene.sections import Key, Section
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.geometry import sloping
-from cardan.load import Load
+from cardan.evaluation.load import Load
+from cardan.geometry.constructors import sloping
 from cardan.scene.format import FORMAT
 from cardan.scene.forms import FORMS, TEETH, Form
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.scene.sections import Key, Section
 
 # What follows a key in a path: an entry, or some; of a vector its component as well.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cardan.order_quantities import FIRST, PATTERN, order_quantity
-from cardan.outputs import OUTPUTS
-from cardan.quantities import MOTION_QUANTITIES, nearest_quantity
-from cardan.reduced_quantities import pattern, reduced_quantity
+from cardan.design.order_quantities import FIRST, PATTERN, order_quantity
+from cardan.design.quantities import MOTION_QUANTITIES, nearest_quantity
+from cardan.design.reduced_quantities import pattern, reduced_quantity
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.scene.errors import Location
 from cardan.scene.rules import Rule, Schema, Text, shown
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import Limits
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.limits import Limits
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.scene.angles import Angles
 from cardan.scene.axes import grid_of
 from cardan.scene.ball_joint import ball_joint_case

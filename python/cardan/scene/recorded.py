@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 from cardan.files.ahead import read_ahead
 from cardan.files.headings import short
 from cardan.files.recording import Chunk, place_of, read_chunks

@@ -8,9 +8,9 @@ from typing import Any
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.load import Load
-from cardan.request import Reduction
-from cardan.sweep import Sweep
+from cardan.evaluation.load import Load
+from cardan.evaluation.request import Reduction
+from cardan.evaluation.sweep import Sweep
 
 REDUCTIONS = ("peak", "min", "max", "mean", "rms")
 """Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""

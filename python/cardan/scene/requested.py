@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
-from cardan.outputs import OUTPUTS
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.scene.bearings import LENGTHS_NEEDED, has_lengths
 from cardan.scene.document import Document
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES

@@ -15,7 +15,7 @@ from datetime import date, time
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from cardan.outputs import nearest
+from cardan.arrays.errors import nearest
 from cardan.scene.errors import Location
 
 Schema: TypeAlias = Mapping[str, Any]

@@ -14,14 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import Limits
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.result import Result
+from cardan.evaluation.sweep import Sweep
 from cardan.files.ahead import read_ahead
 from cardan.files.progress import Progress
-from cardan.limits import Limits
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, Output
-from cardan.result import Result
 from cardan.scene.angles import Angles
 from cardan.scene.ball_joint import BallJointCase
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
@@ -44,7 +45,6 @@ from cardan.scene.steering import SteeringColumn
 from cardan.scene.study import Study, StudyResult
 from cardan.scene.torsion import TorsionCase
 from cardan.scene.units import LengthUnit
-from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cardan.driveline import Driveline
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.scene.backlash import OF_PLAY, JointPlay, play_of
 from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle

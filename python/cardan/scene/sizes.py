@@ -9,8 +9,7 @@ from os import PathLike, fspath
 from typing import Any, Literal
 
 import cardan.scene.values as kinds
-from cardan.errors import ArgumentValueError
-from cardan.outputs import nearest
+from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.scene.errors import Location
 from cardan.scene.sections import Key
 

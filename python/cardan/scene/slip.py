@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import cardan.scene.values as kinds
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.sections import Key, Section
 
 SLIP = Section(

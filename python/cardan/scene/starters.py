@@ -10,7 +10,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
 
-from cardan.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
 
 
 @dataclass(frozen=True)

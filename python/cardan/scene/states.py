@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
 from cardan.files.progress import Progress
-from cardan.load import Load
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.axis_rules import Spread
 from cardan.scene.errors import StatePointError

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, import_optional
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import Reduction
+from cardan.evaluation.sweep import Sweep
 from cardan.files.progress import Progress
-from cardan.load import Load
-from cardan.outputs import OUTPUTS
-from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
 from cardan.scene.bearing_section import LENGTHS
@@ -28,7 +29,6 @@ from cardan.scene.parts import make_driveline, make_load
 from cardan.scene.reductions import CLOSED_FORMS, LENGTH, reduced
 from cardan.scene.units import converted, split
 from cardan.scene.values import VECTORS
-from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     import xarray

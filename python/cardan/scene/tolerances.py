@@ -8,20 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from cardan import tolerances
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import Limits
+from cardan.design.order_quantities import OrderQuantity, order_quantity
+from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend
+from cardan.design.reduced_quantities import reduced_quantity
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.limits import Limits
-from cardan.load import Load
-from cardan.order_quantities import OrderQuantity, order_quantity
-from cardan.outputs import OUTPUTS, Output
-from cardan.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend
-from cardan.reduced_quantities import reduced_quantity
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.scene.joint_deviations import IN_DEGREES_OR_MM, angles_of
 from cardan.scene.parts import largest_speed
 from cardan.scene.states import States
 from cardan.tolerances import Tolerances
+from cardan.tolerances.box import GROUPS, JOINT_GROUPS, Sizes
+from cardan.tolerances.request import Drawn, Figures, toleranced
 
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
 
@@ -87,32 +88,28 @@ def tolerances_of(
         given["points"] = size if size.ndim == 0 else size[:, np.newaxis]
     given |= angles_of(values, line.n_joints, own.arms)
     keys = {argument: key for key, argument in _ANGLES.items()} | {"points": "points_mm"}
-    for group, pair in zip(tolerances.JOINT_GROUPS, IN_DEGREES_OR_MM, strict=True):
+    for group, pair in zip(JOINT_GROUPS, IN_DEGREES_OR_MM, strict=True):
         keys[group] = next((key for key in pair if key in values), pair[0])
-    groups = ("bends", "twists", "phases", "points", *tolerances.JOINT_GROUPS)
     if own.deviations is not None:
         line = line.with_deviations(*own.deviations.T)
     try:
-        return tolerances.tolerances(
+        return toleranced(
             line,
-            type(line)._of,
-            **{group: given.get(group) for group in groups},
-            degrees=False,
-            teeth=values.get("teeth"),
-            distribution=values.get("distribution", "uniform"),
-            of=of[0] if len(of) == 1 else of,
-            reduce=values.get("reduce", "peak"),
-            limit=_limits(values, of, limits),
-            speed=speed,
-            load=load,
-            states=None if states is None else 0,
-            shaft=-1,
-            shafts=None,
-            joints=None,
-            samples=values.get("samples", 100_000),
-            seed=values.get("seed", 0),
-            workers=None,
-            motion_as_drawn=True,
+            Sizes(
+                {group: given.get(group) for group in GROUPS},
+                values.get("teeth"),
+                values.get("distribution", "uniform"),
+            ),
+            Figures(
+                of[0] if len(of) == 1 else of,
+                _limits(values, of, limits),
+                speed,
+                load,
+                states=None if states is None else 0,
+                reduce=values.get("reduce", "peak"),
+                motion_as_drawn=True,
+            ),
+            Drawn(values.get("samples", 100_000), values.get("seed", 0)),
         )
     except ArgumentValueError as error:
         key = keys.get(error.argument, error.argument)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import Load
+from cardan.evaluation.load import Load
 from cardan.scene.torsion_rules import TUBE
 from cardan.scene.tubes import Tubes
 from cardan.scene.units import RPM

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.outputs import nearest
+from cardan.arrays.errors import nearest
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, Whole, refused, shown
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
 from cardan.scene.bearings import LENGTHS_NEEDED, has_lengths
 from cardan.scene.tubes_section import TUBES
 from cardan.torsion import Tube, tube

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cardan import tolerances
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.files import columns, pictures, recording
-from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import AxisValues, BearingAxes, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
@@ -26,7 +26,7 @@ from cardan.scene.rules import (
     Whole,
 )
 from cardan.scene.torsion_rules import EndInertias, ShaftStiffness, SpeedValues
-from cardan.slides import NAMES as SLIDE_NAMES
+from cardan.wear.axial_travel import NAMES as SLIDE_NAMES
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.quantities import Amplitude
+from cardan.design.quantities import Amplitude
 from cardan.tolerances.chain import (
     ComplexArray,
     Deviations,

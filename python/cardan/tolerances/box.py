@@ -7,17 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.errors import ArgumentValueError, wrong_element
-from cardan.geometry import Geometry
+from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.geometry.as_built import DEVIATIONS
+from cardan.geometry.geometry import Geometry
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
-JOINT_GROUPS = ("driving_yoke", "cross", "driven_yoke")
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+JOINT_GROUPS = DEVIATIONS
 """The groups of deviations of the joints, in the order of ``Driveline.deviations``."""
 
 GROUPS = ("bends", "twists", "phases", "points", *JOINT_GROUPS)
@@ -25,24 +29,6 @@ GROUPS = ("bends", "twists", "phases", "points", *JOINT_GROUPS)
 
 # A normal deviation beyond so many tolerances, six standard deviations, does not occur.
 _FARTHEST = {"uniform": 1.0, "normal": 2.0}
-
-
-class Toleranced(Protocol):
-    """What tolerances need of a driveline."""
-
-    _geometry: Geometry
-
-    @property
-    def n_joints(self) -> int:
-        """Number of joints."""
-
-    @property
-    def n_bearings(self) -> int:
-        """Number of bearings."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,32 +181,43 @@ class Boxes:
 
     Attributes:
         shape: of the batch, which that of the tolerances may extend.
-        geometry: the drivelines, in that shape.
+        lines: the drivelines, flat.
         each: one box per driveline, in C order.
     """
 
     shape: tuple[int, ...]
-    geometry: Geometry
+    lines: Driveline
     each: tuple[Box, ...]
 
 
-def boxes(
-    line: Toleranced,
-    given: Mapping[str, ArrayLike | None],
-    teeth: ArrayLike | None,
-    distribution: str,
-    degrees: bool,
-) -> Boxes:
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """The tolerances, as the arguments of ``tolerances`` of the same names have them.
+
+    Attributes:
+        each: by group of parameters, ``None`` where there is none.
+        teeth: of the splines.
+        distribution: within the tolerances.
+        degrees: whether tolerances and limits that are angles are in degrees.
+    """
+
+    each: Mapping[str, ArrayLike | None]
+    teeth: ArrayLike | None = None
+    distribution: str = "uniform"
+    degrees: bool = False
+
+
+def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
-    n = line.n_joints
+    n, teeth, distribution = line.n_joints, sizes.teeth, sizes.distribution
     own = _shapes(n)
     if distribution not in _FARTHEST:
         raise ArgumentValueError(
             "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
         )
     arrays = {
-        group: _tolerance(group, value, own[group], degrees and group != "points")
-        for group, value in given.items()
+        group: _tolerance(group, value, own[group], sizes.degrees and group != "points")
+        for group, value in sizes.each.items()
         if value is not None
     }
     half_tooth = None if teeth is None else _half_tooth(teeth, own["phases"])
@@ -255,7 +252,7 @@ def boxes(
         box = Box(nominal, halves, tooth, distribution == "normal")
         box.check()
         each.append(box)
-    return Boxes(shape, geometry, tuple(each))
+    return Boxes(shape, line._of(geometry.reshaped((count,))), tuple(each))
 
 
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:
@@ -305,7 +302,7 @@ def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
     return np.asarray(half)
 
 
-def _check_points(line: Toleranced, arrays: Mapping[str, Any]) -> None:
+def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:
     if "points" not in arrays:
         return
     if not line._geometry.lengths.shape[-1]:

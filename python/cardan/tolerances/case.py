@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.geometry import Geometry
-from cardan.load import Load
-from cardan.order_quantities import OrderQuantity, farthest_signs
-from cardan.parameters import PARAMETERS, LayoutVariables
-from cardan.quantities import Amplitude, MotionQuantity
-from cardan.reduced_quantities import ReducedQuantity
+from cardan.design.order_quantities import OrderQuantity, farthest_signs
+from cardan.design.quantities import Amplitude, MotionQuantity
+from cardan.design.reduced_quantities import ReducedQuantity
+from cardan.evaluation.load import Load
+from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import JOINT_GROUPS, Box
 from cardan.tolerances.chain import ComplexArray, Deviations
@@ -29,6 +28,9 @@ from cardan.tolerances.worst import (
     largest_of_corners,
     zonotope_radius,
 )
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
 
 Quantity: TypeAlias = MotionQuantity | OrderQuantity | ReducedQuantity
 
@@ -45,8 +47,7 @@ class Case:
 
     Attributes:
         box: the parameters and their tolerances.
-        geometry: the driveline as drawn, with its bearings.
-        line_of: makes a driveline of a geometry.
+        line: the driveline as drawn, with its bearings.
         shaft: the shaft of the figures.
         speed: of the drive in rad/s.
         load: for the outputs that need one.
@@ -54,8 +55,7 @@ class Case:
     """
 
     box: Box
-    geometry: Geometry
-    line_of: Callable[[Geometry], Any]
+    line: Driveline
     shaft: int
     speed: float
     load: Load | None
@@ -65,7 +65,7 @@ class Case:
     def is_as_built(self) -> bool:
         """Whether the joints deviate or have tolerances."""
         toleranced = any(group in JOINT_GROUPS for group, _ in self.box.places)
-        return toleranced or self.geometry.is_as_built
+        return toleranced or self.line.has_deviations
 
     def scaled(self, group: str, factor: float) -> Case:
         """Return the case with the tolerances of one group multiplied."""
@@ -106,16 +106,15 @@ class Case:
     ) -> FloatArray:
         """A reduced output of each sample."""
 
-        def of(made: Geometry) -> FloatArray:
-            return quantity.of(self.line_of(made), self.load, self.workers)
+        def of(made: Driveline) -> FloatArray:
+            return quantity.of(made, self.load, self.workers)
 
-        return in_blocks(of, self.geometry, self.box.nominal, deviations, samples)
+        return in_blocks(of, self.line, self.box.nominal, deviations, samples)
 
     def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
         """The complex amplitude of an order of each sample."""
         return order_amplitudes(
-            self.line_of,
-            self.geometry,
+            self.line,
             self.box.nominal,
             deviations,
             samples,
@@ -217,7 +216,7 @@ class Case:
             # Outputs of joints as built have no derivatives by points.
             changes = self._differences(partial(self._outputs, quantity))
             return np.asarray(changes / self.box.sizes)
-        line = self.line_of(as_drawn(self.geometry, self.box.nominal, joints=joints))
+        line = as_drawn(self.line, self.box.nominal, joints=joints)
         wanted: list[LayoutVariables | Literal["deviations"]] = [
             group for group in PARAMETERS if group in used
         ]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.quantities import MotionQuantity
+from cardan.design.quantities import MotionQuantity
 from cardan.tolerances.box import Box
 from cardan.tolerances.case import Case, Quantity
 

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan import geometry
 from cardan.arrays import FloatArray
-from cardan.geometry import Geometry
 from cardan.tolerances.box import JOINT_GROUPS
 from cardan.tolerances.chain import Deviations, Nominal
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
 
 # Drivelines at a time: each has its geometry with directions and normals.
 _BLOCK = 2048
 
 
 def in_blocks(
-    of: Callable[[Geometry], Any],
-    own: Geometry,
+    of: Callable[[Driveline], Any],
+    line: Driveline,
     nominal: Nominal,
     deviations: Deviations,
     samples: int,
@@ -30,7 +31,7 @@ def in_blocks(
 
     Args:
         of: the numbers of a batch of drivelines.
-        own: the geometry of the driveline as drawn; its bearings and lengths stay.
+        line: the driveline as drawn; its bearings and lengths stay.
         nominal: its parameters.
         deviations: by how much they deviate, ``(samples,)`` each.
         samples: how many samples there are.
@@ -43,23 +44,23 @@ def in_blocks(
     for first in range(0, samples, _BLOCK):
         some = slice(first, min(first + _BLOCK, samples))
         part = {place: values[some] for place, values in deviations.items()}
-        found[some] = of(_geometry(own, nominal, part, some.stop - first))
+        found[some] = of(_deviated(line, nominal, part, some.stop - first))
     return found
 
 
-def as_drawn(own: Geometry, nominal: Nominal, *, joints: bool) -> Geometry:
+def as_drawn(line: Driveline, nominal: Nominal, *, joints: bool) -> Driveline:
     """Return a batch of one driveline as drawn; from points if they have tolerances.
 
     Args:
-        own: its geometry.
+        line: the driveline.
         nominal: its parameters.
         joints: whether deviations of its joints have tolerances.
     """
-    made = _geometry(own, nominal, {}, 1)
-    return made.as_built() if joints else made
+    made = _deviated(line, nominal, {}, 1)
+    return line._of(made._geometry.as_built()) if joints else made
 
 
-def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: int) -> Geometry:
+def _deviated(line: Driveline, nominal: Nominal, deviations: Deviations, samples: int) -> Driveline:
     """The drivelines of the samples, with the bearings of the one as drawn."""
 
     def deviated(group: str, array: FloatArray) -> FloatArray:
@@ -69,16 +70,16 @@ def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: 
                 np.moveaxis(values, 0, -1)[place] += deviation
         return values
 
-    phases = deviated("phases", nominal.phases)
+    own, phases = line._geometry, deviated("phases", nominal.phases)
     if nominal.points is not None:
-        made = geometry.from_points(deviated("points", nominal.points), phases, False)
+        made = line.from_points(deviated("points", nominal.points), phases)._geometry
         lengths = made.lengths
     else:
         bends, twists = deviated("bends", nominal.bends), deviated("twists", nominal.twists)
         # Beyond straight a joint bends to the other side: its plane has turned by half a turn.
         flipped = bends < 0.0
         twists += np.pi * (flipped[:, 1:].astype(float) - flipped[:, :-1])
-        made = geometry.from_bends(np.abs(bends), twists, phases, False)
+        made = line.from_bends(np.abs(bends), twists, phases)._geometry
         lengths = np.repeat(own.lengths[np.newaxis], samples, axis=0)
     positions = np.repeat(own.positions[np.newaxis], samples, axis=0)
     joints = [place for place in deviations if place[0] in JOINT_GROUPS]
@@ -87,4 +88,5 @@ def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: 
         for group, (joint,) in joints:
             built[:, joint, JOINT_GROUPS.index(group)] += deviations[group, (joint,)]
         made = made._replace(deviations=built)
-    return made._replace(lengths=lengths, positions=positions, bearings=own.bearings)
+    made = made._replace(lengths=lengths, positions=positions, bearings=own.bearings)
+    return line._of(made)

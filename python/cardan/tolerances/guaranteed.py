@@ -33,7 +33,7 @@ from __future__ import annotations
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.quantities import Amplitude
+from cardan.design.quantities import Amplitude
 from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
 from cardan.tolerances.chain import Nominal

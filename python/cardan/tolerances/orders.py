@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan.geometry import Geometry
-from cardan.order_quantities import order_amplitude
+from cardan.design.order_quantities import order_amplitude
 from cardan.tolerances.chain import ComplexArray, Deviations, Nominal
 from cardan.tolerances.deviating import in_blocks
 
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
 
 def order_amplitudes(
-    line_of: Callable[[Geometry], Any],
-    own: Geometry,
+    line: Driveline,
     nominal: Nominal,
     deviations: Deviations,
     samples: int,
@@ -28,8 +28,7 @@ def order_amplitudes(
     referred to the plane as drawn, so that it changes evenly with them.
 
     Args:
-        line_of: makes drivelines of a geometry.
-        own: the geometry of the driveline as drawn.
+        line: the driveline as drawn.
         nominal: its parameters.
         deviations: by how much they deviate, ``(samples,)`` each.
         samples: how many samples there are.
@@ -37,17 +36,17 @@ def order_amplitudes(
         shaft: of which.
     """
 
-    def of(made: Geometry) -> ComplexArray:
-        amplitudes = order_amplitude(line_of(made), order, shaft)
+    def of(made: Driveline) -> ComplexArray:
+        amplitudes = order_amplitude(made, order, shaft)
         if nominal.points is None:
             return amplitudes
-        normal, axis = own.normals[0], own.directions[0]
+        normal, axis = line.normals[0], line.directions[0]
         turned = np.arctan2(
             np.cross(normal, made.normals[:, 0]) @ axis, made.normals[:, 0] @ normal
         )
         return np.asarray(amplitudes * np.exp(-1j * order * turned))
 
-    found = in_blocks(of, own, nominal, deviations, samples, np.complex128)
+    found = in_blocks(of, line, nominal, deviations, samples, np.complex128)
     bend = deviations.get(("bends", (0,)))
     if bend is not None and order % 2:
         # Beyond straight the plane has turned by half a turn.

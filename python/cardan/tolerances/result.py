@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
-from cardan.errors import ArgumentValueError
-from cardan.quantities import MOTION_QUANTITIES, MotionQuantity
-from cardan.request import item_index
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
+from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
 from cardan.tolerances.case import Quantity
 from cardan.tolerances.design import Design
 from cardan.tolerances.permitted import permitted_factor
@@ -133,7 +133,7 @@ class Tolerances:
     @property
     def measured(self) -> bool:
         """Whether the driveline in the middle of the tolerances has deviations itself."""
-        return any(case.geometry.is_as_built for design in self._designs for case in design.cases)
+        return any(case.line.has_deviations for design in self._designs for case in design.cases)
 
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name

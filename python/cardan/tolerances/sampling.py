@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from cardan import threads
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, threads
 from cardan.tolerances.box import Box
 
 # Doubles of one parameter at a time: the arrays of a chunk stay in the caches of a core.

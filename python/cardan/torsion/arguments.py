@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import as_float64
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 
 # An orbit of more orders would need more points than the native module allows.
 _HIGHEST_ORDER = 256

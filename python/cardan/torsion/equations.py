@@ -11,8 +11,8 @@ import numpy as np
 
 from cardan import _core
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.torsion.results import Orbit
 
 OfTime: TypeAlias = float | Callable[[float], float]

@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import Items
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError
-from cardan.load import absorbing
-from cardan.outputs import OUTPUTS, checked
-from cardan.request import Axes, Items, Reduction
-from cardan.result import Result
+from cardan.evaluation.load import absorbing
+from cardan.evaluation.outputs import OUTPUTS, checked
+from cardan.evaluation.request import Axes, Reduction
+from cardan.evaluation.result import Result
 from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Orbit
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays.errors import ArgumentValueError, wrong_element
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentValueError, wrong_element
 
 _RULE = "; it must be finite and not negative"
 

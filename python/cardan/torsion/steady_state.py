@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.request import Axes, Items, Reduction
-from cardan.result import Result
+from cardan.arrays.indices import Items
+from cardan.evaluation.request import Axes, Reduction
+from cardan.evaluation.result import Result
 from cardan.torsion.joint_loads import evaluated
 from cardan.torsion.results import ComplexArray, Searched
 

@@ -9,10 +9,10 @@ from typing import Any, Literal, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan import _core, threads
-from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan import _core
+from cardan.arrays import FloatArray, as_float64, common_shape, threads
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.torsion.arguments import checked_orders, checked_tolerance, positive_integer
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
 from cardan.torsion.parameters import TorsionParameters

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.torsion.equations import Equations, TorsionalMotion
 
 IntegrationMethod: TypeAlias = Literal["DOP853", "RK45", "Radau", "BDF", "LSODA"]

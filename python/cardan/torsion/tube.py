@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
-from cardan.errors import wrong_element
+from cardan.arrays.errors import wrong_element
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from cardan.motion.yoke_turns import VIEW, both_senses
 from cardan.words.phrases import listed
-from cardan.workshop import VIEW, both_senses
 
 _NAMES = {
     "straight": "All joints are straight.",

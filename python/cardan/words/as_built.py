@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cardan.design.wrapping import fill
 from cardan.figures.as_built import ORDERS, ShaftOrders
 from cardan.words.summary import figure_text
-from cardan.wrapping import fill
 
 BY_DRAWING = (
     "Curves, extremes, forces and play are those as built. Equivalent bend, closed forms, limits, "

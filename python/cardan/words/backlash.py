@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from cardan.design.wrapping import fill
 from cardan.figures.backlash import Backlash
 from cardan.words.summary import figure_text
-from cardan.wrapping import fill
 
 
 def backlash_text(found: Backlash, *, radians: bool = False) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from cardan.design.wrapping import fill
 from cardan.figures.ball_joint import BallJointFigures, Part, ball_joint_figures
 from cardan.scene.ball_joint import BallJointCase, Material
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill
 
 _MPA = 1e-6
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cardan.design.wrapping import wrap
 from cardan.figures.drive_speed import SHARE, SOURCE, DriveSpeed
 from cardan.words.phrases import rounded_up
 from cardan.words.summary import figure_text
-from cardan.wrapping import wrap
 
 _HEADINGS = {
     "fair": "a fair assumption",

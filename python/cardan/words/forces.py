@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from cardan.design.wrapping import wrap
 from cardan.figures.scene_forces import Force, SceneForces
 from cardan.words.phrases import table_text
 from cardan.words.summary import angle_text, figure_text
-from cardan.wrapping import wrap
 
 
 def headings(found: SceneForces) -> tuple[str, ...]:

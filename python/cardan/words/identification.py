@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cardan.design.wrapping import fill
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill
 
 # A recording whose purity is farther from 1, and by more than the noise can do, shows something
 # besides the joints.

@@ -6,11 +6,11 @@ import math
 import textwrap
 from collections.abc import Iterator, Sequence
 
+from cardan.design.wrapping import fill
 from cardan.figures.life import AgainstLimit, JointLife, LifeFigures, SizeLife
 from cardan.figures.tubes import TubeFigures
 from cardan.words.phrases import short
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill
 
 STEP_HEADS = ("Step", "Share", "Speed [rpm]", "Torque [N m]", "Bends [deg]")
 """Headings of the table of the duty cycle."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cardan.check import Check
+from cardan.design.check import Check
+from cardan.design.wrapping import wrap
 from cardan.words.phrases import listed
-from cardan.wrapping import wrap
 
 
 def check_text(found: Check, advice: Sequence[str] = (), beyond: Sequence[str] = ()) -> str:

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from cardan.design.quantities import label
+from cardan.design.wrapping import fill
 from cardan.figures.optimise import Optimised, unit_of, variable_data
-from cardan.quantities import label
+from cardan.motion.yoke_turns import VIEW
 from cardan.scene.optimise import Variable
 from cardan.words.phrases import listed
 from cardan.words.summary import figure_text
-from cardan.workshop import VIEW
-from cardan.wrapping import fill
 
 _WIDTH = 79
 

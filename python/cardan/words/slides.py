@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cardan.design.wrapping import fill
 from cardan.figures.slides import ORDERS, SceneSlides, SlideFigures
 from cardan.words.phrases import table_text
-from cardan.wrapping import fill
 
 HEADINGS = ("travel", *(f"order {order}" for order in ORDERS))
 """What the figures of a row are."""

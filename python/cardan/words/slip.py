@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cardan.design.wrapping import fill
 from cardan.figures.extremes import End
 from cardan.figures.slip import Limited, SlipFigures
 from cardan.words.study import place_text
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill
 
 
 def slip_text(found: SlipFigures) -> str:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cardan.design.wrapping import fill
 from cardan.figures.steering import OnCentre, SteeringFigures
 from cardan.words.advice import SHOWN
 from cardan.words.summary import aligned
-from cardan.wrapping import fill
 
 HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
 """What the figures of a row are."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from cardan.design.wrapping import fill, wrap
 from cardan.figures.extremes import End, Extremes, StudyTable, extremes
 from cardan.figures.rounding import alike
 from cardan.words.summary import aligned, angles_text, figure_text, range_ends
-from cardan.wrapping import fill, wrap
 
 
 def study_text(table: StudyTable, drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:

@@ -9,9 +9,9 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any
 
+from cardan.design.wrapping import fill
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.figures.summary import SummaryRow
-from cardan.outputs import OUTPUTS
-from cardan.wrapping import fill
 
 FEWEST = 36
 """Samples per turn below which the largest of them may be far from the largest of the turn."""

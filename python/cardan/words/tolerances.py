@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+from cardan.design.wrapping import fill
 from cardan.figures.tolerances import (
     GROUP_NAMES,
     Permitted,
@@ -12,7 +13,6 @@ from cardan.figures.tolerances import (
     ToleranceFigures,
 )
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill
 
 # Shares below this are not worth a line; at least so many are listed.
 _SMALL, _FEWEST, _MOST = 0.01, 3, 8

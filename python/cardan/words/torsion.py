@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from cardan.design.wrapping import fill, wrap
 from cardan.figures.torsion import CriticalSpeed, LargestTorque, TorsionFigures
 from cardan.figures.torsion_modes import BendRule, TorsionBasics
 from cardan.figures.torsion_stability import SpeedRange
 from cardan.scene.units import RPM
 from cardan.words.phrases import listed, rounded_up, short
 from cardan.words.summary import aligned, figure_text
-from cardan.wrapping import fill, wrap
 
 RESONANCE_SOURCE = "D. Thoma, 1920: joints bring new critical speeds"
 RULE_SOURCE = "first region of the Whittaker-Hill equation, one compliant shaft"

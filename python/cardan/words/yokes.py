@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from cardan.design.wrapping import fill
+from cardan.motion.yoke_turns import ARROW, SAME_YOKE, VIEW, both_senses
 from cardan.words.advice import (
     BEST_OF_STATES,
     SHOWN,
@@ -13,8 +15,6 @@ from cardan.words.advice import (
     teeth_text,
     turn_text,
 )
-from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
-from cardan.wrapping import fill
 
 _WIDTH = 79
 _COLUMNS = {"present": "now", "best": "best", "on_teeth": "on teeth"}

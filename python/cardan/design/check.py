@@ -1,0 +1,232 @@
+"""Whether a driveline is within the limits of the catalogues and of practice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan import _core, approximations
+from cardan.arrays import FloatArray, as_float64, common_shape, threads
+from cardan.arrays import html_table as notebook
+from cardan.design.judged import VERDICTS, Finding, counted
+from cardan.design.limits import CATALOGUE, PRESETS, Limits, limits_of
+from cardan.design.quantities import MOTION_QUANTITIES
+from cardan.design.wrapping import wrap
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+_INDENT = " " * 4
+
+_HEADINGS = {
+    "within": "The driveline is within the limits.",
+    "tolerable": "The driveline is tolerable: above a limit, but below every maximum.",
+    "beyond": "The driveline is beyond the limits.",
+    "unknown": "The driveline cannot be judged: a figure is not a number.",
+    "not judged": "Nothing is judged.",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """What a check found; ``print`` it to read it.
+
+    The check of one driveline at one speed is true if it passes: ``if line.check(): ...``. That of
+    a batch has no single answer and raises; use ``check.passes.all()`` or ``check.passes.any()``.
+
+    Attributes:
+        findings: one per figure.
+        limits: what the figures are compared with.
+    """
+
+    findings: tuple[Finding, ...]
+    limits: Limits
+
+    @property
+    def catalogue(self) -> Check:
+        """The part that the catalogues of driveshafts judge: the equivalent bend."""
+        return self._part("catalogue")
+
+    @property
+    def practice(self) -> Check:
+        """The part that practice judges: excitations, and the difference of two bends."""
+        return self._part("practice")
+
+    def _part(self, group: Literal["catalogue", "practice"]) -> Check:
+        return Check(tuple(f for f in self.findings if f.group == group), self.limits)
+
+    @property
+    def ranks(self) -> NDArray[np.int_]:
+        """Worst verdict of all figures, as ``Finding.ranks``, in the shape of batch and speed."""
+        ranks = np.broadcast_arrays(0, *(finding.ranks for finding in self.findings))
+        return np.asarray(np.max(ranks, axis=0))
+
+    @property
+    def verdict(self) -> NDArray[np.str_]:
+        """``"within"``, ``"tolerable"`` or ``"beyond"``, the worst of all figures.
+
+        It has the shape of batch and speed. See ``Finding.verdict`` for ``"unknown"`` and ``"not
+        judged"``.
+        """
+        return np.asarray(np.array(VERDICTS)[self.ranks])
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether no figure is beyond its maximum, in the shape of batch and speed."""
+        return np.asarray(self.ranks <= VERDICTS.index("tolerable"))
+
+    def __bool__(self) -> bool:
+        """Return whether it passes.
+
+        Raises:
+            ValueError: a check of a batch.
+        """
+        passes = self.passes
+        if passes.shape:
+            raise ValueError(
+                f"the check has a verdict for each of {passes.size} drivelines or speeds, not one; "
+                "use check.passes.all() or check.passes.any()"
+            )
+        return bool(passes)
+
+    @property
+    def heading(self) -> str:
+        """The verdict in a sentence, or how many drivelines have which."""
+        if not self.ranks.shape:
+            return _HEADINGS[str(self.verdict)]
+        return f"{counted(self.ranks, 'drivelines are within all limits')}."
+
+    def __str__(self) -> str:
+        """Return the verdict, the figures of catalogue and practice, and the sources as text."""
+        lines = [self.heading]
+        for group in (self.catalogue, self.practice):
+            lines += ["", *group._lines()] if group.findings else []
+        sources: dict[str, list[str]] = {}
+        for finding in self.findings:
+            if finding.limit:
+                sources.setdefault(finding.limit.source, []).append(finding.name)
+        lines += ["", "Sources of the limits:"]
+        for source, names in sources.items():
+            text = f"- {'; '.join(names)}: {source}"
+            lines += wrap(text, 79, subsequent_indent="  ", break_on_hyphens=False)
+        return "\n".join(lines)
+
+    def _lines(self) -> list[str]:
+        group, preset = self.findings[0].group, self.limits.preset
+        known = {CATALOGUE, *PRESETS.get(preset or "", {}).values()}
+        own = {found.limit for found in self.findings if found.limit} - known
+        whose = [preset] if preset and group == "practice" else []
+        whose += ["own limit" if len(own) == 1 else "own limits"] if own else []
+        verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
+        limits = f" ({', '.join(whose)})" if whose else ""
+        lines = [f"{group.capitalize()}{limits}: {verdict}"]
+        for finding in self.findings:
+            verdict_words, *more = finding.words
+            lines.append(f"- {finding.name}: {finding.value_text}")
+            more += [f"largest {finding.largest_text}"] * bool(finding.largest_text)
+            for words in (verdict_words, *more):
+                lines += wrap(words, 79, initial_indent=_INDENT, subsequent_indent=_INDENT + "  ")
+        return lines
+
+    def _repr_html_(self) -> str:
+        """Show the verdict and a row for each finding."""
+        rows = [
+            (f.group, f.name, f.value_text, "; ".join(f.words), f.limit.source if f.limit else "")
+            for f in self.findings
+        ]
+        heads = ("limits of", "figure", "value", "verdict", "source of the limit")
+        return notebook.table(self.heading, heads, rows)
+
+
+def check(
+    line: Driveline, speed: ArrayLike | None = None, limits: str | Limits | None = None
+) -> Check:
+    """Compare the driveline with limits: those of the catalogues and, if you wish, of practice.
+
+    The equivalent bend should not exceed 3° (catalogue, double joint, 6.4); the non-uniformity
+    follows from it. That is the only limit unless ``limits`` has others. Torsional excitation
+    is the exact peak acceleration of the last shaft, inertia excitation the second-order
+    amplitude of the accelerations of all intermediate shafts together; at a speed they are
+    among the findings, without a verdict if they have no limit.
+
+    Args:
+        speed: drive speed in rad/s; broadcasts against the batch.
+        limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
+            own.
+
+    Returns:
+        findings with values, in the shape of batch and speed, limits and verdicts; ``print``
+            shows them as text.
+
+    Raises:
+        TypeError: a speed that is not a real number, limits of another type.
+        ValueError: shapes that do not broadcast, an unknown preset.
+    """
+    allowed = limits_of(limits)
+    line._geometry.check_ideal("excitations are found", "evaluate and harmonics give the motion")
+    found = _core.excitations(line._lines, threads.at_most(None))
+    found = found.reshape(4, *line.shape) if line.shape else found
+    equivalent, torsional, driving, coasting = found
+    bend = MOTION_QUANTITIES["equivalent_bend"]
+    findings = [
+        Finding(
+            bend.name,
+            bend.label,
+            "catalogue",
+            np.degrees(equivalent),
+            "deg",
+            allowed.figures[bend.limit],
+        )
+    ]
+    difference = allowed.figures.get("bend_difference_deg")
+    if difference and line.n_joints == 2:
+        bends = line._geometry.bends
+        apart = np.degrees(np.abs(bends[..., 0] - bends[..., 1]))
+        findings.append(
+            Finding("bend_difference", "bend difference", "practice", apart, "deg", difference)
+        )
+    squared = None if speed is None else as_float64("speed", speed) ** 2
+    if squared is not None and squared.shape:
+        common_shape(driveline=line.shape, speed=squared.shape)
+    ratios = {"torsional_excitation": torsional}
+    if line.n_joints > 1:
+        ratios["inertia_excitation_driving"] = driving
+        ratios["inertia_excitation_coasting"] = coasting
+    for figure, ratio in ratios.items():
+        quantity = MOTION_QUANTITIES[figure]
+        name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
+        limit = allowed.figures.get(quantity.limit)
+        if squared is not None:
+            value = np.asarray(squared * ratio)
+        elif limit:
+            value = np.full(line.shape, np.nan)
+        else:
+            continue
+        findings.append(
+            Finding(figure, name, "practice", value, "rad/s²", limit, ratio, squared is None)
+        )
+    return Check(tuple(findings), allowed)
+
+
+def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
+    """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
+
+    It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed. For
+    two joints up to 30° its error is at most 1.02°; for three joints it can fail completely.
+
+    Args:
+        fork_signs: +1 or -1 per joint, ``(..., n)``: joints whose yokes have the same
+            position relative to their bend planes have the same sign. The two joints of an
+            ordinary compensated shaft therefore have opposite signs.
+
+    Returns:
+        the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
+
+    Raises:
+        TypeError: signs that are not real numbers.
+        ValueError: a sign other than +1 and -1, shapes that do not fit.
+    """
+    return np.asarray(approximations.catalogue_bend(line.bends, fork_signs))[()]

@@ -1,0 +1,215 @@
+"""One figure of a driveline beside its limit: the verdict, the margin and both in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.design.limits import Limit
+
+VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
+"""From the best to the worst."""
+
+# A bend that is entered as 3 deg comes back with a rounding error; limits have two digits.
+_ROUNDING = 1e-9
+
+# Less than this is what rounding leaves of joints that cancel each other.
+_NEGLIGIBLE = {"deg": 3e-6, "rad/s²": 3e-4}
+
+_RPM = math.tau / 60.0
+
+
+def non_uniformity(bend_deg: float) -> float:
+    """Return the non-uniformity of a joint, ``tan(bend) sin(bend)``."""
+    bend = math.radians(bend_deg)
+    return math.tan(bend) * math.sin(bend)
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One figure beside its limit.
+
+    Attributes:
+        figure: what it is, for programs: ``"torsional_excitation"``.
+        name: what it is, in words.
+        group: who sets the limit: the catalogues of driveshafts, or the practice with a kind of
+            machine.
+        value: the figure, batch-shaped, in ``unit``; NaN where it needs a speed and has none.
+        unit: of figure and limits.
+        limit: its limit, if there is one.
+        at_unit_speed: for a figure that grows with the square of the speed, what it is at 1 rad/s.
+        needs_speed: whether the speed that it needs is missing.
+        worst_at: in a study, the keys on which the largest value depends and their values there.
+        worst_in: over states, the name of the state with the largest value.
+    """
+
+    figure: str
+    name: str
+    group: Literal["catalogue", "practice"]
+    value: FloatArray
+    unit: str
+    limit: Limit | None = None
+    at_unit_speed: FloatArray | None = None
+    needs_speed: bool = False
+    worst_at: Mapping[str, float] = field(default_factory=dict)
+    worst_in: str = ""
+
+    @property
+    def ranks(self) -> NDArray[np.int_]:
+        """The verdicts as positions in ``VERDICTS``, in the shape of ``value``; larger is worse."""
+        value = np.asarray(self.value)
+        if self.limit is None or self.needs_speed:
+            return np.zeros(value.shape, dtype=int)
+        limit, maximum = (
+            bound * (1.0 + _ROUNDING) for bound in (self.limit.limit, self.limit.maximum)
+        )
+        above = 1 + (value > limit) + 2 * (value > maximum)
+        return np.asarray(np.where(np.isnan(value), VERDICTS.index("unknown"), above))
+
+    @property
+    def verdict(self) -> NDArray[np.str_]:
+        """``"within"``, ``"tolerable"`` or ``"beyond"``, in the shape of the value.
+
+        NaN gives ``"unknown"``, and a figure without a limit or without its speed ``"not judged"``.
+        """
+        return np.asarray(np.array(VERDICTS)[self.ranks])
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether the figure is not beyond its maximum, in the shape of ``value``; NaN is."""
+        return np.asarray(self.ranks <= VERDICTS.index("tolerable"))
+
+    @property
+    def margin(self) -> FloatArray:
+        """What is left up to the limit, in ``unit`` and in the shape of ``value``.
+
+        It is negative above the limit, and NaN without one.
+        """
+        bound = math.nan if self.limit is None else self.limit.limit
+        return np.asarray(bound - self.value)
+
+    @property
+    def within_up_to(self) -> FloatArray:
+        """Speed of the drive in rad/s up to which the figure is within its limit.
+
+        It is infinite where no speed reaches the limit, and NaN without a limit and for figures
+        that do not depend on the speed.
+        """
+        return self._speed_at(math.nan if self.limit is None else self.limit.limit)
+
+    @property
+    def tolerable_up_to(self) -> FloatArray:
+        """Speed of the drive in rad/s up to which the figure is not beyond its maximum.
+
+        It is infinite and NaN where ``within_up_to`` is.
+        """
+        return self._speed_at(math.nan if self.limit is None else self.limit.maximum)
+
+    def _speed_at(self, bound: float) -> FloatArray:
+        if self.at_unit_speed is None:
+            return np.full(np.shape(self.value), math.nan)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.sqrt(bound / np.asarray(self.at_unit_speed)))
+
+    @property
+    def worst(self) -> float:
+        """The largest value; 0 for what rounding leaves."""
+        largest = float(np.max(self.value)) if np.size(self.value) else 0.0
+        return 0.0 if largest < _NEGLIGIBLE[self.unit] else largest
+
+    @property
+    def value_text(self) -> str:
+        """The value with its unit, or the largest of several."""
+        if self.needs_speed:
+            return "unknown"
+        return f"{'up to ' if np.ndim(self.value) else ''}{self._text(self.worst)}"
+
+    @property
+    def place(self) -> str:
+        """In a study, the keys and values at which the largest value occurs, else ``""``."""
+        # Rounding is as large here as there.
+        found = self.worst_at if self.worst else {}
+        return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
+
+    @property
+    def largest_text(self) -> str:
+        """Where the largest value occurs, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
+        if self.worst_in:
+            return f"in {self.worst_in}" if self.worst else ""
+        return f"at {self.place}" if self.place else ""
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What follows "is": verdict and margin, the speeds of the limits, numbers of a batch."""
+        parts = [*self._verdict_words(), *self._speed_words()]
+        if self.figure == "equivalent_bend" and self.limit and not math.isnan(self.worst):
+            own, most = non_uniformity(self.worst), non_uniformity(self.limit.limit)
+            parts.append(f"non-uniformity {own:.4g}, limit {most:.4g}")
+        if np.ndim(self.value) and self.limit and not self.needs_speed:
+            parts.append(counted(self.ranks))
+        return tuple(parts)
+
+    def _verdict_words(self) -> list[str]:
+        if self.limit is None:
+            return ["not judged, no limit given"]
+        if self.needs_speed:
+            return ["not judged, no speed given"]
+        worst, limit, maximum = self.worst, self.limit.limit, self.limit.maximum
+        rank = int(np.max(self.ranks)) if np.size(self.value) else VERDICTS.index("within")
+        if math.isnan(worst):
+            return ["not a number"]
+        if VERDICTS[rank] == "within":
+            left = max(limit - worst, 0.0)
+            return [f"within the {self._text(limit)} limit by {self._text(left)}"]
+        if VERDICTS[rank] == "tolerable":
+            return [
+                f"tolerable, {self._text(worst - limit)} above the {self._text(limit)} limit and "
+                f"{self._text(max(maximum - worst, 0.0))} below the {self._text(maximum)} maximum"
+            ]
+        bound = "maximum" if maximum > limit else "limit"
+        return [f"beyond the {self._text(maximum)} {bound} by {self._text(worst - maximum)}"]
+
+    def _speed_words(self) -> list[str]:
+        if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):
+            return []
+        within, tolerable = (
+            float(np.min(speeds)) / _RPM for speeds in (self.within_up_to, self.tolerable_up_to)
+        )
+        if math.isnan(within):
+            return []
+        # Rounding noise is reached at no speed of a machine.
+        if within > 1e7:
+            return ["within at every speed"]
+        words = f"within up to {_rpm(within)}"
+        if tolerable > within:
+            words += f", tolerable up to {_rpm(tolerable)}"
+        return [words]
+
+    def _text(self, value: float) -> str:
+        return f"{value:.4g}°" if self.unit == "deg" else f"{value:.4g} {self.unit}"
+
+    def __str__(self) -> str:
+        """Return the figure with its verdict and source as text."""
+        place = f" ({self.largest_text})" if self.largest_text else ""
+        source = f" ({self.limit.source})" if self.limit else ""
+        return f"{self.name} {self.value_text}{place} is {'; '.join(self.words)}{source}"
+
+
+def counted(ranks: NDArray[np.int_], within: str = "within") -> str:
+    """Say how many of several drivelines have each verdict: ``"341 of 513 within, 172 beyond"``."""
+    if ranks.size and not ranks.any():
+        return VERDICTS[0]
+    numbers = {VERDICTS[rank]: int(np.count_nonzero(ranks == rank)) for rank in (1, 2, 3, 4)}
+    first = f"{numbers.pop('within')} of {ranks.size} {within}"
+    return ", ".join([first, *(f"{count} {name}" for name, count in numbers.items() if count)])
+
+
+def _rpm(speed: float) -> str:
+    """A speed in rpm, rounded down: at what is printed the limit is not yet exceeded."""
+    return f"{math.floor(speed)} rpm" if speed >= 10.0 else f"{math.floor(speed * 100) / 100:g} rpm"

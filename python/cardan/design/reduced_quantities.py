@@ -1,0 +1,193 @@
+"""Outputs over a turn of the drive, reduced to one number: their names, values and derivatives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.arrays.indices import Items, item_index
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.request import REDUCTIONS, Reduction
+from cardan.evaluation.sweep import Sweep
+
+_Kind = TypeVar("_Kind", bound=str)
+
+_SAMPLES_PER_TURN = 360
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedQuantity:
+    """An output over a turn of the drive, reduced to one number.
+
+    Attributes:
+        output: what is evaluated.
+        items: of which shafts or joints, as ``Driveline.evaluate`` takes them, or the index of a
+            bearing; the largest value counts. ``None``: the last shaft, all joints or bearings.
+        reduction: of the samples; of a vector, the length of what it makes of the components.
+    """
+
+    output: Output
+    items: Items
+    reduction: Reduction
+
+    @property
+    def unit(self) -> str:
+        """SI unit; ``"1"`` for a ratio."""
+        return self.output.unit
+
+    @property
+    def label(self) -> str:
+        """What to call it in words: ``support moment of shaft 1, peak``."""
+        of = "" if self.items is None else f" of {self.output.per} {self.items}"
+        return f"{self.output.label}{of}, {self.reduction}"
+
+    def check_item(self, line: Any) -> None:  # noqa: ANN401 - a driveline
+        """Check that a driveline has the shaft, joint or bearing that the quantity names.
+
+        Raises:
+            IndexError: it has none.
+        """
+        per = self.output.per
+        counts = {"shaft": line.n_joints + 1, "joint": line.n_joints, "bearing": line.n_bearings}
+        if isinstance(self.items, int):
+            item_index(f"{per} of {self.output.name}", self.items, counts[per])
+
+    def of(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
+        """Return the number of each driveline, in the shape of the batch.
+
+        Args:
+            line: the drivelines.
+            load: for an output that needs one; its values broadcast to the batch.
+            workers: largest number of threads, as for ``Driveline.evaluate``.
+
+        Raises:
+            IndexError: a shaft, joint or bearing that does not exist.
+            ValueError: as of ``Driveline.evaluate``.
+        """
+        each = self._each(line, load, workers)
+        return np.asarray(each if each.ndim == len(line.shape) else np.max(each, axis=0))
+
+    def derivatives(
+        self,
+        line: Any,  # noqa: ANN401
+        load: Load | None,
+        by: Iterable[_Kind],
+    ) -> dict[_Kind, FloatArray]:
+        """Return the derivatives of ``of`` by parameters of each driveline.
+
+        An end of the samples changes as the sample at which it lies, and the largest of several
+        items as that item.
+
+        Args:
+            line: the drivelines.
+            load: as of ``of``.
+            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have, or the
+                deviations of joints as built.
+
+        Returns:
+            for each of them an array in the shape of the batch, followed by that of the parameters.
+        """
+        plan, name = self._plan(line, load), self.output.name
+        values = np.asarray(plan(self._angles(line))[name])
+        weights = self._weights(values)
+        if weights.ndim > len(line.shape) + (2 if self.output.vector else 1):
+            chosen = self._chosen(line, load, len(weights))
+            weights = weights * chosen.reshape(*chosen.shape, *(1,) * (weights.ndim - chosen.ndim))
+        gradient = plan.gradient(self._angles(line), {name: weights})
+        return {kind: np.squeeze(getattr(gradient, kind), axis=len(line.shape)) for kind in by}
+
+    def _each(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
+        """The number of each driveline, behind an axis of the items if there are several."""
+        self.check_item(line)
+        plan = self._plan(line, load, reduce=self.reduction, workers=workers)
+        values = np.asarray(plan(self._angles(line))[self.output.name])
+        if self._bearing is not None:
+            values = values[self._bearing]
+        if self.output.vector and self.reduction != "peak":
+            values = np.linalg.norm(values, axis=-1)
+        return values
+
+    def _chosen(self, line: Any, load: Load | None, count: int) -> NDArray[np.bool_]:  # noqa: ANN401
+        """Whether an item is the one that counts, ``(items, *batch)``."""
+        numbers = np.arange(count).reshape(-1, *(1,) * len(line.shape))
+        if self._bearing is not None:
+            return np.asarray(numbers == self._bearing % count)
+        return np.asarray(numbers == np.argmax(self._each(line, load), axis=0))
+
+    @property
+    def _bearing(self) -> int | None:
+        """The only bearing that counts: a plan has all of them."""
+        return self.items if self.output.per == "bearing" and isinstance(self.items, int) else None
+
+    def _weights(self, values: FloatArray) -> FloatArray:
+        """The derivatives of the numbers by the samples, ``([items], *batch, samples, [3])``."""
+        columns = values if self.output.vector else values[..., np.newaxis]
+        count = columns.shape[-2]
+        if self.reduction == "mean":
+            weights = _along(np.mean(columns, axis=-2, keepdims=True), self.output.vector) / count
+            weights = np.broadcast_to(weights, columns.shape)
+        elif self.reduction == "rms":
+            squares = np.sum(columns**2, axis=-1, keepdims=True)
+            weights = columns / (count * _or_one(np.sqrt(np.mean(squares, -2, keepdims=True))))
+        else:
+            sizes = np.linalg.norm(columns, axis=-1, keepdims=True)
+            of = {"peak": sizes, "max": columns, "min": -columns}[self.reduction]
+            at = np.argmax(of, axis=-2, keepdims=True)
+            ends = np.take_along_axis(columns, at, axis=-2)
+            own = self.output.vector or self.reduction == "peak"
+            chosen = np.arange(count)[:, np.newaxis] == at
+            weights = np.where(chosen, _along(ends, own), 0.0)
+        return np.asarray(weights if self.output.vector else weights[..., 0])
+
+    def _angles(self, line: Any) -> Sweep:  # noqa: ANN401
+        # Joints as built repeat after a whole turn only.
+        # All else repeats after half a turn.
+        whole = self.output.name == "angle" or self.output.of_cross or line.has_deviations
+        return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
+
+    def _plan(self, line: Any, load: Load | None, **options: Any) -> Any:  # noqa: ANN401
+        """The plan of the output for drivelines with an axis for the drive angles."""
+        per = self.output.per
+        items = {} if per == "bearing" else {f"{per}s": self.items}
+        at = None if load is None else load.at_any_angle()
+        return line[..., np.newaxis].plan(self.output.name, load=at, **items, **options)
+
+
+def _along(columns: FloatArray, of_length: bool) -> FloatArray:
+    """The derivatives by the components of a length, or of a scalar, which keeps its sign."""
+    if not of_length:
+        return np.ones_like(columns)
+    return columns / _or_one(np.linalg.norm(columns, axis=-1, keepdims=True))
+
+
+def _or_one(lengths: FloatArray) -> FloatArray:
+    """Lengths to divide by: 1 where they vanish, and with them what is divided."""
+    return np.where(lengths > 0.0, lengths, 1.0)
+
+
+def reduced_quantity(name: str) -> ReducedQuantity | None:
+    """Return the reduced output of a name; ``None`` if it is not one.
+
+    >>> reduced_quantity("support_moment_1_peak").items
+    1
+    """
+    for output in OUTPUTS.values():
+        if re.fullmatch(pattern(output), name):
+            rest, _, last = name.rpartition("_")
+            number = rest.removeprefix(output.name)
+            reduction = next(known for known in REDUCTIONS if known == last)
+            return ReducedQuantity(output, int(number[1:]) if number else None, reduction)
+    return None
+
+
+def pattern(output: Output) -> str:
+    """Return the regular expression of the names of an output's reductions."""
+    number = "(_[0-9]{1,9})?" if output.per == "shaft" else "_[0-9]{1,9}"
+    return f"{output.name}{number}_({'|'.join(REDUCTIONS)})"

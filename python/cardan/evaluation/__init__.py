@@ -1,0 +1,1 @@
+"""Evaluations at drive angles: requests, plans, results, orders and derivatives."""

@@ -1,0 +1,176 @@
+"""Harmonics: the mean and the orders of any output over a turn.
+
+The motion of a shaft has its series in closed form. Every other output is summed over samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan.arrays import FloatArray, common_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.indices import item_indices
+from cardan.arrays.planes import PlanePlace
+from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
+from cardan.motion.equivalent import equivalent
+
+if TYPE_CHECKING:
+    from cardan.evaluation.plan import Plan
+
+_EPSILON = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics:
+    """The mean of outputs over a turn of the drive, and their amplitudes by order.
+
+    With the complex amplitudes ``c`` an output is ``mean + Re sum c[m] exp(i m a)``, where ``a`` is
+    the drive angle. Its part of order ``m`` is therefore ``amplitude cos(m a + phase)``, with the
+    modulus and the argument of ``c[m]``. If the plan takes the driven angle, ``a`` is that angle.
+
+    The amplitudes of an output are also an attribute: ``harmonics.speed_ratio`` is
+    ``harmonics.amplitude["speed_ratio"]``. Angles are in rad, everything else has the unit of the
+    output. All orders are those of the drive's rotation.
+
+    Attributes:
+        orders: the orders asked for, ``(m,)``.
+        complex_amplitude: of each output by name, complex, ``([items,] ... [, 3], m)``: the shape
+            of the output with the orders in place of the samples, and these last.
+        mean: over a turn, of each output by name, ``([items,] ... [, 3])``.
+        error: bound on the error of the mean and of every complex amplitude, of each output by
+            name, in its unit, ``([items,] ... [, 3])``.
+    """
+
+    orders: NDArray[np.int64]
+    complex_amplitude: Mapping[str, ComplexArray]
+    mean: Mapping[str, FloatArray]
+    error: Mapping[str, FloatArray]
+
+    @property
+    def amplitude(self) -> Mapping[str, FloatArray]:
+        """Amplitude of each order, of each output by name, ``([items,] ... [, 3], m)``."""
+        return {name: np.abs(c) for name, c in self.complex_amplitude.items()}
+
+    @property
+    def phase(self) -> Mapping[str, FloatArray]:
+        """Phase of each order in rad, within (-pi, pi], of each output by name.
+
+        The part of order ``m`` is largest where ``m a + phase`` is 0. An amplitude of 0 has the
+        phase 0.
+        """
+        return {name: np.angle(c) for name, c in self.complex_amplitude.items()}
+
+    @property
+    def angle_error_deg(self) -> FloatArray:
+        """Amplitudes of ``angle_error`` in degrees.
+
+        Raises:
+            AttributeError: it is not among the outputs.
+        """
+        return np.degrees(self.__getattr__("angle_error"))
+
+    def __getattr__(self, name: str) -> FloatArray:
+        """Return the amplitudes of one output."""
+        # Copying and unpickling ask for attributes before there is anything to look in.
+        if name in self.__dict__.get("complex_amplitude", ()):
+            return np.abs(self.complex_amplitude[name])
+        raise AttributeError(f"the harmonics hold no {name!r}")
+
+    def __dir__(self) -> list[str]:
+        """List the outputs and the attributes."""
+        return [*super().__dir__(), *self.complex_amplitude]
+
+
+def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
+    """Find the harmonics as ``Plan.harmonics`` does."""
+    request = plan.request
+    if request.reduce is not None:
+        raise ArgumentValueError(
+            "reduce", f"is {request.reduce!r}; harmonics need a plan without a reduction"
+        )
+    if "angle" in plan.places:
+        raise ArgumentValueError(
+            "outputs",
+            "is 'angle', which grows with every turn and has no harmonics; "
+            "the periodic part is 'angle_error'",
+            ([*plan.places].index("angle"),),
+        )
+    order = _checked(orders)
+    of_load = {} if request.load is None else request.load.shapes()
+    rows = common_shape(driveline=plan.line.shape, **of_load)
+    found = {}
+    for name, place in plan.places.items():
+        closed = name in _CLOSED and not plan.line.has_deviations
+        if request.angle_of == "drive" and closed:
+            found[name] = _closed(plan, place, name, rows, order)
+        else:
+            found[name] = order_sums(plan, name, rows, order)
+    return Harmonics(
+        order,
+        {name: amplitudes for name, (amplitudes, _, _) in found.items()},
+        {name: mean for name, (_, mean, _) in found.items()},
+        {name: error for name, (_, _, error) in found.items()},
+    )
+
+
+def _checked(orders: ArrayLike) -> NDArray[np.int64]:
+    order = np.atleast_1d(np.asarray(orders))
+    if order.size and order.dtype.kind not in "iu":
+        raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
+    if order.ndim > 1:
+        raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")
+    if np.any(order < 1):
+        raise wrong_element("orders", order, order < 1, "; an order is at least 1")
+    return order.astype(np.int64)
+
+
+# Of each quantity of motion: its mean, and how often the angle error is differentiated for it.
+_CLOSED = {
+    "angle_error": (0.0, 0),
+    "speed_ratio": (1.0, 1),
+    "acceleration_ratio": (0.0, 2),
+    "jerk_ratio": (0.0, 3),
+}
+
+
+def _closed(
+    plan: Plan, place: PlanePlace, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
+) -> OrderSums:
+    """The series of a shaft's motion.
+
+    With the equivalent joint's ``k`` and offset ``f`` the angle error is ``arg(1 - k exp(-2 i (a +
+    f)))``, which is ``sum k**n sin(2 n (a + f)) / n`` (from Thoma 4).
+    """
+    line, asked = plan.line, plan.request.shafts
+    mean, derivatives = _CLOSED[name]
+    shafts = item_indices("shafts", -1 if asked is None else asked, line.n_joints + 1)
+    n = order / 2
+    factor = np.where(order % 2 == 0, 1j ** (derivatives - 1) * order**derivatives / n, 0.0)
+    joints = [equivalent(line, shaft) for shaft in shafts]
+    # (items, ..., m)
+    k = np.array([joint.k for joint in joints])[..., np.newaxis]
+    offset = np.array([joint.angle_offset for joint in joints])[..., np.newaxis]
+    series = factor * k**n * np.exp(1j * order * offset)
+    # The roundings of a chain are those of its single joints, even where these cancel.
+    own = np.sum(np.tan(line._geometry.bends / 2.0) ** 2, axis=-1)
+    slope = np.abs(factor) * n * k ** np.maximum(n - 1.0, 0.0)
+    error = 8.0 * _EPSILON * own * np.max(slope, axis=-1, initial=0.0)
+    items = () if place[1] is None else (place[1],)
+    shape = (len(shafts), *rows)
+    series = np.broadcast_to(_after_items(series, len(rows) + 1), (*shape, len(order)))
+    error = np.broadcast_to(_after_items(error, len(rows)), shape)
+    return (
+        series.reshape((*items, *rows, len(order))),
+        np.full((*items, *rows), mean),
+        error.reshape((*items, *rows)),
+    )
+
+
+def _after_items(array: NDArray[Any], own: int) -> NDArray[Any]:
+    """Let what follows the axis of items broadcast to ``own`` axes."""
+    return array.reshape(array.shape[0], *(1,) * (own + 1 - array.ndim), *array.shape[1:])

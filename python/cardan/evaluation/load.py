@@ -1,0 +1,171 @@
+"""What drives, brakes and accelerates a driveline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+
+_RAD_S_PER_RPM = np.pi / 30.0
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Load:
+    """Torque at one end of a driveline, the motion of its drive and the inertias of its shafts.
+
+    Every value may be an array that broadcasts to the shape of the samples.
+
+    Args:
+        drive_torque: torque in N m put into shaft 0.
+        output_torque: torque in N m delivered by the last shaft; the default, with 0. Give one of
+            the two.
+        speed: speed of the drive in rad/s; 0 by default.
+        speed_rpm: the same in revolutions per minute. Give one of the two.
+        acceleration: acceleration of the drive in rad/s²; 0 by default.
+        inertias: one moment of inertia in kg m² per shaft, each about its own axis (the shafts
+            are the last axis if this is an array); none by default. Inertias need a speed or an
+            acceleration, which may be 0: without either they would count for nothing.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a torque on both ends, a speed in both units, a negative inertia, inertias
+            without a speed or an acceleration.
+
+    >>> float(Load(speed_rpm=1500.0).speed.round(3))
+    157.08
+    """
+
+    end: Literal["drive", "output"]
+    torque: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    inertias: FloatArray | None
+
+    def __init__(
+        self,
+        *,
+        drive_torque: ArrayLike | None = None,
+        output_torque: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        inertias: ArrayLike | None = None,
+        speed_rpm: ArrayLike | None = None,
+    ) -> None:
+        """Check the values and keep copies of their arrays."""
+        if drive_torque is not None and output_torque is not None:
+            raise ArgumentValueError(
+                "drive_torque", "and output_torque are both given; give one of them"
+            )
+        if speed is not None and speed_rpm is not None:
+            raise ArgumentValueError("speed", "and speed_rpm are both given; give one of them")
+        values = {
+            "end": "output" if drive_torque is None else "drive",
+            "torque": as_float64("drive_torque", drive_torque)
+            if drive_torque is not None
+            else as_float64("output_torque", output_torque if output_torque is not None else 0.0),
+            "speed": as_float64("speed", 0.0 if speed is None else speed)
+            if speed_rpm is None
+            else np.asarray(as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM),
+            "acceleration": as_float64(
+                "acceleration", 0.0 if acceleration is None else acceleration
+            ),
+            "inertias": None if inertias is None else _checked_inertias(inertias),
+        }
+        if inertias is not None and speed is speed_rpm is acceleration is None:
+            raise ArgumentValueError(
+                "inertias",
+                "are given without a speed or an acceleration; inertias need one of them",
+            )
+        for name, value in values.items():
+            kept = value.copy() if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, kept)
+
+    def inertias_by_shaft(self, joints: int) -> dict[int, FloatArray]:
+        """Return the inertia of each shaft that has one, as a contiguous array.
+
+        Raises:
+            ValueError: inertias of another number of shafts.
+        """
+        if self.inertias is None:
+            return {}
+        if self.inertias.shape[-1] != joints + 1:
+            raise ArgumentValueError(
+                "inertias",
+                f"has shape {self.inertias.shape}; {joints + 1} shafts need (..., {joints + 1})",
+            )
+        columns = (np.array(self.inertias[..., shaft], order="C") for shaft in range(joints + 1))
+        return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Return the shape of each value, of the inertias without their last axis."""
+        shapes = {name: getattr(self, name).shape for name in ("torque", "speed", "acceleration")}
+        if self.inertias is not None:
+            shapes["inertias"] = self.inertias.shape[:-1]
+        return shapes
+
+    def at_any_angle(self) -> Load:
+        """Return the load of a batch of drivelines with an axis for the drive angles behind it.
+
+        Arrays of the shape of the batch get a last axis of length 1; inertias get one before their
+        last axis.
+        """
+
+        def column(values: FloatArray, core: int = 0) -> FloatArray:
+            return np.expand_dims(values, -1 - core) if values.ndim > core else values
+
+        torque: dict[str, Any] = {f"{self.end}_torque": column(self.torque)}
+        inertias = None if self.inertias is None else column(self.inertias, 1)
+        return Load(
+            speed=column(self.speed),
+            acceleration=column(self.acceleration),
+            inertias=inertias,
+            **torque,
+        )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Unpickle, with copied arrays: what came in a message lies anywhere in it."""
+        for name, value in state.items():
+            kept = np.array(value) if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, kept)
+
+
+def require_load(load: object) -> None:
+    """Raise an error unless ``load`` is a ``Load``.
+
+    Raises:
+        ArgumentTypeError: anything else.
+    """
+    if not isinstance(load, Load):
+        raise ArgumentTypeError(
+            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
+        )
+
+
+def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:
+    """Return a load whose shafts absorb these torques, of either sign.
+
+    Shafts at rest that are accelerated absorb the power ``I a r**2``. An acceleration of 1 rad/s²
+    and inertias ``torque / r`` of either sign absorb what is given, whatever absorbs it in fact.
+
+    Args:
+        drive_torque: torque in N m put into shaft 0, ``(...)``.
+        torques: absorbed by each shaft in N m, ``(..., n + 1)``.
+        ratios: speed ratio ``r`` of each shaft, ``(..., n + 1)``.
+    """
+    load = Load(drive_torque=drive_torque, acceleration=1.0)
+    object.__setattr__(load, "inertias", np.asarray(torques / ratios))
+    return load
+
+
+def _checked_inertias(inertias: ArrayLike) -> FloatArray:
+    array = as_float64("inertias", inertias)
+    if array.ndim == 0:
+        raise ArgumentValueError("inertias", "is one number; it needs one per shaft")
+    if np.any(array < 0.0):
+        raise wrong_element("inertias", array, array < 0.0, "; an inertia must not be negative")
+    return array

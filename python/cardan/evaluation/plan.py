@@ -1,0 +1,442 @@
+"""Plans: what to evaluate of a driveline, prepared once for any number of calls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan import _core
+from cardan._core import Sweep as NativeSweep
+from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.planes import PlanePlace, components_first, planes_of, view
+from cardan.evaluation.derivatives import Derivatives, Gradient, derivatives, gradient
+from cardan.evaluation.harmonics import Harmonics, harmonics
+from cardan.evaluation.layout import layout_of
+from cardan.evaluation.load import require_load
+from cardan.evaluation.reduced_derivatives import reduced_derivatives, reduced_gradient
+from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
+from cardan.evaluation.result import Result
+from cardan.evaluation.sweep import Sweep
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+
+class Plan:
+    """The steps that evaluate some outputs of a driveline; made by ``Driveline.plan``.
+
+    Call the plan to evaluate, as with ``Driveline.evaluate``. ``explain`` lists the steps and what
+    is skipped. A plan never changes, so threads may share it.
+    """
+
+    __slots__ = (
+        "_core",
+        "_fast_path",
+        "_level",
+        "_load",
+        "_only_angle_varies",
+        "_reduce",
+        "_single_row",
+        "_word",
+        "_workers",
+        "dtype",
+        "labels",
+        "line",
+        "places",
+        "planes",
+        "request",
+    )
+
+    def __init__(
+        self,
+        line: Driveline,
+        request: Request,
+        level: str | None = None,
+    ) -> None:
+        """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
+        n, shape = line.n_joints, line.shape
+        names, shafts, joints, load, reduce, dtype, tolerance, workers, axes, _ = request
+        layout = layout_of(names, n, shafts, joints, reduce, line.n_bearings)
+        if load is not None:
+            require_load(load)
+        self.line = line
+        self.request = request._replace(names=layout.names)
+        self.dtype = DOUBLE if dtype is None else checked_dtype(dtype)
+        self._reduce = reduce
+        # What rows are reduced to is found in double.
+        self._word = DOUBLE if reduce else self.dtype
+        inertias = {} if load is None else load.inertias_by_shaft(n)
+        # Read at every call.
+        self._load = () if load is None else (load.torque, load.speed, load.acceleration)
+        # Nothing but the angles changes from sample to sample.
+        self._only_angle_varies = not shape and not (
+            load and _changes(*self._load, *inertias.values())
+        )
+        self._single_row = self._only_angle_varies and not reduce
+        self._workers = workers
+        self._level = level
+        self._core = _core.Plan(
+            line._lines,
+            layout.names,
+            layout.shapes,
+            layout.shafts,
+            layout.joints,
+            None if load is None else (load.end, *self._load, [*inertias.items()]),
+            None if tolerance is None else checked_tolerance(tolerance),
+            self.dtype is SINGLE,
+            reduce,
+            # Lengths are the same in all axes.
+            "space" if reduce == "peak" else axes,
+        )
+        self.labels = (*layout.shown, shape, reduce, "rad")
+        self.places = layout.places
+        self.planes = layout.planes
+        self._fast_path = self._single_row and self._word is self.dtype
+        if workers is not None:
+            threads.at_most(workers)
+
+    def __call__(
+        self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
+    ) -> Result:
+        """Evaluate at drive angles.
+
+        Args:
+            angle: drive angles in rad, any shape, or a ``Sweep``; broadcasts against the batch.
+            out: arrays to fill, by output name, of the right shape and dtype. One may be the array
+                of angles itself.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
+            MemoryError: results that do not fit in memory.
+            RuntimeError: ``out`` is in use by another call.
+        """
+        # The native module takes new results and dictionaries. Other arrays are looked at below.
+        named = out if type(out) is dict else None
+        taken = named is out
+        if self._fast_path and taken and type(angle) is np.ndarray and angle.dtype is DOUBLE:
+            # The usual call: on a few angles every question shows, that for equal lengths too.
+            filled = self._core.run(None, angle, named, threads.at_most(self._workers), self._level)
+            if filled is not None:
+                return self._result(angle, filled, named)
+        angles: FloatArray | NativeSweep
+        if type(angle) is np.ndarray and (angle.dtype is DOUBLE or angle.dtype == DOUBLE):
+            angles = angle
+        elif isinstance(angle, Sweep):
+            angles = angle._core
+        elif type(angle) is not np.ndarray and (name := array_namespace_of(angle)):
+            elsewhere: Result = adapter(name).evaluate(self, angle, out)
+            return elsewhere
+        else:
+            angles = angle = as_float64("angle", angle)
+        shape = angle.shape if self._only_angle_varies else self._sample_shape(angle.shape)
+        rows = self._rows(shape) if self._reduce else shape
+        samples = None if self._single_row else shape
+        workers = threads.at_most(self._workers)
+        if taken and (named is None or self._word is self.dtype):
+            filled = self._core.run(samples, angles, named, workers, self._level)
+            if filled is not None:
+                return self._result(angle, filled, named)
+        if out is not None:
+            return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
+        # The angles do not lie one after another.
+        return self(as_float64("angle", angle))
+
+    def _result(self, angle: Any, filled: Any, named: object) -> Result:  # noqa: ANN401
+        """Return the result of a run that has filled a new array, or arrays by name."""
+        if named is not None:
+            return Result(filled, self.labels, angle)
+        block = filled if self._word is self.dtype else filled.astype(self.dtype)
+        return Result(self.places, self.labels, angle, block)
+
+    def _call_into_arbitrary_layout(
+        self,
+        out: Mapping[str, NDArray[Any]],
+        angle: FloatArray | Sweep,
+        angles: FloatArray | NativeSweep,
+        samples: tuple[int, ...] | None,
+        rows: tuple[int, ...],
+        workers: int | None,
+    ) -> Result:
+        """Evaluate into arrays of any layout, or say what is wrong with them."""
+        given = self._checked_out(out, rows)
+        if angles is angle:
+            angles = angle = as_float64("angle", angle)
+            if any(np.may_share_memory(angle, array) for array in given.values()):
+                angles = angle = angle.copy()
+        planes = self._planes_of(given, rows)
+        if self._core.run(samples, angles, planes, workers, self._level) is None:
+            raise RuntimeError("out is in use by another call")
+        return Result(self._filled(given, planes, rows), self.labels, angle)
+
+    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8)) -> Harmonics:
+        """Return the mean and the orders of each output over a turn of the drive.
+
+        Speed, acceleration, torque and inertias are constant over the turn. Arrays of them
+        broadcast against the batch, so that each value belongs to one driveline. The motion has its
+        series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
+        samples as its steepest joint and the highest order need. Half as many samples give a second
+        sum, and the difference is part of the ``error``. It is far below rounding, except where an
+        inertia reverses the torque, at which the magnitudes of moments have kinks.
+
+        Half a turn only reverses the pins of ideal joints, so that an order is exactly 0 where it
+        must be: the even ones of tilts, swings and pins and of what is along the axes y and z of
+        ``axes="shaft"``, and the odd ones of everything else. Joints with deviations have all
+        orders, each summed. Orders are those of the angle that the plan takes.
+
+        Args:
+            orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.
+
+        Returns:
+            mean, amplitudes and phases, in double precision.
+
+        Raises:
+            TypeError: orders that are not integers.
+            ValueError: an order below 1, or above 2**18 of what is summed; the output ``angle``,
+                which is not periodic; a plan with a reduction; a load that does not broadcast
+                against the batch.
+        """
+        return harmonics(self, orders)
+
+    def derivatives(
+        self,
+        angle: ArrayLike | Sweep,
+        by: str | Iterable[str] = ("bends", "twists", "phases"),
+    ) -> Derivatives:
+        """Return the derivatives of every output at every sample.
+
+        Each is a partial derivative: by the bends, twists and phases everything else is held; by
+        the points, bends and twists follow from them and the phases are held. Drivelines given by
+        angles keep their first shaft and first bend plane in space.
+
+        Those by points are smooth through straight joints, whose bend plane is arbitrary. The drive
+        angle counts from the plane of joint 0; where that joint is straight, its plane is held.
+        Magnitudes (``bending_driving``, ``bending_driven``) have derivative 0 by their inside where
+        they vanish. Bearings keep their distance from the upstream end of their shaft when points
+        move.
+
+        With ``angle_of="driven"`` the angle of the last shaft is held, and the drive angle follows.
+        A reduced output has the derivatives of the sample where it is least or largest, of the
+        first if there are several, and otherwise those of its formula. They are found from those
+        of every sample, and take as much memory.
+
+        Args:
+            angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
+            by: names among ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"angle"`` (the
+                angle of the call), ``"drive_torque"`` or ``"output_torque"`` (that of the load),
+                ``"inertias"``, ``"lengths"`` (of the shafts, directions held), ``"positions"`` (of
+                the bearings) and ``"deviations"`` (of the joints, ideal ones as well).
+
+        Returns:
+            arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
+            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias and lengths,
+            ``(m,)`` by positions, ``(n, 3)`` by deviations. Angles are in rad, points in their own
+            unit.
+
+        Raises:
+            TypeError: angles that are not real numbers, variables that are not names.
+            ValueError: an unknown variable, points of a driveline that was not made from points
+                or has deviations, a torque, lengths or positions that there are not, the angle of
+                reduced outputs, components of forces with ``axes="shaft"``; by deviations,
+                ``axes="shaft"`` and ``angle_of="driven"``.
+
+        >>> import cardan
+        >>> plan = cardan.Driveline.from_bends([0.5]).plan("speed_ratio")
+        >>> plan.derivatives(0.0, by="bends")["speed_ratio"]["bends"].round(6)
+        array([0.622508])
+        """
+        if self._reduce:
+            whole = self._again(self.line, self.request._replace(reduce=None, dtype=None))
+            return reduced_derivatives(whole, self._reduce, angle, by)
+        at_drive = self._drive_angles(angle)
+        return derivatives(self, at_drive, by)
+
+    def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
+        """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
+
+        Optimisers need this sum (reverse mode): one pass gives the derivatives by all
+        parameters, whatever their number, and stores nothing per sample. The results do not depend
+        on the number of threads.
+
+        Args:
+            angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
+            weights: arrays by output, each of the output's shape or one that broadcasts to it;
+                outputs without weights count with 0. For a mean square these are ``2 * output /
+                samples``. Reduced outputs have weights of their reduced shape.
+
+        Returns:
+            value and derivatives, one of each per driveline of the batch.
+
+        Raises:
+            TypeError: angles or weights that are not real numbers, weights that are no mapping.
+            ValueError: weights of something that is not an output of the plan or of a wrong shape,
+                components of forces with ``axes="shaft"``.
+
+        >>> import cardan
+        >>> line = cardan.Driveline.from_bends([0.3, 0.2], phases=0.1)
+        >>> plan = line.plan("acceleration_ratio")
+        >>> turn = cardan.Sweep.revolutions(1, 360)
+        >>> acceleration = plan(turn)["acceleration_ratio"]
+        >>> plan.gradient(turn, {"acceleration_ratio": 2 * acceleration / 360}).bends.round(4)
+        array([ 0.0322, -0.02  ])
+        """
+        if self._reduce:
+            whole = self._again(self.line, self.request._replace(reduce=None, dtype=None))
+            return reduced_gradient(whole, self._reduce, self.places, angle, weights)
+        at_drive = self._drive_angles(angle)
+        return gradient(self, at_drive, weights)
+
+    def _drive_angles(self, angle: ArrayLike | Sweep) -> ArrayLike | Sweep:
+        """Return the drive angles of a call."""
+        return angle
+
+    def _again(self, line: Driveline, request: Request) -> Plan:
+        """Return a plan of the same kind for another request."""
+        return Plan(line, request)
+
+    def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
+        """Return the steps, the steps skipped and why, and the bytes per sample.
+
+        The steps depend on the argument of the call: a sweep has different steps, and so has a
+        batch along the axis of the angles. For a batch the steps are those of its first driveline.
+
+        Args:
+            angle: the drive angles or the ``Sweep`` of the call; only their shape and kind matter.
+                The default is an array of angles along the last axis.
+
+        Raises:
+            ValueError: a shape that does not broadcast against the batch, or no samples.
+        """
+        line, load = self.line, self.request.load
+        batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
+        joints = f"{line.n_joints} joint{'s' if line.n_joints > 1 else ''}"
+        if angle is None:
+            inertias = None if load is None else load.inertias
+            of_load = [array.shape for array in self._load]
+            of_inertias = [] if inertias is None else [inertias.shape[:-1]]
+            fixed = _broadcast(self.line.shape, *of_load, *of_inertias) or self.line.shape
+            shape = _broadcast(fixed, (2,)) or fixed
+        else:
+            own = angle.shape if isinstance(angle, Sweep) else np.shape(angle)
+            shape = self._sample_shape(own) or (1,)
+        sweep = angle._core if isinstance(angle, Sweep) else None
+        text = self._core.explain(shape, sweep)
+        return f"plan for {', '.join(self.places)}; {joints}{batch}\n{text}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what it was made from."""
+        return (Plan, (self.line, self.request))
+
+    def __repr__(self) -> str:
+        """Show the driveline and the outputs."""
+        return f"<Plan of {', '.join(self.places)} for {self.line!r}>"
+
+    def _sample_shape(self, own: tuple[int, ...]) -> tuple[int, ...]:
+        shape = _broadcast(self.line.shape, own)
+        if shape is None:
+            raise ArgumentValueError(
+                "angle",
+                f"has shape {own}, which does not broadcast against the driveline's batch "
+                f"shape {self.line.shape}",
+            )
+        return shape
+
+    def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
+        """What is left of the samples' shape when the last axis is reduced."""
+        if not shape:
+            raise ArgumentValueError(
+                "reduce", "works over the last axis of the samples; one angle has none"
+            )
+        if shape[-1] == 0:
+            raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
+        return shape[:-1]
+
+    def _shape(self, place: PlanePlace, rows: tuple[int, ...]) -> tuple[int, ...]:
+        _, items, vector = place
+        lead = () if items is None else (items,)
+        return lead + rows + ((3,) if vector else ())
+
+    def _checked_out(
+        self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
+    ) -> dict[str, NDArray[Any]]:
+        checked: dict[str, NDArray[Any]] = {}
+        if not isinstance(out, Mapping):
+            raise ArgumentTypeError(
+                "out", f"is {type(out).__name__}; it must map names of outputs to arrays"
+            )
+        for name, array in out.items():
+            if name not in self.places:
+                raise ArgumentValueError("out", "is not one of the requested outputs", (name,))
+            if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
+                raise ArgumentTypeError(
+                    "out", f"is {type(array).__name__}; it must be an array", (name,)
+                )
+            if array.dtype != self.dtype:
+                raise ArgumentValueError(
+                    "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
+                )
+            wanted = self._shape(self.places[name], rows)
+            if array.shape != wanted:
+                raise ArgumentValueError(
+                    "out", f"has shape {array.shape}; it must be {wanted}", (name,)
+                )
+            if not array.flags.writeable:
+                raise ArgumentValueError("out", "is read-only; it must be writeable", (name,))
+            for other, earlier in checked.items():
+                if np.may_share_memory(array, earlier):
+                    raise ArgumentValueError("out", f"and out[{other!r}] share memory", (name,))
+            checked[name] = array
+        return checked
+
+    def _planes_of(
+        self, given: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
+    ) -> list[NDArray[Any]]:
+        """Planes to fill: of the arrays given where they lie plane by plane, else new ones."""
+        planes = []
+        for name, place in self.places.items():
+            _, items, vector = place
+            # A subclass may have other rules of shapes.
+            target = components_first(np.asarray(given[name]), place) if name in given else None
+            if (
+                target is None
+                or target.dtype != self._word
+                or not target.flags.carray
+                or any(np.may_share_memory(target, array) for array in self._load)
+            ):
+                count = (1 if items is None else items) * (3 if vector else 1)
+                target = np.empty((count, *rows), self._word)
+            planes.append(target)
+        return planes
+
+    def _filled(
+        self,
+        given: Mapping[str, NDArray[Any]],
+        planes: Sequence[NDArray[Any]],
+        rows: tuple[int, ...],
+    ) -> dict[str, NDArray[Any]]:
+        arrays = {}
+        for (name, (_, items, vector)), own in zip(self.places.items(), planes, strict=True):
+            target = given.get(name)
+            if target is None or not np.may_share_memory(target, own):
+                own = own.astype(self.dtype, copy=False)
+                array = view(planes_of(own, len(rows)), (0, items, vector))
+                if target is not None:
+                    target[...] = array
+            arrays[name] = array if target is None else target
+        return arrays
+
+
+def _changes(*arrays: FloatArray) -> bool:
+    return any(array.ndim for array in arrays)
+
+
+def _broadcast(*shapes: tuple[int, ...]) -> tuple[int, ...] | None:
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        return None

@@ -1,0 +1,73 @@
+"""Evaluation with several reductions at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan.arrays import adapter, array_namespace_of
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.libraries import LIBRARIES
+from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import Reduction, Request
+from cardan.evaluation.result import Result
+from cardan.evaluation.sweep import Sweep
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+
+class PlanOfReductions:
+    """A plan for each of several reductions; the results are stacked along a new axis."""
+
+    def __init__(self, line: Driveline, request: Request, reductions: Sequence[Reduction]) -> None:
+        """Make the plans.
+
+        Args:
+            line: the driveline.
+            request: what is asked of it, without a reduction.
+            reductions: names, at least one.
+
+        Raises:
+            ValueError: no reduction, or a peak among other reductions of a vector.
+        """
+        self._names = tuple(reductions)
+        if not self._names:
+            raise ArgumentValueError("reduce", "is empty; name at least one reduction")
+        self._plans = [planned(line, request._replace(reduce=name)) for name in self._names]
+        vectors = [name for name in self._plans[0].places if OUTPUTS[name].vector]
+        if vectors and "peak" in self._names and len(set(self._names)) > 1:
+            raise ArgumentValueError(
+                "reduce",
+                f"is {list(self._names)!r}; the peak of {vectors[0]} is the length of a vector "
+                "and has no components, so it cannot be stacked with other reductions",
+            )
+
+    def __call__(
+        self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
+    ) -> Result:
+        """Evaluate as each plan does.
+
+        Raises:
+            TypeError: arrays to fill.
+            ValueError: as of the plans.
+        """
+        if out is not None:
+            raise ArgumentTypeError("out", "does not go with several reductions")
+        name = "" if isinstance(angle, Sweep) else array_namespace_of(angle)
+        if name and LIBRARIES[name].wraps:
+            labelled: Result = adapter(name).evaluate(self, angle, out)
+            return labelled
+        results = [plan(angle) for plan in self._plans]
+        arrays = {}
+        for output in results[0]:
+            items = self._plans[0].places[output][1]
+            stacked = [result[output] for result in results]
+            arrays[output] = np.stack(stacked, axis=0 if items is None else 1)
+        first = results[0]._labels
+        labels = None if first is None else (*first[:3], self._names, first[4])
+        return Result(arrays, labels, results[0]._angle)

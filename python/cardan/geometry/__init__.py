@@ -1,0 +1,1 @@
+"""The geometry of drivelines: how they are made, mounted in bearings and rearranged."""

@@ -1,0 +1,272 @@
+"""The ways to make drivelines: from bends, directions, points, slopes and projected bends."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan import _core
+from cardan.arrays import FloatArray, as_float64, common_shape, deferring
+from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.geometry.geometry import Geometry, per_shaft, place_in, spread
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+
+@deferring(ends=0, bends=1, twists=1, phases=1)
+def from_bends(
+    cls: type[Driveline],
+    bends: ArrayLike,
+    twists: ArrayLike = 0.0,
+    phases: ArrayLike = 0.0,
+    *,
+    degrees: bool = False,
+) -> Driveline:
+    """Make drivelines from the angles at their joints.
+
+    Shaft 0 points along +x and the first bend-plane normal along +z, so shaft 1 points along
+    ``(cos b, sin b, 0)``.
+
+    Args:
+        bends: bend of each joint, ``(..., n)``; a single number is one joint.
+        twists: twist of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        degrees: whether the three are in degrees.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a bend outside [0, 90°), a value that is not finite, shapes that do not fit.
+    """
+    array = np.atleast_1d(as_float64("bends", bends))
+    n = array.shape[-1]
+    own = _laid_out(
+        functools.partial(_core.from_bends, degrees=degrees),
+        n,
+        bends=(np.radians(array) if degrees else array, 1),
+        twists=(per_shaft("twists", twists, n, degrees), 1),
+        phases=(per_shaft("phases", phases, n, degrees), 1),
+    )
+    return cls._of(own)
+
+
+@deferring(ends=1, directions=2, phases=1)
+def from_directions(
+    cls: type[Driveline], directions: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
+) -> Driveline:
+    """Make drivelines from a vector along each shaft.
+
+    A straight joint takes the bend-plane normal of the previous joint, a straight first joint
+    that of the next bent one.
+
+    Args:
+        directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow, in any
+            right-handed axes.
+        phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        degrees: whether the phases are in degrees.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a direction that is zero or not finite, a bend of 90° or more, shapes that
+            do not fit.
+    """
+    array = _vectors("directions", directions, 2)
+    n = array.shape[-2] - 1
+    turned = per_shaft("phases", phases, n, degrees)
+    own = _laid_out(_core.from_directions, n, directions=(array, 2), phases=(turned, 1))
+    return cls._of(own)
+
+
+@deferring(ends=2, points=2, phases=1)
+def from_points(
+    cls: type[Driveline], points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
+) -> Driveline:
+    """Make drivelines from their ends and joint centres.
+
+    Args:
+        points: ``(..., n + 2, 3)``: the driving end, the joint centres, the driven end, in any
+            unit of length and any right-handed axes. In left-handed ones the driveline would be
+            mirrored, and all yoke settings would have the opposite sense.
+        phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        degrees: whether the phases are in degrees.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: two equal successive points, a point that is not finite, a bend of 90° or
+            more, shapes that do not fit.
+    """
+    array = _vectors("points", points, 3)
+    n = array.shape[-2] - 2
+    turned = per_shaft("phases", phases, n, degrees)
+    made = _laid_out(_core.from_points, n, points=(array, 2), phases=(turned, 1))
+    lengths = spread(_lengths(array), made.shape, 1)
+    return cls._of(made._replace(lengths=lengths, has_points=True))
+
+
+@deferring(ends=1, vertical=1, horizontal=1, phases=1)
+def from_slopes(
+    cls: type[Driveline],
+    vertical: ArrayLike,
+    horizontal: ArrayLike,
+    phases: ArrayLike = 0.0,
+    *,
+    degrees: bool = False,
+) -> Driveline:
+    """Make drivelines from the slope of each shaft in side view and in top view.
+
+    A shaft points along ``(1, tan vertical, tan horizontal)`` in right-handed axes: x from the
+    drive to the output, y up, z to the right, looking from the drive towards the output
+    (catalogue, double joint, 6.3, exactly). If x points rearwards, z is the vehicle's left.
+
+    Args:
+        vertical: slope of each shaft in side view, ``(..., n + 1)``, positive upwards.
+        horizontal: slope of each shaft in top view, ``(..., n + 1)``, positive towards +z.
+        phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        degrees: whether all three are in degrees.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a slope outside (-90°, 90°), a bend of 90° or more, shapes that do not fit.
+    """
+    up = _slopes("vertical", vertical, degrees)
+    right = _slopes("horizontal", horizontal, degrees)
+    return from_directions(cls, sloping(up, right), phases, degrees=degrees)
+
+
+@deferring(ends=0, vertical=1, horizontal=1, phases=1)
+def from_projected_bends(
+    cls: type[Driveline],
+    vertical: ArrayLike,
+    horizontal: ArrayLike,
+    phases: ArrayLike = 0.0,
+    *,
+    degrees: bool = False,
+    reference: Literal["common", "input", "output"] = "common",
+) -> Driveline:
+    """Make shafts with two joints from their bends as projected in side view and top view.
+
+    This is the catalogues' form (double joint, 6.3, Bilder 17 to 19). The bends of a drawing
+    add up along the shaft, so it matters from which shaft the drawing measures them: by the
+    catalogue's figure from the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
+    tan(horizontal)**2`` holds exactly.
+
+    Args:
+        vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
+        horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right,
+            looking from the drive towards the output: towards +z as in ``from_slopes``.
+        phases: phase of the common shaft, ``(..., 1)`` or one for all.
+        degrees: whether all three are in degrees.
+        reference: the shaft from which they are measured: ``"common"``, ``"input"`` or
+            ``"output"``.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: not two joints, an unknown reference, and as for ``from_slopes``.
+    """
+    up = _slopes_against(reference, "vertical", vertical, degrees)
+    right = _slopes_against(reference, "horizontal", horizontal, degrees)
+    return from_directions(cls, sloping(up, right), phases, degrees=degrees)
+
+
+def _laid_out(
+    lay_out: Callable[..., tuple[FloatArray, ...]], n: int, **arrays: tuple[FloatArray, int]
+) -> Geometry:
+    """Broadcast the arrays, phases last, and let a function of the native module do the rest.
+
+    With each array comes how many axes of it belong to one driveline.
+    """
+    shape = common_shape(**{name: a.shape[: a.ndim - own] for name, (a, own) in arrays.items()})
+    full = [spread(array, shape, own) for array, own in arrays.values()]
+    flat = (array.reshape(-1) for array in full)
+    try:
+        bends, twists, directions, normals = lay_out(n, list(shape), *flat)
+    except ArgumentValueError as error:
+        if error.argument not in arrays:
+            raise
+        array, own = arrays[error.argument]
+        raise error.at(place_in(array.shape[: array.ndim - own], shape, error.place)) from None
+    return Geometry(
+        bends.reshape(*shape, n),
+        twists.reshape(*shape, n - 1),
+        # The others are new; this may be the caller's own array.
+        np.array(full[-1]),
+        directions.reshape(*shape, n + 1, 3),
+        normals.reshape(*shape, n, 3),
+        np.empty((*shape, 0)),
+        np.empty((*shape, 0)),
+        np.empty((*shape, 0, 3)),
+    )
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    """The distances between successive points, without overflow of their squares.
+
+    They have the same bits on every machine, unlike those of ``hypot``.
+    """
+    x, y, z = np.moveaxis(np.diff(points, axis=-2), -1, 0)
+    with np.errstate(over="ignore", under="ignore"):
+        squares = x * x + y * y + z * z
+    lengths: FloatArray = np.sqrt(squares)
+    far = ~((squares > 1e-280) & (squares < np.inf))
+    if far.any():
+        steps = np.stack([x[far], y[far], z[far]])
+        _, power = np.frexp(np.max(np.abs(steps), axis=0))
+        x, y, z = np.ldexp(steps, -power)
+        lengths[far] = np.ldexp(np.sqrt(x * x + y * y + z * z), power)
+    return lengths
+
+
+def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
+    array = as_float64(name, value)
+    if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
+        wanted = f"(..., {fewest} or more, 3)"
+        raise ArgumentValueError(name, f"has shape {array.shape}; it must be {wanted}")
+    return array
+
+
+def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
+    array = np.atleast_1d(as_float64(name, value))
+    right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
+    wrong = ~(np.abs(array) < right_angle)
+    if wrong.any():
+        rule = f"; a {what} must lie between -{unit} and {unit}"
+        raise wrong_element(name, array, wrong, rule)
+    return np.radians(array) if degrees else array
+
+
+def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) -> FloatArray:
+    """Slopes of three shafts from the two bends between them, the shaft of reference level."""
+    bend = _slopes(name, value, degrees, "projected bend")
+    if bend.shape[-1] != 2:
+        raise ArgumentValueError(name, f"has shape {bend.shape}; two joints need (..., 2)")
+    first, second = np.moveaxis(bend, -1, 0)
+    level = np.zeros_like(first)
+    slopes = {
+        "common": (-first, level, second),
+        "input": (level, first, first + second),
+        "output": (-first - second, -second, level),
+    }
+    if reference not in slopes:
+        known = ", ".join(map(repr, slopes))
+        raise ArgumentValueError("reference", f"is {reference!r}; it must be one of {known}")
+    view = np.stack(slopes[reference], axis=-1)
+    if np.any(np.abs(view) >= np.pi / 2):
+        raise ArgumentValueError(name, f"adds up to 90 deg or more against the {reference} shaft")
+    return view
+
+
+def sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
+    """Directions from the slopes in side view and top view."""
+    if vertical.shape[-1] != horizontal.shape[-1]:
+        raise ArgumentValueError(
+            "vertical",
+            f"has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
+            "they must be the same",
+        )
+    common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
+    up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
+    return np.stack([np.ones_like(up), up, right], axis=-1)

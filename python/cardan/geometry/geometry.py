@@ -1,0 +1,175 @@
+"""The arrays that make drivelines, and how they are rearranged."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64
+from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
+
+
+class Geometry(NamedTuple):
+    """What makes a batch of drivelines: angles in rad and unit vectors, as ``Driveline`` has them.
+
+    Attributes:
+        bends: ``(..., n)``.
+        twists: ``(..., n - 1)``.
+        phases: ``(..., n - 1)``.
+        directions: ``(..., n + 1, 3)``.
+        normals: ``(..., n, 3)``.
+        lengths: length of each shaft, ``(..., n + 1)``; ``(..., 0)`` if unknown.
+        positions: position of each bearing along its shaft, in the unit of the lengths,
+            ``(..., m)``.
+        deviations: of driving yoke, cross and driven yoke of each joint, ``(..., n, 3)``;
+            ``(..., 0, 3)`` if all joints are ideal.
+        bearings: the shaft of each bearing, ``m`` in number.
+        has_points: whether they were made from points, with these lengths between them.
+    """
+
+    bends: FloatArray
+    twists: FloatArray
+    phases: FloatArray
+    directions: FloatArray
+    normals: FloatArray
+    lengths: FloatArray
+    positions: FloatArray
+    deviations: FloatArray
+    bearings: tuple[int, ...] = ()
+    has_points: bool = False
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+        return self.bends.shape[:-1]
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints of each driveline."""
+        n: int = self.bends.shape[-1]
+        return n
+
+    @property
+    def is_as_built(self) -> bool:
+        """Whether the joints deviate from their drawing."""
+        return bool(self.deviations.shape[-2])
+
+    def as_built(self) -> Geometry:
+        """Give ideal joints deviations of 0."""
+        if self.is_as_built:
+            return self
+        return self._replace(deviations=np.zeros((*self.bends.shape, 3)))
+
+    def check_ideal(self, what: str, instead: str = "") -> None:
+        """Raise a ``ValueError`` if the joints deviate; ``what`` has its verb."""
+        if self.is_as_built:
+            hint = f"; {instead}" if instead else ""
+            raise ArgumentValueError(
+                "driveline",
+                f"has joints with deviations; {what} for ideal joints only{hint} "
+                "(with_deviations() without arguments makes them ideal)",
+            )
+
+    @property
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """The arrays, each with the axes of the batch first."""
+        return self[:-2]
+
+    def flat(self) -> list[FloatArray]:
+        """Return each array as one run of elements, which the native module takes."""
+        return [array.reshape(-1) for array in self.arrays]
+
+    def each(self, change: Callable[[FloatArray], FloatArray]) -> Geometry:
+        """Return the geometry with every array changed."""
+        return Geometry._make([*map(change, self.arrays), self.bearings, self.has_points])
+
+    def batched(self, shape: tuple[int, ...]) -> Geometry:
+        """Broadcast to a batch of that shape."""
+        batch = len(self.shape)
+        return self.each(lambda array: spread(array, shape, array.ndim - batch))
+
+    def taken(self, index: Any) -> Geometry:  # noqa: ANN401 - whatever NumPy takes
+        """Take drivelines of the batch as ``Driveline.__getitem__`` does."""
+        if not self.shape:
+            raise TypeError("a single driveline has no batch to index")
+        size, batch = math.prod(self.shape), len(self.shape)
+        places = np.arange(size).reshape(self.shape)[index]
+        return self.each(
+            lambda array: array.reshape(size, *array.shape[batch:]).take(places, axis=0)
+        )
+
+    def reshaped(self, shape: tuple[int, ...]) -> Geometry:
+        """Give the batch another shape as ``Driveline.reshape`` does."""
+        batch, size = len(self.shape), math.prod(self.shape)
+        try:
+            # One of the sizes may be left open.
+            full = np.broadcast_to(np.empty(()), size).reshape(shape).shape
+        except ValueError:
+            raise ArgumentValueError(
+                "shape", f"is {shape}, which has no room for just {size} drivelines"
+            ) from None
+        return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
+
+
+def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
+    """Join batches as ``Driveline.concatenate`` does."""
+    shapes = [part.shape for part in parts]
+    batch = len(shapes[0])
+    if not -batch <= axis < batch:
+        raise ArgumentValueError("axis", f"is {axis}; the batches have {batch} axes")
+    axis %= batch
+    for i, shape in enumerate(shapes):
+        others = [(*own[:axis], *own[axis + 1 :]) for own in (shapes[0], shape)]
+        if len(shape) != batch or others[0] != others[1]:
+            raise ArgumentValueError(
+                "lines",
+                f"has shape {shape} and lines[0] {shapes[0]}; "
+                f"they may differ along axis {axis} only",
+                (i,),
+            )
+        if parts[i].bearings != parts[0].bearings:
+            raise ArgumentValueError(
+                "lines",
+                f"has bearings on shafts {parts[i].bearings} and lines[0] on {parts[0].bearings}; "
+                "they must be the same",
+                (i,),
+            )
+    if not all(part.lengths.shape[-1] for part in parts):
+        # Lengths that some lack are of no use to all.
+        parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
+    if any(part.is_as_built for part in parts):
+        parts = [part.as_built() for part in parts]
+    every = zip(*(part.arrays for part in parts), strict=True)
+    joined = (np.concatenate(arrays, axis=axis) for arrays in every)
+    has_points = all(part.has_points for part in parts)
+    return Geometry._make([*joined, parts[0].bearings, has_points])
+
+
+def place_in(own: tuple[int, ...], shape: tuple[int, ...], place: Place) -> Place:
+    """Return the place in an array with the batch ``own``, which was spread to another batch."""
+    before = len(shape) - len(own)
+    batch = (0 if size == 1 else i for size, i in zip(own, place[before:], strict=False))
+    return (*batch, *place[len(shape) :])
+
+
+def spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
+    """The array for a batch of that shape; its last ``own`` axes belong to one driveline."""
+    full = (*shape, *array.shape[array.ndim - own :])
+    return array if full == array.shape else np.ascontiguousarray(np.broadcast_to(array, full))
+
+
+def per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
+    """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
+    array = as_float64(name, value)
+    between = max(n - 1, 0)
+    if array.ndim == 0:
+        array = np.full(between, array)
+    if array.shape[-1] != between:
+        raise ArgumentValueError(name, f"has shape {array.shape}; {n} joints need (..., {between})")
+    if not np.isfinite(array).all():
+        raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
+    return np.radians(array) if degrees else array

@@ -1,0 +1,1 @@
+"""The motion of drivelines: equivalent joints, steering, free drives, the setting of yokes."""

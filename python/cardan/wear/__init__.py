@@ -1,0 +1,1 @@
+"""What drivelines in service bear: losses, life, forces of splines, axial travel."""

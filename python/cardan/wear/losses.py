@@ -1,0 +1,250 @@
+"""Friction in the joints: the power that the pins take, at an angle and over a turn.
+
+The pins turn in their bearings at the rates ``swing_driving`` and ``swing_driven`` per radian of
+the drive. The moment ``M`` of the joint presses each of two pins on its bearing with ``M/(2 R)`` at
+the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
+times the rate. A seal or a preload adds a moment that does not depend on the load.
+
+For one joint and a constant torque at either end, the mean loss is ``mu (p/R) (2/pi) (artanh sin b
++ tan b)`` of the power (derived here). Everything is exact to first order in the friction: the loss
+of one joint is not subtracted from the torque of the next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import (
+    FloatArray,
+    common_shape,
+    not_negative,
+    per_joint,
+    positive,
+    scalar_or_array,
+)
+from cardan.arrays.errors import ArgumentValueError
+from cardan.evaluation.load import Load, require_load
+from cardan.motion.joint_axes import cross_axes, dot
+from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """What friction takes in each joint; see ``Driveline.losses``."""
+
+    _mean: FloatArray = field(repr=False)
+    _drive: FloatArray = field(repr=False)
+    _line: Driveline = field(repr=False)
+    _load: Load = field(repr=False)
+    _friction: _Friction = field(repr=False)
+
+    @property
+    def fraction(self) -> FloatArray:
+        """Share of the mean drive power that each joint loses, ``(n, ...)``; needs no speed.
+
+        Raises:
+            ValueError: the load has no torque over the mean of a turn.
+        """
+        if not np.all(np.abs(self._drive) > 0.0):
+            raise ArgumentValueError(
+                "load", "has no torque over the mean of a turn; no power goes through the driveline"
+            )
+        return self._mean / np.abs(self._drive)
+
+    @property
+    def efficiency(self) -> Any:  # noqa: ANN401 - a number or an array
+        """1 minus the fractions of all joints, in the shape of the batch and the load.
+
+        Raises:
+            ValueError: as for ``fraction``.
+        """
+        return scalar_or_array(1.0 - np.sum(self.fraction, axis=0))
+
+    @property
+    def power(self) -> FloatArray:
+        """Heat of each joint in W, the mean over a turn, ``(n, ...)``.
+
+        Raises:
+            ValueError: the load has no speed.
+        """
+        speed = np.abs(self._load.speed)
+        if not np.all(speed > 0.0):
+            raise ArgumentValueError("load", "has no speed; the power lost needs one")
+        return self._mean * speed
+
+    def torque(self, angle: ArrayLike) -> FloatArray:
+        """Return the torque that friction adds at the drive, of each joint, in N m.
+
+        It is the power lost over the speed of the drive (derived here).
+
+        Args:
+            angle: drive angle in rad; broadcasts against batch and load.
+
+        Returns:
+            of each joint ``(n, ...)``.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        return np.stack(
+            [
+                _lost(pins_at(self._line, self._load, joint, angle), *self._friction.of(joint))
+                for joint in range(self._line.n_joints)
+            ]
+        )
+
+    def efficiency_at(self, angle: ArrayLike) -> Any:  # noqa: ANN401 - a number or an array
+        """Return the efficiency at a drive angle: 1 less ``torque(angle)`` over the drive torque.
+
+        It is below that over a turn where the pins turn fastest, and without meaning where
+        inertias reverse the torque of the drive.
+
+        Args:
+            angle: as for ``torque``.
+
+        Raises:
+            TypeError: as for ``torque``.
+            ValueError: as for ``torque``.
+        """
+        drive = self._line.evaluate(angle, "torque", shafts=0, load=self._load).torque
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.sum(self.torque(angle), axis=0) / np.abs(drive)
+        return scalar_or_array(np.asarray(1.0 - share))
+
+    def moment(self, angle: ArrayLike) -> FloatArray:
+        """Return the moment that friction adds to the moment of each joint, in N m.
+
+        The friction in the yokes is a moment ``f_1`` about the driving pin ``p`` and ``f_2`` about
+        the driven pin ``q``, against the swing of the cross. The moment of the joint grows by ``f_1
+        p + f_2 q + c (p x q)``, with ``c`` such that the torque stays the same in the shaft towards
+        the end at which the load gives it (derived here). What it has across a shaft is friction's
+        share in the bending of that shaft, what it has along the other shaft its share in the
+        torque. The friction of other joints is left out.
+
+        Args:
+            angle: as for ``torque``.
+
+        Returns:
+            as it acts on the driven shaft of each joint, at rest in space, ``(n, ..., 3)``.
+
+        Raises:
+            TypeError: as for ``torque``.
+            ValueError: as for ``torque``.
+        """
+        return np.stack([self._added(joint, angle) for joint in range(self._line.n_joints)])
+
+    def _added(self, joint: int, angle: ArrayLike) -> FloatArray:
+        axes = cross_axes(self._line, joint, angle)
+        pins = pins_at(self._line, self._load, joint, angle)
+        share, constant = self._friction.of(joint)
+        size = np.asarray(share * pins.moment + constant)
+        # Against the rates of the cross in the driving and of the driven yoke on the cross: the
+        # difference of both shafts' rotations has only parts along the pins.
+        about_p = -size * np.sign(dot(axes.driven, axes.driving_pin))
+        about_q = size * np.sign(dot(axes.driving, axes.driven_pin))
+        rubbing = (
+            about_p[..., np.newaxis] * axes.driving_pin + about_q[..., np.newaxis] * axes.driven_pin
+        )
+        kept = axes.driving if self._load.end == "drive" else axes.driven
+        along = dot(rubbing, kept) / dot(axes.across, kept)
+        return np.asarray(rubbing - along[..., np.newaxis] * axes.across)
+
+
+@dataclass(frozen=True, eq=False)
+class _Friction:
+    """The moment of friction over that of a joint, and the one that is always there.
+
+    Both have one entry per joint, ``(..., n)``.
+    """
+
+    share: FloatArray
+    constant: FloatArray
+
+    def over(self, rows: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """Both of every row, ``(n, *rows)``."""
+        shape = (*rows, self.share.shape[-1])
+        share, constant = (np.broadcast_to(x, shape) for x in (self.share, self.constant))
+        return np.moveaxis(share, -1, 0), np.moveaxis(constant, -1, 0)
+
+    def of(self, joint: int) -> tuple[FloatArray, FloatArray]:
+        return self.share[..., joint], self.constant[..., joint]
+
+
+def losses(
+    line: Driveline,
+    load: Load,
+    *,
+    friction: ArrayLike,
+    pin_radius: ArrayLike,
+    arm: ArrayLike,
+    seal_torque: ArrayLike = 0.0,
+) -> Losses:
+    """Return the power that friction takes in each joint.
+
+    For one joint and a constant torque the share lost is ``mu (p/R) (2/pi) (artanh sin b + tan
+    b)`` with the friction ``mu``, the radius ``p`` of the pins and their arm ``R`` (derived
+    here). A chain and a load with inertias need means over the turn. All is exact to first
+    order in the friction.
+
+    Args:
+        load: constant over a turn; broadcasts against the batch. Without a torque over the
+            mean of a turn there is heat, but no share and no efficiency.
+        friction: coefficient of friction in the bearings of the pins: one number, or one per
+            joint ``(..., n)``, like the following arguments.
+        pin_radius: radius in m at which the friction acts.
+        arm: distance of the middle of a pin's bearing from the centre of the joint in m.
+        seal_torque: moment in N m that seals or a preload add about the pins of each yoke,
+            whatever the load.
+
+    Returns:
+        share of the drive power lost in each joint, efficiency, heat in W, and the torque that
+        friction adds at the drive at any angle.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
+            that do not broadcast.
+
+    >>> import cardan
+    >>> joint = cardan.Driveline.from_bends([10], degrees=True)
+    >>> load = cardan.Load(drive_torque=400.0, speed_rpm=1500.0)
+    >>> loss = joint.losses(load, friction=0.05, pin_radius=0.008, arm=0.032)
+    >>> round(float(loss.efficiency), 5), float(loss.power[0].round(1))
+    (0.9972, 175.9)
+    """
+    require_load(load)
+    n = line.n_joints
+    given = {"friction": friction, "pin_radius": pin_radius, "arm": arm, "seal_torque": seal_torque}
+    of_joints = {name: _of_joints(name, value, n) for name, value in given.items()}
+    own = _Friction(
+        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
+        of_joints["seal_torque"],
+    )
+    rows = common_shape(
+        driveline=line.shape,
+        **load.shapes(),
+        **{name: array.shape[:-1] for name, array in of_joints.items()},
+    )
+    drive, *of_pins = means_over_turn(line, load, rows, "friction")
+    share, constant = own.over(rows)
+    return Losses(share * of_pins[::2] + constant * of_pins[1::2], drive, line, load, own)
+
+
+def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
+    """One number for all joints, or one for each on the last axis."""
+    array = (not_negative if name in ("friction", "seal_torque") else positive)(name, value)
+    return per_joint(name, array, n)
+
+
+def _lost(pins: PinLoads, share: FloatArray, constant: FloatArray) -> FloatArray:
+    """The torque lost in a joint, of its friction over its moment and of its constant moment."""
+    rates = np.abs(pins.rate_driving) + np.abs(pins.rate_driven)
+    return np.asarray((share * pins.moment + constant) * rates)
