@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load, Sweep, _core
-from cardan.evaluation.plan import Plan
+from oracle import plan_at
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
 BitsCase: TypeAlias = tuple[str, Arrays]
@@ -126,7 +126,7 @@ def case(name: str, line: Driveline, angle: Any, names: Any = OUTPUTS, **options
     full = loads(line.n_joints, 1)["driven inertias"]
     settings = {"shafts": slice(None), "load": full, **options}
     out = settings.pop("out", None)
-    return name, Plan(line, names, **settings)(angle, out)
+    return name, plan_at(line, names, **settings)(angle, out)
 
 
 def of_lines() -> Iterator[BitsCase]:

@@ -21,6 +21,9 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan import Driveline
+from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import Request
 from cardan.reference import Shafts, Vector
 
 DATA = Path(__file__).parent / "data"
@@ -34,6 +37,17 @@ MpNumber: TypeAlias = Any
 
 mp = mpmath.mp.clone()
 mp.dps = 60
+
+
+def plan_at(
+    line: Driveline,
+    names: str | Iterable[str],
+    *,
+    level: str | None = None,
+    **options: Any,  # noqa: ANN401 - of a request
+) -> Plan:
+    """A plan with an instruction set that is forced."""
+    return Plan(line, Request(names, **options), level)
 
 
 # --- data files ------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -271,3 +273,22 @@ class Driveline:
     def has_deviations(self) -> bool:
         """Whether the joints deviate, so that the driveline is computed joint by joint."""
         return self._geometry.is_as_built
+
+
+def _overview() -> str:
+    """The methods by room and the attributes, a line each: what ``help`` shows first."""
+    groups: dict[str, list[str]] = {}
+    for name, member in vars(Driveline).items():
+        own: Any = getattr(member, "__func__", getattr(member, "fget", member))
+        if not name.startswith("_") and callable(own):
+            room = sys.modules[own.__module__.rpartition(".")[0]]
+            title = "Attributes." if room.__name__ == "cardan" else _first_line(room)
+            groups.setdefault(title, []).append(f"    {name:<20}  {_first_line(own)}")
+    return "\n\n".join("\n".join((title[:-1] + ":", *lines)) for title, lines in groups.items())
+
+
+def _first_line(documented: object) -> str:
+    return (documented.__doc__ or "").partition("\n")[0]
+
+
+Driveline.__doc__ = f"{inspect.cleandoc(Driveline.__doc__ or '')}\n\n{_overview()}"

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load, _core
-from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result
+from oracle import plan_at
 
 MOTION = ["angle", "speed_ratio", "acceleration_ratio"]
 ALONE = [
@@ -63,11 +63,11 @@ def test_another_output_changes_no_bit(line: Driveline, level: str, tier: str) -
     angle, load, options = angles(), Load(drive_torque=50.0), {**TIERS[tier], "level": level}
     for names in ALONE:
         more = [*names, "jerk_ratio"] if names != ["jerk_ratio"] else [*names, "speed_ratio"]
-        alone, together = (Plan(line, which, **options)(angle) for which in (names, more))
+        alone, together = (plan_at(line, which, **options)(angle) for which in (names, more))
         assert equal(alone, together, names), names
     for names in LOADED:
         more = [*names, "tilt_driven"] if names[0] != "moment" else [*names, "bending_driven"]
-        plans = (Plan(line, which, load=load, **options) for which in (names, more))
+        plans = (plan_at(line, which, load=load, **options) for which in (names, more))
         alone, together = (plan(angle) for plan in plans)
         assert equal(alone, together, names), names
 
@@ -75,7 +75,7 @@ def test_another_output_changes_no_bit(line: Driveline, level: str, tier: str) -
 @pytest.mark.parametrize("tier", TIERS)
 def test_any_number_of_angles_has_the_same_bits(tier: str) -> None:
     # Strips have 64 angles, and a shorter array has none.
-    plan = Plan(LINES["joint"], MOTION, **TIERS[tier])
+    plan = plan_at(LINES["joint"], MOTION, **TIERS[tier])
     angle = np.linspace(-7.0, 9.0, 200)
     whole = plan(angle)
     for length in (1, 63, 64, 65, 127, 128, 150):
@@ -98,7 +98,7 @@ def test_results_past_the_caches_have_the_bits_of_short_calls(names: list[str], 
     line, load = LINES["joint"], Load(drive_torque=50.0)
     angle = np.linspace(0.0, 1e4, 3_300_000)
     angle[2_000_003], angle[3_299_999] = 1e200, np.nan
-    plan = Plan(line, names, load=load, **TIERS[tier])
+    plan = plan_at(line, names, load=load, **TIERS[tier])
     # New results pass through the caches, and results that are filled do not.
     new = plan(angle)
     whole = {name: np.zeros_like(new[name]) for name in names}

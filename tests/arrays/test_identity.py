@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load, Result, Sweep, _core
-from cardan.evaluation.plan import Plan
+from oracle import plan_at
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven", "pin_moment")
@@ -46,7 +46,7 @@ def load_for(line: Driveline) -> Load:
 def evaluate(line: Driveline, angle: Any, names: Any = ALL, **options: Any) -> Result:  # noqa: ANN401
     out = options.pop("out", None)
     settings = {"shafts": slice(None), "load": load_for(line), **options}
-    return Plan(line, names, **settings)(angle, out)
+    return plan_at(line, names, **settings)(angle, out)
 
 
 def same(got: Result, want: Result, pick: Any = ...) -> None:  # noqa: ANN401
@@ -140,7 +140,7 @@ def test_results_beyond_the_caches(line: Driveline, level: str, tier: str) -> No
     # Each plane begins elsewhere in a cache line.
     angle = np.resize(ANGLES, 1_600_003)
     names = ("angle", "speed_ratio", "acceleration_ratio", "moment", "bending_driven")
-    plan = Plan(line, names, joints=0, load=load_for(line), level=level, **TIERS[tier])
+    plan = plan_at(line, names, joints=0, load=load_for(line), level=level, **TIERS[tier])
     new = plan(angle)
     given = plan(angle, {name: np.full_like(new[name], np.nan) for name in names})
     for start in (0, 1024, 777_777, 1_595_003):

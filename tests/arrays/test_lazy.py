@@ -15,7 +15,8 @@ import pytest
 dask = pytest.importorskip("dask")
 da = pytest.importorskip("dask.array")
 
-from cardan import Driveline, Load, Result, Sweep, threads  # noqa: E402
+from cardan import Driveline, Load, Result, Sweep  # noqa: E402
+from cardan.arrays import threads  # noqa: E402
 from cardan.evaluation.request import REDUCTIONS  # noqa: E402
 from cardan.interop.lazy import LazyDriveline  # noqa: E402
 from cardan.scene import cluster  # noqa: E402

@@ -30,8 +30,7 @@ import pytest
 
 import tiers
 from cardan import Driveline, Load, Result, _core
-from cardan.evaluation.plan import Plan
-from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, limits, mp
+from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, limits, mp, plan_at
 
 # --- one joint -------------------------------------------------------------------------------
 
@@ -227,7 +226,7 @@ class Grid:
         else:
             line = Driveline.from_bends(bends[:, None, None])
         settings = {"shafts": [0, 1], "joints": 0, "load": load}
-        return Plan(line, outputs, **settings, level=level, tolerance=tolerance)(angles)  # type: ignore[arg-type]
+        return plan_at(line, outputs, **settings, level=level, tolerance=tolerance)(angles)
 
 
 @cache

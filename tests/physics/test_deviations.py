@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, TorsionalSystem, _core
-from cardan.evaluation.plan import Plan
 from deviation_oracle import LeaningChain, LeaningJoint
-from oracle import EPS, Doubles, limits, mp, read
+from oracle import EPS, Doubles, limits, mp, plan_at, read
 
 ORACLE = read("deviations.json")
 KEPT = read("worst_as_built.json")["cases"]
@@ -242,7 +241,7 @@ def test_bits_depend_on_neither_threads_nor_instruction_set() -> None:
     one = LINE.evaluate(angles, names, load=LOAD, workers=1)
     two = LINE.evaluate(angles, names, load=LOAD, workers=2)
     levels = [
-        Plan(LINE, names, load=LOAD, workers=1, level=level)(angles[:3000])
+        plan_at(LINE, names, load=LOAD, workers=1, level=level)(angles[:3000])
         for level in _core.levels()
     ]
     for name in names:

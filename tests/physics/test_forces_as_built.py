@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Sweep, _core
-from cardan.evaluation.plan import Plan
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces
-from oracle import Doubles, Exact, ExactTurn
+from oracle import Doubles, Exact, ExactTurn, plan_at
 from test_forces import (
     KINDS,
     LIMITS,
@@ -165,7 +164,7 @@ def test_batches_sweeps_threads_and_levels() -> None:
         alone = own.evaluate(angles, FORCES, load=load, workers=2)
         at = own.evaluate(0.7, FORCES, load=load)
         for level in _core.levels():
-            same = Plan(own, FORCES, load=load, level=level)(angles)
+            same = plan_at(own, FORCES, load=load, level=level)(angles)
             for name in FORCES:
                 assert same[name].tobytes() == alone[name].tobytes(), (name, level)
         for name in FORCES:

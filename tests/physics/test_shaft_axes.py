@@ -11,9 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
-from cardan.evaluation.plan import Plan
 from cardan.reference_forces import forces
-from oracle import ExactTurn, mp
+from oracle import ExactTurn, mp, plan_at
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 
 NAMES = ("moment", "support_moment")
@@ -314,7 +313,7 @@ def test_a_load_is_needed() -> None:
 def test_plans_of_joints_as_built_have_axes_at_rest() -> None:
     line = LINE.with_deviations(cross=0.01)
     with pytest.raises(ArgumentValueError, match="axes is 'shaft'; moment is known in 'space'"):
-        Plan(line, "moment", load=LOAD_OF_FOUR, axes="shaft")
+        plan_at(line, "moment", load=LOAD_OF_FOUR, axes="shaft")
 
 
 def test_labels_and_arrays_computed_later() -> None:

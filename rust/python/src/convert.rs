@@ -39,7 +39,7 @@ pub(crate) fn argument_error(argument: &'static str, problem: impl Into<Problem>
 pub(crate) fn value_error(error: &Error) -> PyErr {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     Python::attach(|py| {
-        let class = CLASS.import(py, "cardan.errors", "ArgumentValueError")?;
+        let class = CLASS.import(py, "cardan", "ArgumentValueError")?;
         let place = PyTuple::new(py, &error.place.0)?.unbind();
         let (value, unit, rule) = match error.problem {
             Problem::Value { value, rule } => (Some(value), rule.unit, rule.text),
