@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import doctest
 import hashlib
 import json
 import os
@@ -34,7 +33,6 @@ from selenium.webdriver.remote.webelement import WebElement
 from cardan import Driveline, Limits, Load, __version__
 from cardan.arrays import FloatArray
 from cardan.command import commands
-from cardan.figures import names, states
 from cardan.figures.names import column_name, key_name
 from cardan.report import write_report
 from cardan.report.charts import chart
@@ -501,8 +499,6 @@ def test_names_of_keys_and_figures() -> None:
         ),
     ):
         assert column_name(column) == name
-    assert doctest.testmod(names) == (0, 4)
-    assert doctest.testmod(states) == (0, 3)
 
 
 def test_all_curves_of_a_study_are_drawn_or_a_map(tmp_path: Path) -> None:

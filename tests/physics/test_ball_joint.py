@@ -7,7 +7,6 @@ M. Marcus, "Beitrag zur Berechnung eines Kugelgelenks", Schweizerische Bauzeitun
 from __future__ import annotations
 
 import copy
-import doctest
 import math
 import pickle
 from collections.abc import Callable, Sequence
@@ -18,7 +17,7 @@ import numpy as np
 import pytest
 
 from cardan import ball_joint
-from cardan.ball_joint import BallJoint, layer_compliance, layers
+from cardan.ball_joint import BallJoint, layer_compliance
 from oracle import EPS, LIMIT_TABLE, Doubles, Exact, MpNumber, mp, radians, read
 
 DATA = read("ball_joint.json")
@@ -594,11 +593,6 @@ def test_joints_never_change() -> None:
     assert pickle.loads(pickle.dumps(other)).compliance is None
     assert pickle.loads(pickle.dumps(BallJoint(0.1, 1.25))).half_angle == 1.25
     assert len({joint, other, joint}) == 2
-
-
-def test_the_examples_in_the_documentation() -> None:
-    assert doctest.testmod(ball_joint) == (0, 4)
-    assert doctest.testmod(layers) == (0, 1)
 
 
 # --- refusals --------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import math
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan import installed
 
 HEIGHTS = np.linspace(-0.12, 0.08, 41)
 
@@ -239,7 +237,3 @@ def test_shafts_that_do_not_exist() -> None:
         line.spline_force(3, 1.0, 0.1, 0.02)
     with pytest.raises(IndexError, match="shaft is -4"):
         line.lengths().engagement(-4, 1.0, 1.0)
-
-
-def test_the_examples_in_docstrings() -> None:
-    assert doctest.testmod(installed) == (0, 13)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import itertools
 import math
 import pickle
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 import cardan
 import tiers
-from cardan import Driveline, Load, Sweep, installed
+from cardan import Driveline, Load, Sweep
 from cardan.tolerances import deviating
 from cardan.tolerances.box import Sizes, boxes
 from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
@@ -1181,7 +1180,3 @@ def test_what_is_refused_of_the_result() -> None:
     for name in ("passing", "permitted"):
         with pytest.raises(ValueError, match="limit is missing; 'torque' has no default limit"):
             _ = without.passing if name == "passing" else without.permitted("bends")
-
-
-def test_examples_of_the_docstrings() -> None:
-    assert doctest.testmod(installed).failed == 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import pickle
 from collections.abc import Callable
 from typing import Any, cast
@@ -12,7 +11,6 @@ import pytest
 from numpy.typing import ArrayLike
 
 import cardan
-from cardan.torsion import system as module
 from oracle import read
 from runge_kutta import half_turn
 
@@ -395,12 +393,6 @@ def test_wrong_calls_are_refused(
     system = cardan.TorsionalSystem(LINE, **GOOD)
     with pytest.raises(kind, match=message):
         call(system)
-
-
-def test_the_examples_of_the_docstrings() -> None:
-    results = doctest.testmod(module)
-    assert results.attempted > 3
-    assert results.failed == 0
 
 
 def test_a_large_orbit_within_a_resonance_is_periodic() -> None:

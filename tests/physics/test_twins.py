@@ -82,7 +82,7 @@ TWINS = {
     "Plan": {
         "derivatives gradient": "tests judge derivatives by differences in 60 digits",
         "harmonics": ORDERS,
-        "dtype explain labels places planes request": SHAPE,
+        "dtype explain labels line places planes request": SHAPE,
     },
     "TorsionalSystem": {
         "coexisting compliant critical_speeds dampings load_torque natural_frequencies orbit "

@@ -38,7 +38,8 @@ class DrivenPlan(Plan):
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
         line, request = at_drive.line, at_drive.request
-        super().__init__(line, request._replace(angle_of="driven"))
+        super().__init__(line, request)
+        self.request = self.request._replace(angle_of="driven")
         self._at_drive = at_drive
         inverted = Request("angle", tolerance=0.0, workers=request.workers)
         self._drive_angle = Plan(inverse(line), inverted)

@@ -65,7 +65,7 @@ class Plan:
         if load is not None:
             require_load(load)
         self.line = line
-        self.request = request._replace(names=layout.names)
+        self.request = request._replace(names=layout.names, angle_of="drive")
         self.dtype = DOUBLE if dtype is None else checked_dtype(dtype)
         self._reduce = reduce
         # What rows are reduced to is found in double.

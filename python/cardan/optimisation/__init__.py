@@ -195,7 +195,7 @@ def optimise(
     >>> bounds = [(-0.09, -0.01), (-np.inf, np.inf), (-np.inf, np.inf)]
     >>> best = cardan.optimise(lines_of, [-0.05, 0.0, 0.0], bounds, phases=[1, 2])
     >>> print(f"{np.degrees(best.before):.2f} -> {np.degrees(best.value):.2f} deg")
-    2.05 -> 0.97 deg
+    1.92 -> 1.21 deg
     """
     first = as_float64("start", start)
     if first.ndim != 1 or not first.size:

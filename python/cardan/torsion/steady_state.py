@@ -93,7 +93,7 @@ class SteadyState(Searched):
         ... )
         >>> steady = system.steady([50.0, 200.0])
         >>> steady.evaluate(256, "bending_driven", reduce="max").bending_driven.round(1)
-        array([[  49. , 2126.5]])
+        array([[   4.8, 2264.7]])
         """
         system = self._system
         orbit = system.orbit(self._speed, samples, tolerance=self._tolerance, workers=workers)
