@@ -125,7 +125,7 @@ def command_help() -> str:
     """Return what every command says with ``--help``."""
     import click
 
-    from cardan.command import commands
+    from cardan.app.command import commands
 
     group = commands()
     parts = []

@@ -14,14 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cardan
-from cardan import plots
-from cardan.figures.backlash import drawn_backlash
-from cardan.figures.life import needed_life
-from cardan.figures.optimise import optimised
-from cardan.figures.scene_forces import scene_force_paths
-from cardan.figures.slides import drawn_slides
-from cardan.figures.torsion import torsion_figures
-from cardan.scene.starters import STARTERS
+from cardan.app import plots
+from cardan.app.figures.backlash import drawn_backlash
+from cardan.app.figures.life import needed_life
+from cardan.app.figures.optimise import optimised
+from cardan.app.figures.scene_forces import scene_force_paths
+from cardan.app.figures.slides import drawn_slides
+from cardan.app.figures.torsion import torsion_figures
+from cardan.app.scene.starters import STARTERS
 
 matplotlib.use("agg")
 matplotlib.style.use(dict(plots.STYLE))

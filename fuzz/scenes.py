@@ -22,8 +22,8 @@ import atheris
 
 with atheris.instrument_imports(include=["cardan"]):
     from cardan import Scene
-    from cardan.command import commands
-    from cardan.files.recording import read_chunks, read_columns
+    from cardan.app.command import commands
+    from cardan.app.files.recording import read_chunks, read_columns
 
 import asammdf
 import numpy as np
@@ -33,7 +33,7 @@ from click.testing import CliRunner
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "examples"
-PATHS = [*EXAMPLES.glob("*.toml"), *ROOT.glob("python/cardan/scene/machines/*.toml")]
+PATHS = [*EXAMPLES.glob("*.toml"), *ROOT.glob("python/cardan/app/scene/machines/*.toml")]
 TEXTS = [path.read_bytes() for path in sorted(PATHS)]
 # Pictures take long and are not what is answered.
 SCENES = [tomllib.loads(text.decode()) | {"output": {}} for text in TEXTS]

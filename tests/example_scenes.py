@@ -12,13 +12,13 @@ import jsonschema
 from click.testing import CliRunner
 from filelock import FileLock
 
-from cardan.command import commands
-from cardan.figures.schema import answers_schema
-from cardan.report import write_report
-from cardan.scene import Scene, load_scene
+from cardan.app.command import commands
+from cardan.app.figures.schema import answers_schema
+from cardan.app.report import write_report
+from cardan.app.scene import Scene, load_scene
 
 _ROOT = Path(__file__).parents[1]
-_MACHINES = _ROOT / "python" / "cardan" / "scene" / "machines"
+_MACHINES = _ROOT / "python" / "cardan" / "app" / "scene" / "machines"
 EXAMPLES = sorted([*(_ROOT / "examples").glob("*.toml"), *_MACHINES.glob("*.toml")])
 """The scenes of the folder of examples and those of the machines."""
 
@@ -73,7 +73,7 @@ class Answered:
     def data(self, command: str, *options: str) -> Any:  # noqa: ANN401 - JSON
         """The answer with ``--json``; `run` draws no picture for it."""
         into = ("--into", self._kept) if command == "run" else ()
-        with mock.patch("cardan.plots.write_picture"):
+        with mock.patch("cardan.app.plots.write_picture"):
             return json.loads(self._printed(command, "--json", *options, *into).text)
 
     @property

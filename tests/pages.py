@@ -17,10 +17,10 @@ import numpy as np
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
-from cardan.command import commands
-from cardan.report import write_report
-from cardan.report.charts import FRAME
-from cardan.scene import Scene
+from cardan.app.command import commands
+from cardan.app.report import write_report
+from cardan.app.report.charts import FRAME
+from cardan.app.scene import Scene
 from example_scenes import example
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -10,7 +10,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from cardan.scene import Scene
+from cardan.app.scene import Scene
 
 DEFINITIONS = Scene.schema()["$defs"]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from cardan.command import commands
+from cardan.app.command import commands
 
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 posix = pytest.mark.skipif(os.name != "posix", reason="POSIX signals, limits and terminals")

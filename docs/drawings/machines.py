@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, arc, polar
 
-MACHINES = pathlib.Path(__file__).parents[2] / "python" / "cardan" / "scene" / "machines"
+MACHINES = pathlib.Path(__file__).parents[2] / "python" / "cardan" / "app" / "scene" / "machines"
 TRUE = "lengths and bends are true"
 NOTE = f"{TRUE}; triangles: bearings"
 SHAFT, BLOCK = "#c9c9c9", "#e6e6e6"

@@ -16,9 +16,11 @@ from cardan._core import __version__ as __version__
 
 if TYPE_CHECKING:
     from cardan import approximations as approximations
-    from cardan import plots as plots
     from cardan import reference as reference
-    from cardan import scene as scene
+    from cardan.app import files as files
+    from cardan.app import plots as plots
+    from cardan.app import scene as scene
+    from cardan.app.scene import Scene as Scene
     from cardan.arrays.errors import ArgumentError as ArgumentError
     from cardan.arrays.errors import ArgumentTypeError as ArgumentTypeError
     from cardan.arrays.errors import ArgumentValueError as ArgumentValueError
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
     from cardan.interop import jax as jax
     from cardan.interop import scipy as scipy
     from cardan.interop import torch as torch
-    from cardan.motion import yoke_turns as workshop  # noqa: F401
+    from cardan.motion import workshop as workshop
     from cardan.motion.equivalent import EquivalentJoint as EquivalentJoint
     from cardan.motion.equivalent import Motion as Motion
     from cardan.motion.equivalent import Transmission as Transmission
@@ -53,7 +55,6 @@ if TYPE_CHECKING:
     from cardan.optimisation import ActiveLimit as ActiveLimit
     from cardan.optimisation import Optimum as Optimum
     from cardan.optimisation import optimise as optimise
-    from cardan.scene import Scene as Scene
     from cardan.tolerances import Tolerances as Tolerances
     from cardan.tolerances.order_tolerances import OrderTolerances as OrderTolerances
     from cardan.torsion import TorsionalSystem as TorsionalSystem
@@ -69,6 +70,7 @@ else:
 
     # All are imported when they are asked for: few programs need many of them.
     _NAMES = {
+        "app.scene": "Scene",
         "arrays.errors": "ArgumentError ArgumentTypeError ArgumentValueError",
         "ball_joint": "BallJoint",
         "design.check": "Check",
@@ -87,7 +89,6 @@ else:
         "motion.identification": "Identification TwoJoints identify identify_two_joints",
         "motion.steering": "Steering",
         "optimisation": "ActiveLimit Optimum optimise",
-        "scene": "Scene",
         "tolerances": "Tolerances",
         "tolerances.order_tolerances": "OrderTolerances",
         "torsion": "TorsionalSystem",
@@ -102,14 +103,15 @@ else:
     }
     _MODULES = {
         "approximations": "cardan.approximations",
-        "plots": "cardan.plots",
+        "plots": "cardan.app.plots",
         "reference": "cardan.reference",
-        "workshop": "cardan.motion.yoke_turns",
+        "workshop": "cardan.motion.workshop",
     }
     # A star must not replace what its user has by these names.
     _NOT_BY_STAR = {
+        "files": "cardan.app.files",
         "jax": "cardan.interop.jax",
-        "scene": "cardan.scene",
+        "scene": "cardan.app.scene",
         "scipy": "cardan.interop.scipy",
         "torch": "cardan.interop.torch",
     }

@@ -1,6 +1,6 @@
 """The command ``cardan`` as ``python -m cardan``."""
 
-from cardan.command import main
+from cardan.app.command import main
 
 if __name__ == "__main__":
     main()

@@ -11,6 +11,7 @@ import numpy as np
 
 from cardan import _core
 from cardan.arrays import FloatArray, html_table
+from cardan.arrays.libraries import draw
 from cardan.design.check import catalogue_bend, check
 from cardan.evaluation.evaluate import evaluate, harmonics, plan
 from cardan.geometry.as_built import with_deviations, with_play
@@ -45,6 +46,9 @@ from cardan.wear.life import life
 from cardan.wear.losses import losses
 from cardan.wear.spline import lengths, spline_force
 
+# Angles of one driveline in its ``repr``.
+_MOST_SHOWN = 8
+
 
 class Driveline:
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
@@ -71,7 +75,7 @@ class Driveline:
     _plans: dict[Any, Any]  # remembered by ``evaluate``, by its arguments
     _shape: tuple[int, ...]
 
-    def __init__(self) -> None:
+    def __init__(self, *_: object, **__: object) -> None:
         """Refuse: a driveline is made from bends, points, directions or slopes."""
         raise TypeError("use Driveline.from_bends, from_points, from_directions or from_slopes")
 
@@ -136,6 +140,22 @@ class Driveline:
     approx_equal = approx_equal
     __getitem__ = taken
 
+    def plot(self, angle: float = 0.0, **options: Any) -> Any:  # noqa: ANN401 - of matplotlib
+        """Draw the driveline in space, as ``cardan.plots.plot_driveline`` does.
+
+        Args:
+            angle: drive angle in rad.
+            options: as there: ``points``, ``length_unit`` and ``ax``.
+
+        Returns:
+            the axes of matplotlib with the picture.
+
+        Raises:
+            ImportError: matplotlib is missing.
+            ValueError: a batch, and as there.
+        """
+        return draw("plot_driveline", self, angle, **options)
+
     def __iter__(self) -> Iterator[Driveline]:
         """Iterate over the batch's first axis."""
         return map(self.__getitem__, range(len(self)))
@@ -168,12 +188,13 @@ class Driveline:
         return self
 
     def __repr__(self) -> str:
-        """Show number of joints and bends, or the shape of a batch."""
+        """Show number of joints and angles, or the shape of a batch."""
         joints = f"{self.n_joints} joint{'s' if self.n_joints > 1 else ''}"
         if self.shape:
             return f"<Driveline batch {self.shape} of {joints}>"
-        bends = ", ".join(f"{bend:.6g}" for bend in self.bends_deg)
-        return f"<Driveline of {joints}, bent by {bends} deg>"
+        angles = {"bends": self.bends_deg, "twists": self.twists_deg, "phases": self.phases_deg}
+        each = (f"{name} {_listed(values)} deg" for name, values in angles.items() if values.size)
+        return f"<Driveline of {joints}: {', '.join(each)}>"
 
     def _repr_html_(self) -> str:
         """Show the angles of one driveline, or the ranges of a batch, as a table."""
@@ -273,6 +294,12 @@ class Driveline:
     def has_deviations(self) -> bool:
         """Whether the joints deviate, so that the driveline is computed joint by joint."""
         return self._geometry.is_as_built
+
+
+def _listed(values: FloatArray) -> str:
+    """All values, or of many the first and the last."""
+    shown = [f"{value:.6g}" for value in values]
+    return " ".join(shown if len(shown) <= _MOST_SHOWN else [*shown[:3], "...", shown[-1]])
 
 
 def _overview() -> str:

@@ -11,9 +11,9 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
-from cardan.command import commands
-from cardan.figures.schema import answers_schema
-from cardan.scene import Scene, starters
+from cardan.app.command import commands
+from cardan.app.figures.schema import answers_schema
+from cardan.app.scene import Scene, starters
 from example_scenes import ANSWERS, DRIVELINES, EXAMPLES, Answers
 
 ROOT = Path(__file__).parents[2]

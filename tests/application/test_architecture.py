@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import re
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -52,6 +55,41 @@ def test_every_module_is_on_the_map(part: str) -> None:
         if folder.is_dir() and any(file.suffix in {".py", ".rs"} for file in folder.iterdir())
     }
     assert modules <= paths(TEXT.partition("\n## Modules\n")[2].partition("\n## ")[0])
+
+
+def imported(tree: ast.AST) -> Iterator[str]:
+    """What a module imports while it runs, and not for annotations alone."""
+    if isinstance(tree, ast.If) and ast.unparse(tree.test) == "TYPE_CHECKING":
+        return
+    if isinstance(tree, ast.ImportFrom) and tree.module:
+        yield from (f"{tree.module}.{name.name}" for name in tree.names)
+        yield tree.module
+    if isinstance(tree, ast.Import):
+        yield from (name.name for name in tree.names)
+    for child in ast.iter_child_nodes(tree):
+        yield from imported(child)
+
+
+def test_imports_go_one_way_among_files_and_among_rooms() -> None:
+    package = ROOT / "python"
+    paths = {
+        ".".join(path.relative_to(package).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in package.glob("cardan/**/*.py")
+    }
+    arrows = {
+        name: set(imported(ast.parse(path.read_text("utf-8")))) & paths.keys() - {name, "cardan"}
+        for name, path in paths.items()
+        if name != "cardan"
+    }
+    assert len(arrows["cardan.driveline"]) > 10
+    rooms: dict[str, set[str]] = {}
+    for name, above in arrows.items():
+        room = name.split(".")[1]
+        rooms.setdefault(room, set()).update({other.split(".")[1] for other in above} - {room})
+    for graph in (arrows, rooms):
+        TopologicalSorter(graph).prepare()
+    library = rooms.keys() - {"app", "__main__"}
+    assert not any("app" in rooms[room] for room in library)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -13,15 +13,15 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan import Driveline
-from cardan.command import commands
-from cardan.figures.as_built import ORDERS, as_built_orders
-from cardan.figures.limits import check_data, check_scene
-from cardan.figures.run import run_data
-from cardan.figures.summary import SummaryRow, summary
-from cardan.figures.tolerances import tolerance_figures
-from cardan.report import write_report
-from cardan.scene import Scene, SceneError
-from cardan.words.as_built import BY_DRAWING
+from cardan.app.command import commands
+from cardan.app.figures.as_built import ORDERS, as_built_orders
+from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.run import run_data
+from cardan.app.figures.summary import SummaryRow, summary
+from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.report import write_report
+from cardan.app.scene import Scene, SceneError
+from cardan.app.words.as_built import BY_DRAWING
 from example_scenes import ANSWERS, Answers, example
 
 HEAD = "[driveline]\nbends_deg = [8, 8]\n[load]\nspeed_rpm = 3000\ndrive_torque_Nm = 100\n"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from cardan.files.whole_file import check_writable
+from cardan.app.files.whole_file import check_writable
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals
 
 JOINT = "[driveline]\nbends_deg = [8.5]\n"

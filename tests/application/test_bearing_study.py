@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.figures.names import key_name
-from cardan.scene import Scene, SceneError
+from cardan.app.figures.names import key_name
+from cardan.app.scene import Scene, SceneError
 
 TEXT = """
 [driveline]

@@ -10,7 +10,7 @@ import pytest
 
 from cardan import Driveline, Finding, Limit, Limits
 from cardan.design.limits import PRESETS
-from cardan.motion import yoke_turns as workshop
+from cardan.motion import workshop
 
 RPM = 2 * math.pi / 60
 

@@ -20,12 +20,12 @@ from click.testing import CliRunner
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from cardan.command import commands  # noqa: E402
-from cardan.figures.extremes import study_data  # noqa: E402
-from cardan.figures.schema import answers_schema  # noqa: E402
-from cardan.figures.summary import drive_angles  # noqa: E402
-from cardan.scene import Scene, cluster, curves  # noqa: E402
-from cardan.words.study import study_text  # noqa: E402
+from cardan.app.command import commands  # noqa: E402
+from cardan.app.figures.extremes import study_data  # noqa: E402
+from cardan.app.figures.schema import answers_schema  # noqa: E402
+from cardan.app.figures.summary import drive_angles  # noqa: E402
+from cardan.app.scene import Scene, cluster, curves  # noqa: E402
+from cardan.app.words.study import study_text  # noqa: E402
 from example_scenes import example, replaced  # noqa: E402
 
 # One cluster serves all.
@@ -60,7 +60,7 @@ import time
 
 import distributed
 
-from cardan.scene import Scene, cluster
+from cardan.app.scene import Scene, cluster
 
 
 class Slow(distributed.WorkerPlugin):

@@ -21,14 +21,14 @@ import pytest
 from click.testing import Result
 
 import cardan
-from cardan.command import commands
-from cardan.command.files import wrote
-from cardan.figures.limits import CHECK_SCHEMA, check_data, check_scene
-from cardan.files.columns import write_columns
-from cardan.scene import Scene
-from cardan.scene.format import FORMAT
-from cardan.scene.starters import STARTERS
-from cardan.words.limits import check_text
+from cardan.app.command import commands
+from cardan.app.command.files import wrote
+from cardan.app.figures.limits import CHECK_SCHEMA, check_data, check_scene
+from cardan.app.files.columns import write_columns
+from cardan.app.scene import Scene
+from cardan.app.scene.format import FORMAT
+from cardan.app.scene.starters import STARTERS
+from cardan.app.words.limits import check_text
 from example_scenes import DRIVELINES, EXAMPLES, Answers, example
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals
 
@@ -406,7 +406,7 @@ def test_check_of_a_study_is_of_every_driveline(
     text += "[limits]\npreset = 'truck'\n[study]\n"
     path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
     for block in (1 << 21, 3):
-        monkeypatch.setattr("cardan.scene.study._BLOCK", block)
+        monkeypatch.setattr("cardan.app.scene.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
         assert result.output.startswith(
@@ -470,7 +470,7 @@ def test_check_names_what_else_is_beyond_below_its_verdict(name: str, below: str
 
 def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of drivelines at rest have the same figures as the others."""
-    monkeypatch.setattr("cardan.scene.study._BLOCK", 1)
+    monkeypatch.setattr("cardan.app.scene.study._BLOCK", 1)
     path = tmp_path / "a.toml"
     text = "[driveline]\nbends_deg = [2]\n[limits]\npreset = 'truck'\n[load]\n"
     path.write_text(f"{text}[study]\nspeed_rpm = [0, 6000]")
@@ -576,7 +576,7 @@ def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -
         def explain(self, angle: object) -> str:
             return f"one step over {angle}"
 
-    monkeypatch.setattr("cardan.scene.Scene.plan", lambda _: Plan())
+    monkeypatch.setattr("cardan.app.scene.Scene.plan", lambda _: Plan())
     assert (
         run("explain", scene).output == "one step over Sweep.revolutions(1.0013888888888889, 720)\n"
     )
@@ -729,7 +729,7 @@ def test_missing_extra(
     def work(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("cardan.scene.Scene.run", work)
+    monkeypatch.setattr("cardan.app.scene.Scene.run", work)
     monkeypatch.chdir(into)
     scene.write_text(scene.read_text().replace("a.csv", "a.parquet"))
     monkeypatch.setitem(sys.modules, module, None)
@@ -749,7 +749,7 @@ def test_memory(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("cardan.scene.Scene.run", exhausted)
+    monkeypatch.setattr("cardan.app.scene.Scene.run", exhausted)
     failed(run("run", scene), "not enough memory; fewer samples or a smaller study need less")
 
 
@@ -757,7 +757,7 @@ def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     def exhausted(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(import_module("cardan.command.stream"), "stream", exhausted)
+    monkeypatch.setattr(import_module("cardan.app.command.stream"), "stream", exhausted)
     hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
     failed(run("stream", scene), hint)
 

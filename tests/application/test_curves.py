@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cardan.app.files import columns as curves
+from cardan.app.files.whole_file import check_writable, whole_file
+from cardan.app.scene import Scene, SceneResult
+from cardan.app.scene.curves import columns, write_curves, write_study
+from cardan.app.scene.study import StudyResult
 from cardan.arrays import FloatArray
-from cardan.files import columns as curves
-from cardan.files.whole_file import check_writable, whole_file
-from cardan.scene import Scene, SceneResult
-from cardan.scene.curves import columns, write_curves, write_study
-from cardan.scene.study import StudyResult
 
 SCENE = """\
 [driveline]

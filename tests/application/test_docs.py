@@ -19,8 +19,8 @@ from click.testing import CliRunner
 
 import cardan
 from cardan import torsion
-from cardan.command import commands
-from cardan.scene.starters import STARTERS
+from cardan.app.command import commands
+from cardan.app.scene.starters import STARTERS
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan.scene import Scene
+from cardan.app.scene import Scene
 
 TEXT = """\
 [driveline]

@@ -13,21 +13,21 @@ from click.testing import CliRunner
 from matplotlib import pyplot
 
 from cardan import Driveline, Load
-from cardan.command import commands
-from cardan.figures.forces import force_figures
-from cardan.figures.limits import check_data, check_scene
-from cardan.figures.run import run_data
-from cardan.figures.scene_forces import scene_force_paths, scene_forces
-from cardan.figures.schema import answers_schema
-from cardan.figures.states import forces_of
-from cardan.figures.summary import summary
-from cardan.figures.tolerances import tolerance_figures
-from cardan.plots import plot_force_hodograph, plot_hodograph
-from cardan.report import write_report
-from cardan.report.forces import force_views
-from cardan.scene import Scene
-from cardan.scene.curves import columns, study_columns
-from cardan.words.forces import force_rows, forces_text
+from cardan.app.command import commands
+from cardan.app.figures.forces import force_figures
+from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.run import run_data
+from cardan.app.figures.scene_forces import scene_force_paths, scene_forces
+from cardan.app.figures.schema import answers_schema
+from cardan.app.figures.states import forces_of
+from cardan.app.figures.summary import summary
+from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.plots import plot_force_hodograph, plot_hodograph
+from cardan.app.report import write_report
+from cardan.app.report.forces import force_views
+from cardan.app.scene import Scene
+from cardan.app.scene.curves import columns, study_columns
+from cardan.app.words.forces import force_rows, forces_text
 from example_scenes import example, replaced
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())

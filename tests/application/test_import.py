@@ -15,8 +15,8 @@ import click
 import pytest
 
 import cardan
-from cardan.command import commands
-from cardan.command.commands import SUBCOMMANDS
+from cardan.app.command import commands
+from cardan.app.command.commands import SUBCOMMANDS
 
 EXAMPLES = (
     next(path for path in Path(__file__).parents if (path / "examples").exists()) / "examples"
@@ -24,14 +24,14 @@ EXAMPLES = (
 
 OPTIONAL = ("dask", "jinja2", "matplotlib", "pyarrow", "scipy", "xarray")
 LATER = (
-    "cardan.command",
-    "cardan.figures",
-    "cardan.files",
+    "cardan.app.command",
+    "cardan.app.figures",
+    "cardan.app.files",
     "cardan.interop",
-    "cardan.plots",
-    "cardan.report",
-    "cardan.scene",
-    "cardan.words",
+    "cardan.app.plots",
+    "cardan.app.report",
+    "cardan.app.scene",
+    "cardan.app.words",
     "click",
     *OPTIONAL,
 )
@@ -58,12 +58,12 @@ def test_the_library_alone_is_imported() -> None:
 
 
 ASKED_FOR = {
-    "Scene": "cardan.scene",
+    "Scene": "cardan.app.scene",
     "approximations": "cardan.approximations",
-    "plots": "cardan.plots",
+    "plots": "cardan.app.plots",
     "reference": "cardan.reference",
-    "scene": "cardan.scene",
-    "workshop": "cardan.motion.yoke_turns",
+    "scene": "cardan.app.scene",
+    "workshop": "cardan.motion.workshop",
 }
 
 
@@ -79,7 +79,7 @@ def test_what_comes_when_it_is_imported() -> None:
 
 def test_scenes_need_neither_pictures_nor_the_command() -> None:
     modules = loaded("from cardan import Scene; Scene.schema()")
-    assert modules.isdisjoint({"cardan.plots", "cardan.report", "click", "matplotlib"})
+    assert modules.isdisjoint({"cardan.app.plots", "cardan.app.report", "click", "matplotlib"})
 
 
 def test_pictures_need_matplotlib_only_to_be_drawn() -> None:
@@ -91,13 +91,13 @@ def test_pictures_need_matplotlib_only_to_be_drawn() -> None:
 )
 def test_the_command_says_what_it_is_without_the_library(arguments: list[str]) -> None:
     modules = loaded_by_command(*arguments)
-    assert "cardan.command" in modules
+    assert "cardan.app.command" in modules
     assert {name for name in modules if name.startswith("cardan")} == {
         "cardan",
         "cardan._core",
-        "cardan.command",
-        "cardan.command.commands",
-        "cardan.command.terminal",
+        "cardan.app.command",
+        "cardan.app.command.commands",
+        "cardan.app.command.terminal",
     }
     assert modules.isdisjoint({"numpy", *OPTIONAL})
 
@@ -108,7 +108,7 @@ def test_names_of_subcommands_are_completed_without_them() -> None:
         f"import os; os.environ.update({words}); from cardan.command import main; main()"
     )
     assert "click.shell_completion" in modules
-    assert "cardan.command.check" not in modules
+    assert "cardan.app.command.check" not in modules
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
@@ -116,9 +116,9 @@ def test_a_scene_without_a_picture_needs_none(command: str, tmp_path: Path) -> N
     scene = tmp_path / "scene.toml"
     scene.write_text("[driveline]\nbends_deg = [2, 2]\n")
     modules = loaded_by_command(command, scene)
-    assert f"cardan.command.{command}" in modules
-    assert modules.isdisjoint({"cardan.plots", "cardan.report", *OPTIONAL})
-    others = {f"cardan.command.{name}" for name in SUBCOMMANDS if name != command}
+    assert f"cardan.app.command.{command}" in modules
+    assert modules.isdisjoint({"cardan.app.plots", "cardan.app.report", *OPTIONAL})
+    others = {f"cardan.app.command.{name}" for name in SUBCOMMANDS if name != command}
     assert modules.isdisjoint(others)
 
 
@@ -128,7 +128,7 @@ def test_only_a_scene_with_the_section_needs_the_search() -> None:
 
 
 def test_subcommands_are_the_modules_with_a_command() -> None:
-    folder = Path(cardan.__path__[0]) / "command"
+    folder = Path(cardan.__path__[0]) / "app" / "command"
     found = {
         path.stem
         for path in folder.glob("*.py")

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cardan
-from cardan.figures.life import needed_life
-from cardan.plots import plot_heat, plot_pin_load, plot_sizes, write_life
-from cardan.scene import Scene
+from cardan.app.figures.life import needed_life
+from cardan.app.plots import plot_heat, plot_pin_load, plot_sizes, write_life
+from cardan.app.scene import Scene
 
 CONVEYOR = Path(__file__).parents[2] / "examples" / "conveyor.toml"
 LINE = cardan.Driveline.from_bends([12, 18], phases=[90], degrees=True)
@@ -35,7 +35,7 @@ def _closed() -> Iterator[None]:
 def pictures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The pictures written, as figures."""
     kept: list[Figure] = []
-    monkeypatch.setattr("cardan.plots.life.save", lambda figure, _: kept.append(figure))
+    monkeypatch.setattr("cardan.app.plots.life.save", lambda figure, _: kept.append(figure))
     return kept
 
 

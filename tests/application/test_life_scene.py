@@ -15,15 +15,15 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
-from cardan.command import commands
-from cardan.figures.life import LifeFigures, life_figures, needed_life
-from cardan.figures.life_answer import life_data
-from cardan.figures.limits import check_data, check_scene, passes
-from cardan.figures.schema import answers_schema
-from cardan.figures.tubes import tube_figures, tubes_data
-from cardan.report import write_report
-from cardan.scene import Scene
-from cardan.words.life import life_sentences, life_text, tube_lines, tube_sentences
+from cardan.app.command import commands
+from cardan.app.figures.life import LifeFigures, life_figures, needed_life
+from cardan.app.figures.life_answer import life_data
+from cardan.app.figures.limits import check_data, check_scene, passes
+from cardan.app.figures.schema import answers_schema
+from cardan.app.figures.tubes import tube_figures, tubes_data
+from cardan.app.report import write_report
+from cardan.app.scene import Scene
+from cardan.app.words.life import life_sentences, life_text, tube_lines, tube_sentences
 from example_scenes import Answers, example
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from cardan.command import commands
+from cardan.app.command import commands
 from example_scenes import EXAMPLES, Answers, example
 
 ROOT = Path(__file__).parents[2]

@@ -13,10 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline
-from cardan.command import commands
-from cardan.files.recording import read_chunks, read_columns
-from cardan.scene import Scene, stream
-from cardan.scene.curves import write_curves
+from cardan.app.command import commands
+from cardan.app.files.recording import read_chunks, read_columns
+from cardan.app.scene import Scene, stream
+from cardan.app.scene.curves import write_curves
 
 asammdf = pytest.importorskip("asammdf")
 

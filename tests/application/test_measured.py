@@ -14,14 +14,14 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
-from cardan.command import commands
-from cardan.figures.limits import check_scene
-from cardan.figures.summary import drive_angles
-from cardan.scene import Scene, stream
-from cardan.scene.curves import columns, write_curves
-from cardan.scene.motion import Integral, derivatives
-from cardan.scene.recorded import Recording
-from cardan.words.signals import signals_text
+from cardan.app.command import commands
+from cardan.app.figures.limits import check_scene
+from cardan.app.figures.summary import drive_angles
+from cardan.app.scene import Scene, stream
+from cardan.app.scene.curves import columns, write_curves
+from cardan.app.scene.motion import Integral, derivatives
+from cardan.app.scene.recorded import Recording
+from cardan.app.words.signals import signals_text
 from example_scenes import ANSWERS
 
 RANDOM = np.random.default_rng(20)

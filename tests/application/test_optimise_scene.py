@@ -14,16 +14,16 @@ import pytest
 from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
-from cardan.command import commands
-from cardan.figures.optimise import optimised
-from cardan.figures.schema import answers_schema
+from cardan.app.command import commands
+from cardan.app.figures.optimise import optimised
+from cardan.app.figures.schema import answers_schema
+from cardan.app.plots import plot_optimise, plot_optimised_states, plot_over_variable
+from cardan.app.report import write_report
+from cardan.app.scene import Scene
+from cardan.app.scene.edit import map_of, with_values
+from cardan.app.words.optimise import change_lines, table_of
 from cardan.optimisation.arguments import parameters_of
 from cardan.optimisation.problem import Problem
-from cardan.plots import plot_optimise, plot_optimised_states, plot_over_variable
-from cardan.report import write_report
-from cardan.scene import Scene
-from cardan.scene.edit import map_of, with_values
-from cardan.words.optimise import change_lines, table_of
 from example_scenes import EXAMPLES, Answers, example
 
 ROOT = Path(__file__).parents[2]

@@ -10,11 +10,11 @@ from click.testing import CliRunner
 from matplotlib.patches import StepPatch
 
 from cardan import Driveline
-from cardan.command import commands
-from cardan.figures.orders import orders
-from cardan.plots import plot_scene
-from cardan.plots.bands import Bands
-from cardan.scene import Scene
+from cardan.app.command import commands
+from cardan.app.figures.orders import orders
+from cardan.app.plots import plot_scene
+from cardan.app.plots.bands import Bands
+from cardan.app.scene import Scene
 
 RANDOM = np.random.default_rng(7)
 JOINT = "[driveline]\nbends_deg = [20]\n"

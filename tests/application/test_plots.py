@@ -26,23 +26,24 @@ from matplotlib.patches import Rectangle, StepPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from cardan import plots, reference
+from cardan import reference
+from cardan.app import plots
+from cardan.app.command import commands
+from cardan.app.figures.summary import SummaryRow, summary
+from cardan.app.plots import plot_scene, space, write_picture
+from cardan.app.plots.bands import Bands
+from cardan.app.plots.key_figures import key_figures
+from cardan.app.plots.labels import PlacedLabels
+from cardan.app.plots.space import View
+from cardan.app.plots.style import degree_ticks, text_width
+from cardan.app.scene import Scene, SceneResult
+from cardan.app.scene.study import StudyResult
 from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
-from cardan.command import commands
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
-from cardan.figures.summary import SummaryRow, summary
-from cardan.plots import plot_scene, space, write_picture
-from cardan.plots.bands import Bands
-from cardan.plots.key_figures import key_figures
-from cardan.plots.labels import PlacedLabels
-from cardan.plots.space import View
-from cardan.plots.style import degree_ticks, text_width
-from cardan.scene import Scene, SceneResult
-from cardan.scene.study import StudyResult
 from example_scenes import DRIVELINES, EXAMPLES
 from heights import NAMES, drivelines, scene_text
 

@@ -13,21 +13,21 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
-from cardan.command import commands
-from cardan.figures.backlash import scene_backlash
-from cardan.figures.life import needed_life
-from cardan.figures.optimise import optimise_data, optimised
-from cardan.figures.slides import drawn_slides, scene_slides
-from cardan.figures.slip import slip_figures
-from cardan.figures.states import forces_of
-from cardan.figures.steering import steering_figures
-from cardan.scene import Scene
-from cardan.words.backlash import backlash_text
-from cardan.words.forces import forces_text
-from cardan.words.slides import slides_text
-from cardan.words.slip import slip_text
-from cardan.words.steering import steering_text
-from cardan.words.summary import figure_text
+from cardan.app.command import commands
+from cardan.app.figures.backlash import scene_backlash
+from cardan.app.figures.life import needed_life
+from cardan.app.figures.optimise import optimise_data, optimised
+from cardan.app.figures.slides import drawn_slides, scene_slides
+from cardan.app.figures.slip import slip_figures
+from cardan.app.figures.states import forces_of
+from cardan.app.figures.steering import steering_figures
+from cardan.app.scene import Scene
+from cardan.app.words.backlash import backlash_text
+from cardan.app.words.forces import forces_text
+from cardan.app.words.slides import slides_text
+from cardan.app.words.slip import slip_text
+from cardan.app.words.steering import steering_text
+from cardan.app.words.summary import figure_text
 from example_scenes import example
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
 from pages import EXAMPLES, blocks, first_number, printed, rows

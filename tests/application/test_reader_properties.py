@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from cardan.files.columns import write_columns
-from cardan.files.recording import read_chunks, read_columns
+from cardan.app.files.columns import write_columns
+from cardan.app.files.recording import read_chunks, read_columns
 
 asammdf = pytest.importorskip("asammdf")
 pytest.importorskip("pyarrow")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from cardan.command import commands
+from cardan.app.command import commands
 from oracle import OUTPUT_LIMITS
 
 ROOT = Path(__file__).parents[2]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan.files import plain
-from cardan.files.recording import place_of, read_chunks, read_columns
+from cardan.app.files import plain
+from cardan.app.files.recording import place_of, read_chunks, read_columns
 
 ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
 

@@ -15,13 +15,13 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
-from cardan.figures.life import needed_life
-from cardan.figures.optimise import optimised
-from cardan.figures.slides import drawn_slides
-from cardan.figures.tolerances import tolerance_figures
-from cardan.figures.torsion import torsion_figures
-from cardan.scene import Scene
-from cardan.words.summary import figure_text
+from cardan.app.figures.life import needed_life
+from cardan.app.figures.optimise import optimised
+from cardan.app.figures.slides import drawn_slides
+from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.figures.torsion import torsion_figures
+from cardan.app.scene import Scene
+from cardan.app.words.summary import figure_text
 from example_scenes import Answers, example
 from pages import curves, figure, legend_of, page_of, scales, tables, value
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from cardan import ArgumentValueError
-from cardan.scene import Scene, SceneError
-from cardan.scene.cluster import connect, write_study
-from cardan.scene.errors import StudyPointError
+from cardan.app.scene import Scene, SceneError
+from cardan.app.scene.cluster import connect, write_study
+from cardan.app.scene.errors import StudyPointError
 
 TWO = "[driveline]\nbends_deg = [8.5, 8.5]\n"
 

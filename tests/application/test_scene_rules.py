@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.scene import Scene
-from cardan.scene import values as kinds
-from cardan.scene.errors import Location
-from cardan.scene.format import FORMAT
-from cardan.scene.forms import FORMS
+from cardan.app.scene import Scene
+from cardan.app.scene import values as kinds
+from cardan.app.scene.errors import Location
+from cardan.app.scene.format import FORMAT
+from cardan.app.scene.forms import FORMS
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
 from tiers import part
 

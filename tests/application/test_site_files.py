@@ -11,8 +11,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cardan.figures.schema import answers_schema
-from cardan.scene import Scene
+from cardan.app.figures.schema import answers_schema
+from cardan.app.scene import Scene
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -14,16 +14,16 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline
-from cardan.command import commands
-from cardan.figures.limits import check_scene
-from cardan.figures.states import forces_of
-from cardan.figures.steering import steering_data, steering_figures
-from cardan.plots import plot_states, write_picture
-from cardan.report import write_report
-from cardan.report.charts import FRAME, chart
-from cardan.report.samples import Curve, Panel
-from cardan.scene import Scene, StatesResult
-from cardan.words.states import verdict_lines
+from cardan.app.command import commands
+from cardan.app.figures.limits import check_scene
+from cardan.app.figures.states import forces_of
+from cardan.app.figures.steering import steering_data, steering_figures
+from cardan.app.plots import plot_states, write_picture
+from cardan.app.report import write_report
+from cardan.app.report.charts import FRAME, chart
+from cardan.app.report.samples import Curve, Panel
+from cardan.app.scene import Scene, StatesResult
+from cardan.app.words.states import verdict_lines
 from example_scenes import example
 from pages import curves, figure, page_of, scales
 

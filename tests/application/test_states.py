@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline
-from cardan.scene import Scene, SceneError
+from cardan.app.scene import Scene, SceneError
 
 POINTS = np.array([[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45]], dtype=float)
 BASE = """\

@@ -14,15 +14,15 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
-from cardan.command import commands
-from cardan.figures.limits import check_data, check_scene
-from cardan.figures.schema import answers_schema
-from cardan.figures.tolerance_answers import tolerances_data
-from cardan.figures.tolerances import ToleranceFigures, permitted_tolerances, tolerance_figures
-from cardan.plots import plot_tolerance_shares, plot_tolerances
-from cardan.report import write_report
-from cardan.scene import Scene
-from cardan.words.tolerances import percent, permitted_texts, tolerances_text, verdict_texts
+from cardan.app.command import commands
+from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.schema import answers_schema
+from cardan.app.figures.tolerance_answers import tolerances_data
+from cardan.app.figures.tolerances import ToleranceFigures, permitted_tolerances, tolerance_figures
+from cardan.app.plots import plot_tolerance_shares, plot_tolerances
+from cardan.app.report import write_report
+from cardan.app.scene import Scene
+from cardan.app.words.tolerances import percent, permitted_texts, tolerances_text, verdict_texts
 
 ROOT = Path(__file__).parents[2]
 WORKSHOP = ROOT / "examples" / "workshop.toml"

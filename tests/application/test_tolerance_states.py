@@ -12,14 +12,14 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
-from cardan.command import commands
-from cardan.figures.limits import check_data, check_scene
-from cardan.figures.schema import answers_schema
-from cardan.figures.tolerance_answers import tolerances_data
-from cardan.figures.tolerances import ToleranceFigure, tolerance_figures
-from cardan.report import write_report
-from cardan.scene import Scene
-from cardan.words.tolerances import tolerances_text, verdict_texts
+from cardan.app.command import commands
+from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.schema import answers_schema
+from cardan.app.figures.tolerance_answers import tolerances_data
+from cardan.app.figures.tolerances import ToleranceFigure, tolerance_figures
+from cardan.app.report import write_report
+from cardan.app.scene import Scene
+from cardan.app.words.tolerances import tolerances_text, verdict_texts
 
 POINTS = np.array([[0, 0, 0], [350, -24, 0], [1650, -86, 0], [3150, -180, 45], [3450, -196, 45]])
 HEIGHTS = (-80, 0, 80)

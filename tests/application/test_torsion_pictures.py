@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation
 
-from cardan.figures.torsion import TorsionFigures, torsion_figures
-from cardan.plots import plot_campbell, plot_stability, plot_torsion, plot_torsion_response
-from cardan.report import write_report
-from cardan.scene import Scene
+from cardan.app.figures.torsion import TorsionFigures, torsion_figures
+from cardan.app.plots import plot_campbell, plot_stability, plot_torsion, plot_torsion_response
+from cardan.app.report import write_report
+from cardan.app.scene import Scene
 from example_scenes import Answers, example
 
 ROOT = Path(__file__).parents[2]

@@ -14,15 +14,15 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 import cardan
-from cardan.command import commands
-from cardan.figures.limits import check_data, check_scene
-from cardan.figures.schema import answers_schema
-from cardan.figures.torsion import TorsionFigures, torsion_figures
-from cardan.figures.torsion_answer import torsion_data
-from cardan.figures.torsion_modes import torsion_basics
-from cardan.scene import Scene
-from cardan.scene.torsion import TorsionCase
-from cardan.words.torsion import torsion_advice, torsion_sentences, torsion_text
+from cardan.app.command import commands
+from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.schema import answers_schema
+from cardan.app.figures.torsion import TorsionFigures, torsion_figures
+from cardan.app.figures.torsion_answer import torsion_data
+from cardan.app.figures.torsion_modes import torsion_basics
+from cardan.app.scene import Scene
+from cardan.app.scene.torsion import TorsionCase
+from cardan.app.words.torsion import torsion_advice, torsion_sentences, torsion_text
 
 ROOT = Path(__file__).parents[2]
 TRUCK, RIG = (ROOT / "examples" / f"{name}_torsion.toml" for name in ("truck", "rig"))

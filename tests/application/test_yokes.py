@@ -15,14 +15,14 @@ from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
 from cardan import Driveline, approximations
-from cardan.command import commands
-from cardan.figures import yokes
-from cardan.figures.advice import advice, arrangement, scene_advice
-from cardan.figures.catalogue import fork_signs
-from cardan.motion import yoke_turns as workshop
-from cardan.scene import Scene
-from cardan.scene.starters import STARTERS
-from cardan.words.advice import remedies
+from cardan.app.command import commands
+from cardan.app.figures import yokes
+from cardan.app.figures.advice import advice, arrangement, scene_advice
+from cardan.app.figures.catalogue import fork_signs
+from cardan.app.scene import Scene
+from cardan.app.scene.starters import STARTERS
+from cardan.app.words.advice import remedies
+from cardan.motion import workshop
 from example_scenes import EXAMPLES
 
 VIEW = "looking from the drive towards the output"

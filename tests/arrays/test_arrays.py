@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, ArgumentTypeError, BallJoint, Driveline, Load, Result, approximations
-from cardan.motion import yoke_turns as workshop
+from cardan.motion import workshop
 
 ONE = Driveline.from_bends([0.5])
 THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9]).with_bearings(

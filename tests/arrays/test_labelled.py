@@ -14,7 +14,7 @@ pytest.importorskip("pandas")
 pytest.importorskip("pyarrow")
 
 from cardan import OUTPUTS, Driveline, Load, Result, Sweep  # noqa: E402
-from cardan.scene import Scene  # noqa: E402
+from cardan.app.scene import Scene  # noqa: E402
 
 ANGLE = np.linspace(-3.0, 9.0, 8)
 LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3).with_bearings(

@@ -18,9 +18,9 @@ import pytest
 
 import cardan
 from cardan import BallJoint, Driveline, Load, Plan, Scene, Sweep
+from cardan.app.scene import SceneResult
+from cardan.app.scene.study import StudyResult
 from cardan.arrays import as_float64
-from cardan.scene import SceneResult
-from cardan.scene.study import StudyResult
 
 GRID = np.linspace(-3.0, 9.0, 60)
 LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3)

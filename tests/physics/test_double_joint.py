@@ -13,7 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 import cardan
-from cardan.plots import plot_double_joint
+from cardan.app.plots import plot_double_joint
 
 
 def double_joint(*args: Any, **named: Any) -> cardan.Driveline:  # noqa: ANN401

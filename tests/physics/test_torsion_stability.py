@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cardan
-from cardan.figures.torsion_stability import unstable_regions
+from cardan.app.figures.torsion_stability import unstable_regions
 from runge_kutta import half_turn
 
 INF = float("inf")

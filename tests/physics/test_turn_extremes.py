@@ -10,8 +10,8 @@ import pytest
 
 import tiers
 from cardan import OUTPUTS, Driveline, Load, Sweep
+from cardan.app.figures.turn_extremes import peak
 from cardan.arrays import FloatArray
-from cardan.figures.turn_extremes import peak
 
 SEARCHED = (
     *("torque", "support_moment", "moment", "bending_driving", "bending_driven"),

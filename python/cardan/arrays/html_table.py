@@ -38,12 +38,19 @@ def result(
     caption: str, arrays: Mapping[str, NDArray[np.floating]], units: Mapping[str, str]
 ) -> str:
     """Return name, unit, shape and extent of every output."""
-    rows = []
-    for name, array in arrays.items():
-        # The figures of arrays that are computed later would take time.
-        later = hasattr(array, "__dask_graph__")
-        rows.append((name, units[name], np.shape(array), "" if later else _extent(array)))
+    rows = [(name, units[name], shape, extent) for name, shape, extent in extents(arrays)]
     return table(caption, ("output", "unit", "shape", "smallest to largest"), rows)
+
+
+def extents(
+    arrays: Mapping[str, NDArray[np.floating]],
+) -> list[tuple[str, tuple[int, ...], str]]:
+    """Return name, shape and extent of every array; of those computed later no extent."""
+    # The figures of arrays that are computed later would take time.
+    return [
+        (name, np.shape(array), "" if hasattr(array, "__dask_graph__") else _extent(array))
+        for name, array in arrays.items()
+    ]
 
 
 def _extent(values: NDArray[np.floating]) -> str:

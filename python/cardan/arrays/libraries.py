@@ -47,7 +47,7 @@ LIBRARIES: Mapping[str, Library] = MappingProxyType(
 )
 """The libraries that are handled beside NumPy, by name."""
 
-_PICTURES = "cardan.plots.result"
+_PICTURES = "cardan.app.plots"
 
 
 def array_namespace_of(value: object) -> str:
@@ -69,9 +69,9 @@ def adapter(name: str) -> Any:  # noqa: ANN401 - a module
     return importlib.import_module(LIBRARIES[name].adapter)
 
 
-def picture_of(result: Any) -> Any:  # noqa: ANN401 - a result, a figure of matplotlib
-    """Draw a result: pictures are built upon the library, so they are imported only then."""
-    return importlib.import_module(_PICTURES).plot_result(result)
+def draw(picture: str, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401 - of matplotlib
+    """Draw by the name of a function of ``cardan.plots``, which is built upon the library."""
+    return getattr(importlib.import_module(_PICTURES), picture)(*arguments, **options)
 
 
 def import_optional(name: str, extra: str) -> Any:  # noqa: ANN401 - a module

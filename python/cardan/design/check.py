@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core, approximations
-from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays import html_table as notebook
+from cardan.arrays import FloatArray, as_float64, common_shape, html_table, threads
 from cardan.design.judged import VERDICTS, Finding, counted
 from cardan.design.limits import CATALOGUE, PRESETS, Limits, limits_of
 from cardan.design.quantities import MOTION_QUANTITIES
@@ -138,7 +137,7 @@ class Check:
             for f in self.findings
         ]
         heads = ("limits of", "figure", "value", "verdict", "source of the limit")
-        return notebook.table(self.heading, heads, rows)
+        return html_table.table(self.heading, heads, rows)
 
 
 def check(

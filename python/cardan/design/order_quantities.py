@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.evaluation.order_sums import ComplexArray
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
 
 ORDERED = ("angle_error", "acceleration")
 """What has orders as quantities."""
@@ -74,7 +77,7 @@ def order_quantity(name: str) -> OrderQuantity | None:
     return OrderQuantity(of, int(found[2]))
 
 
-def order_amplitude(line: Any, order: int, shaft: int) -> ComplexArray:  # noqa: ANN401 - a driveline
+def order_amplitude(line: Driveline, order: int, shaft: int) -> ComplexArray:
     """Return the complex amplitude of an order of the angle error in rad, one per driveline.
 
     The speed ratio is 1 and the derivative of the angle error. Its samples do not need the mean

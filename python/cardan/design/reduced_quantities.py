@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.evaluation.request import REDUCTIONS, Reduction
 from cardan.evaluation.sweep import Sweep
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+    from cardan.evaluation.plan import Plan
 
 _Kind = TypeVar("_Kind", bound=str)
 
@@ -48,7 +52,7 @@ class ReducedQuantity:
         of = "" if self.items is None else f" of {self.output.per} {self.items}"
         return f"{self.output.label}{of}, {self.reduction}"
 
-    def check_item(self, line: Any) -> None:  # noqa: ANN401 - a driveline
+    def check_item(self, line: Driveline) -> None:
         """Check that a driveline has the shaft, joint or bearing that the quantity names.
 
         Raises:
@@ -59,7 +63,7 @@ class ReducedQuantity:
         if isinstance(self.items, int):
             item_index(f"{per} of {self.output.name}", self.items, counts[per])
 
-    def of(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
+    def of(self, line: Driveline, load: Load | None, workers: int | None = None) -> FloatArray:
         """Return the number of each driveline, in the shape of the batch.
 
         Args:
@@ -76,7 +80,7 @@ class ReducedQuantity:
 
     def derivatives(
         self,
-        line: Any,  # noqa: ANN401
+        line: Driveline,
         load: Load | None,
         by: Iterable[_Kind],
     ) -> dict[_Kind, FloatArray]:
@@ -103,7 +107,7 @@ class ReducedQuantity:
         gradient = plan.gradient(self._angles(line), {name: weights})
         return {kind: np.squeeze(getattr(gradient, kind), axis=len(line.shape)) for kind in by}
 
-    def _each(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
+    def _each(self, line: Driveline, load: Load | None, workers: int | None = None) -> FloatArray:
         """The number of each driveline, behind an axis of the items if there are several."""
         self.check_item(line)
         plan = self._plan(line, load, reduce=self.reduction, workers=workers)
@@ -114,7 +118,7 @@ class ReducedQuantity:
             values = np.linalg.norm(values, axis=-1)
         return values
 
-    def _chosen(self, line: Any, load: Load | None, count: int) -> NDArray[np.bool_]:  # noqa: ANN401
+    def _chosen(self, line: Driveline, load: Load | None, count: int) -> NDArray[np.bool_]:
         """Whether an item is the one that counts, ``(items, *batch)``."""
         numbers = np.arange(count).reshape(-1, *(1,) * len(line.shape))
         if self._bearing is not None:
@@ -146,16 +150,16 @@ class ReducedQuantity:
             weights = np.where(chosen, _along(ends, own), 0.0)
         return np.asarray(weights if self.output.vector else weights[..., 0])
 
-    def _angles(self, line: Any) -> Sweep:  # noqa: ANN401
+    def _angles(self, line: Driveline) -> Sweep:
         # Joints as built repeat after a whole turn only.
         # All else repeats after half a turn.
         whole = self.output.name == "angle" or self.output.of_cross or line.has_deviations
         return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
 
-    def _plan(self, line: Any, load: Load | None, **options: Any) -> Any:  # noqa: ANN401
+    def _plan(self, line: Driveline, load: Load | None, **options: Any) -> Plan:  # noqa: ANN401 - of a plan
         """The plan of the output for drivelines with an axis for the drive angles."""
         per = self.output.per
-        items = {} if per == "bearing" else {f"{per}s": self.items}
+        items: dict[str, Any] = {} if per == "bearing" else {f"{per}s": self.items}
         at = None if load is None else load.at_any_angle()
         return line[..., np.newaxis].plan(self.output.name, load=at, **items, **options)
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import adapter, import_optional
-from cardan.arrays import html_table as notebook
-from cardan.arrays.libraries import picture_of
+from cardan.arrays import adapter, html_table, import_optional
+from cardan.arrays.libraries import draw
 from cardan.arrays.planes import PlanePlace, view
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
@@ -199,7 +198,7 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: matplotlib is missing.
             ValueError: a result without a row of drive angles, more curves than can be told apart.
         """
-        made: Figure = picture_of(self)
+        made: Figure = draw("plot_result", self)
         return made
 
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask
@@ -220,14 +219,23 @@ class Result(Mapping[str, NDArray[Any]]):
         return (Result, (self._arrays, self._labels, self._angle))
 
     def __repr__(self) -> str:
-        """Show names and shapes."""
-        shapes = ", ".join(f"{name}: {array.shape}" for name, array in self._arrays.items())
-        return f"Result({shapes})"
+        """Show name, shape, extent and unit of every output."""
+        rows = html_table.extents(self._arrays)
+        units = {name: unit for name, unit in self._units().items() if unit != "1"}
+        each = (
+            f"{name}: {shape} {extent} {units.get(name, '')}".rstrip()
+            for name, shape, extent in rows
+        )
+        return f"Result({', '.join(each)})"
+
+    def _units(self) -> Mapping[str, str]:
+        return {**dict.fromkeys(self._names, ""), **self.units}
 
     def _repr_html_(self) -> str:
         """Show name, unit, shape and extent of every output as a table."""
-        units = {**dict.fromkeys(self._names, ""), **self.units}
-        return notebook.result(f"Result, angles in {self._angle_unit}", self._arrays, units)
+        return html_table.result(
+            f"Result, angles in {self._angle_unit}", self._arrays, self._units()
+        )
 
 
 def _same(one: Any, other: Any) -> bool:  # noqa: ANN401 - arrays of any library

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from cardan import _core
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.driveline import Driveline
-from cardan.torsion.results import Orbit
+
+if TYPE_CHECKING:
+    from cardan.torsion.system import TorsionalSystem
 
 OfTime: TypeAlias = float | Callable[[float], float]
 OfTimeAndSpeed: TypeAlias = float | Callable[[float, float], float]
@@ -43,34 +43,6 @@ class TorsionalMotion:
     compliant: tuple[int, ...]
 
 
-class Vibrating(Protocol):
-    """What the equations need of a torsional system."""
-
-    _core: _core.Torsion
-
-    @property
-    def line(self) -> Driveline:
-        """The driveline."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch."""
-
-    @property
-    def compliant(self) -> tuple[int, ...]:
-        """The compliant shafts."""
-
-    @property
-    def load_torque(self) -> FloatArray:
-        """Torque on the last shaft in N m."""
-
-    def natural_frequencies(self) -> FloatArray:
-        """Return the natural frequencies in rad/s."""
-
-    def orbit(self, speed: float, samples: int) -> Orbit:
-        """Return one period."""
-
-
 class Equations:
     """The equations of one system with its drive and its load.
 
@@ -80,7 +52,7 @@ class Equations:
 
     def __init__(
         self,
-        system: Vibrating,
+        system: TorsionalSystem,
         speed: OfTime,
         torque: OfTime | None,
         drive_torque: OfTimeAndSpeed | None,

@@ -1,0 +1,1 @@
+"""The application: scene files, their answers, pictures, the report and the command."""

@@ -1,0 +1,59 @@
+"""The command ``cardan identify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cardan.app.command.options import file_argument, json_option
+from cardan.app.command.terminal import as_json_text, say
+from cardan.app.figures.identification import identification_data
+from cardan.app.words.identification import identification_text
+
+
+@click.command()
+@file_argument
+@click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
+@click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
+@click.option("--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's.")
+@click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
+@click.option(
+    "--radians/--degrees",
+    help="Angles in the file and in the answer; by default in degrees.",
+)
+@json_option
+def command(
+    file: Path,
+    drive: str,
+    driven: str | None,
+    speed_ratio: str | None,
+    intermediate: str | None,
+    radians: bool,
+    as_json: bool,
+) -> None:
+    """Find the bend that a recording of a driveline shows.
+
+    FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
+    driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each
+    turn. With the angle of the shaft between two joints, both bends and the phase are found.
+
+    \b
+    Examples:
+      cardan identify run.csv --drive crank --driven axle
+      cardan identify run.csv --drive crank --speed-ratio ratio
+      cardan identify run.csv --drive crank --intermediate mid --driven axle
+    """
+    if (driven is None) == (speed_ratio is None):
+        raise click.UsageError("give one of --driven and --speed-ratio")
+    if intermediate is not None and driven is None:
+        raise click.UsageError("--intermediate needs --driven")
+    data = identification_data(
+        file,
+        drive,
+        driven=driven,
+        speed_ratio=speed_ratio,
+        intermediate=intermediate,
+        radians=radians,
+    )
+    say(as_json_text(data) if as_json else identification_text(data, radians=radians))

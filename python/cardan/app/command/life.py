@@ -1,0 +1,50 @@
+"""The command ``cardan life``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cardan.app.command.files import check_output
+from cardan.app.command.options import json_option, picture_as_well, scene_argument
+from cardan.app.command.terminal import say_answer
+from cardan.app.figures.life import needed_life
+from cardan.app.figures.life_answer import life_data
+from cardan.app.figures.tubes import tube_figures
+from cardan.app.plots.life import write_life
+from cardan.app.scene.scene import Scene
+from cardan.app.words.life import life_text
+
+
+@click.command()
+@scene_argument
+@picture_as_well
+@json_option
+def command(scene: Path, output: Path | None, as_json: bool) -> None:
+    """Say how long the joints of a driveline last, how hot they run and which size would suffice.
+
+    The section [joints] of the scene describes the joints or names a table of their sizes. [life]
+    gives the steps of the duty cycle. The life is the one that 90 % of the joints reach. It follows
+    from the load on the pins over the turn, by the law of the catalogues. With [tubes] the answer
+    has stress and critical bending speed of the shafts. The exit status does not depend on the
+    verdict.
+
+    \b
+    Examples:
+      cardan life conveyor.toml
+      cardan life conveyor.toml --output life.svg
+      cardan life conveyor.toml --json
+    """
+    loaded = Scene.load(scene)
+    found = needed_life(loaded)
+    if output is not None:
+        check_output(loaded, output)
+        write_life(found, output)
+    say_answer(
+        loaded.title,
+        lambda: life_text(found, tube_figures(loaded)),
+        lambda: life_data(loaded),
+        output,
+        as_json=as_json,
+    )

@@ -1,0 +1,33 @@
+"""The command ``cardan phase``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cardan.app.command.options import json_option, scene_argument
+from cardan.app.command.terminal import as_json_text, say
+from cardan.app.figures.yokes import yoke_settings
+from cardan.app.scene.scene import Scene
+from cardan.app.words.yokes import yoke_text
+
+
+@click.command()
+@scene_argument
+@json_option
+def command(scene: Path, as_json: bool) -> None:
+    """Say how to set the yokes so that the last shaft turns as evenly as possible.
+
+    Each setting is an angle and a sense, looking from the drive towards the output. If the scene
+    gives the teeth of the splines, the best teeth are found as well. The answer names the
+    arrangement, what is left at the best setting and what would bring it within the limit. It
+    compares the exact figure with the catalogues' root rule.
+
+    \b
+    Examples:
+      cardan phase shaft.toml
+      cardan phase shaft.toml --json
+    """
+    data = yoke_settings(Scene.load(scene))
+    say(as_json_text(data) if as_json else yoke_text(data))

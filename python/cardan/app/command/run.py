@@ -1,0 +1,182 @@
+"""The command ``cardan run``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+
+import click
+
+from cardan.app.command.files import (
+    check_folder,
+    check_for_cluster,
+    check_output,
+    check_picture,
+    missing_of,
+    write_ball_joint,
+    write_files,
+    write_on_cluster,
+    wrote,
+)
+from cardan.app.command.options import into_option, json_option, scene_argument, units_option
+from cardan.app.command.terminal import (
+    as_json_text,
+    progress_bar,
+    say,
+    say_before_files,
+)
+from cardan.app.figures.as_built import as_built_orders
+from cardan.app.figures.backlash import scene_backlash
+from cardan.app.figures.extremes import StudyTable
+from cardan.app.figures.run import ball_joint_run_data, run_data
+from cardan.app.figures.slides import scene_slides
+from cardan.app.figures.slip import slip_figures
+from cardan.app.figures.states import forces_of
+from cardan.app.figures.steering import steering_figures
+from cardan.app.figures.summary import drive_angles, summary
+from cardan.app.scene import load_scene
+from cardan.app.scene.ball_joint_scene import BallJointScene
+from cardan.app.scene.cluster import StudyFolder
+from cardan.app.scene.help_text import describe
+from cardan.app.scene.states import StatesResult
+from cardan.app.words.as_built import as_built_text
+from cardan.app.words.backlash import backlash_text
+from cardan.app.words.ball_joint import ball_joint_text
+from cardan.app.words.forces import forces_text
+from cardan.app.words.signals import signals_text
+from cardan.app.words.slides import slides_text
+from cardan.app.words.slip import slip_text
+from cardan.app.words.states import OF_DRIVELINE, states_text
+from cardan.app.words.steering import steering_text
+from cardan.app.words.study import study_text
+from cardan.app.words.summary import few_samples_text, summary_text
+
+# The mark keeps click from filling a paragraph.
+_KEYS = describe().replace("\n\n", "\n\n\b\n")
+
+_EPILOG = f"""\
+SCENE is a TOML file with these sections and keys:
+
+\b
+{_KEYS}
+"""
+
+
+@click.command(epilog=_EPILOG)
+@scene_argument
+@into_option
+@click.option(
+    "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Evaluate the study on this dask cluster.",
+)
+@units_option
+@json_option
+def command(
+    scene: Path,
+    into: Path,
+    local: int | None,
+    scheduler: str | None,
+    radians: bool,
+    as_json: bool,
+) -> None:
+    """Evaluate a scene: print the main results, write curves, study and picture.
+
+    \b
+    Examples:
+      cardan run shaft.toml
+      cardan run shaft.toml --radians --into .
+      cardan run shaft.toml --json
+
+    With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study. The table must
+    then end in .parquet and becomes a folder of files. If the run stops, the same command resumes
+    it and computes no file twice.
+
+    A file appears complete or not at all.
+    """
+    given = load_scene(scene)
+    on_cluster = local is not None or scheduler is not None
+    if isinstance(given, BallJointScene):
+        if on_cluster:
+            raise ValueError("a ball joint alone has no study to evaluate in processes")
+        _run_ball_joint(given, into, radians=radians, as_json=as_json)
+        return
+    whole = loaded = given
+    if on_cluster:
+        check_for_cluster(whole, local, scheduler)
+        loaded = replace(whole, study=None, table_file=None)
+        check_folder(into / str(whole.table_file))
+    seat = loaded.ball_joint and loaded.ball_joint.picture_file
+    for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
+        if name:
+            check_output(loaded, into / name)
+    with progress_bar() as progress:
+        result = loaded.run(progress)
+    files = write_files(result, into, radians)
+    study: StudyTable | None = result.study
+    if on_cluster:
+        assert whole.study
+        files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
+        study = StudyFolder(whole.study, into / str(whole.table_file))
+    rows = summary(result)
+    angles = drive_angles(whole, radians=radians)
+    of_samples = whole.recording or (whole.study and whole.study.quantities)
+    warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
+    if warning:
+        say(f"cardan: {warning}", on_error=True)
+    if as_json:
+        # The files first: of a study on a cluster they hold the figures.
+        written = list(files)
+        say(as_json_text(run_data(whole, rows, study, written, radians=radians)))
+        return
+    if whole.title:
+        say_before_files(f"{whole.title}\n")
+    if recorded := signals_text(angles):
+        say_before_files(f"{recorded}\n")
+    say_before_files(summary_text(rows, angles, radians=radians))
+    if whole.states:
+        say_before_files(f"\n{OF_DRIVELINE}")
+    if whole.missing:
+        say_before_files(f"\n{missing_of(whole)}")
+    if built := as_built_orders(whole):
+        say_before_files(f"\n{as_built_text(built, radians=radians)}")
+    if loose := scene_backlash(whole):
+        say_before_files(f"\n{backlash_text(loose, radians=radians)}")
+    if forces := forces_of(whole):
+        say_before_files(f"\n{forces_text(forces, radians=radians)}")
+    if slip := slip_figures(whole):
+        say_before_files(f"\n{slip_text(slip)}")
+    if moved := scene_slides(whole):
+        say_before_files(f"\n{slides_text(moved)}")
+    if steered := steering_figures(whole):
+        say_before_files(f"\n{steering_text(steered)}")
+    if whole.ball_joint:
+        say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
+    if isinstance(result.study, StatesResult):
+        say_before_files(f"\n{states_text(result.study, radians=radians)}")
+    elif result.study:
+        say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
+    for number, entry in enumerate(files):
+        if number == 0:
+            say_before_files()
+        say_before_files(wrote(**entry))
+    if study and not result.study:
+        say_before_files(f"\n{study_text(study, angles, radians=radians)}")
+
+
+def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
+    if scene.picture_file:
+        check_picture(into / scene.picture_file)
+    files = write_ball_joint(scene.ball_joint, into, scene.title)
+    if as_json:
+        say(as_json_text(ball_joint_run_data(scene, list(files), radians=radians)))
+        return
+    if scene.title:
+        say_before_files(f"{scene.title}\n")
+    say_before_files(ball_joint_text(scene.ball_joint, radians=radians))
+    for entry in files:
+        say_before_files(f"\n{wrote(**entry)}")

@@ -1,0 +1,52 @@
+"""The command ``cardan tolerances``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cardan.app.command.files import check_output
+from cardan.app.command.options import json_option, picture_as_well, scene_argument
+from cardan.app.command.terminal import say_answer
+from cardan.app.figures.tolerance_answers import tolerances_data
+from cardan.app.figures.tolerances import needed_tolerances, permitted_tolerances
+from cardan.app.plots.tolerances import write_tolerances
+from cardan.app.scene.scene import Scene
+from cardan.app.words.tolerances import tolerances_text
+
+
+@click.command()
+@scene_argument
+@picture_as_well
+@json_option
+def command(scene: Path, output: Path | None, as_json: bool) -> None:
+    """Say what errors of manufacture and assembly make of a driveline.
+
+    The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
+
+    The answer has the worst driveline, a guaranteed bound, quantiles of random drivelines, the
+    share within the limit, and the share of each joint, shaft or point in the scatter. It also says
+    how exact each group must be for every driveline to be within the limit, if there is one. The
+    exit status does not depend on the verdict.
+
+    \b
+    Examples:
+      cardan tolerances shaft.toml
+      cardan tolerances shaft.toml --output tolerances.svg
+      cardan tolerances shaft.toml --json
+    """
+    loaded = Scene.load(scene)
+    found = needed_tolerances(loaded)
+    tolerances = loaded.tolerances
+    assert tolerances
+    if output is not None:
+        check_output(loaded, output)
+        write_tolerances(tolerances, output)
+    say_answer(
+        loaded.title,
+        lambda: tolerances_text(found, permitted_tolerances(tolerances, loaded.tolerance_arms)),
+        lambda: tolerances_data(loaded),
+        output,
+        as_json=as_json,
+    )

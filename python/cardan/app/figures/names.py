@@ -1,0 +1,77 @@
+"""Names of a scene's keys and of a study's figures in words, with their units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cardan.app.scene.study import Column
+from cardan.app.scene.units import ENDINGS, split
+from cardan.evaluation.outputs import OUTPUTS
+
+# What an entry of a list is, of what, and the number of the first one.
+_ENTRIES: Mapping[str, tuple[str, str, int]] = MappingProxyType(
+    {
+        "bends": ("bend", "joint", 0),
+        "twists": ("twist", "shaft", 1),
+        "phases": ("phase", "shaft", 1),
+        "points": ("", "point", 0),
+        "directions": ("direction", "shaft", 0),
+        "slopes_vertical": ("slope in side view", "shaft", 0),
+        "slopes_horizontal": ("slope in top view", "shaft", 0),
+        "projected_bends_vertical": ("bend in side view", "joint", 0),
+        "projected_bends_horizontal": ("bend in top view", "joint", 0),
+        "inertias": ("inertia", "shaft", 0),
+        "lengths": ("length", "shaft", 0),
+    }
+)
+
+_REDUCED = MappingProxyType({"peak": "largest", "min": "minimum", "max": "maximum"})
+
+
+def key_name(key: str) -> str:
+    """Return what a scene's key is.
+
+    >>> key_name("phases_deg.0")
+    'phase, shaft 1 [deg]'
+    >>> key_name("points_mm.2-3.y")
+    'points 2 to 3, y [mm]'
+    >>> key_name("bearing.0.position_mm")
+    'position, bearing 0 [mm]'
+    """
+    name, *places = key.split(".")
+    if name == "bearing":
+        number, of_bearing = places
+        quantity, ending = split(of_bearing)
+        return f"{quantity}, bearing {number}" + _bracketed(ENDINGS[ending].symbol)
+    quantity, ending = split(name)
+    entry, of, first = _ENTRIES.get(quantity, (quantity, "", 0))
+    words = [entry if places else quantity.replace("_", " ")]
+    for place in places:
+        ends = place.split("-")
+        numbered = all(end.isdecimal() for end in ends)
+        numbers = " to ".join(str(first + int(end)) for end in ends) if numbered else place
+        several = "s" if len(ends) > 1 else ""
+        words.append(f"{of}{several} {numbers}" if numbered else place)
+    return ", ".join(filter(None, words)) + _bracketed(ENDINGS[ending].symbol if ending else "")
+
+
+def column_name(column: Column) -> str:
+    """Return what a figure of a study is, angles in degrees.
+
+    >>> column_name(Column("moment_0_x_mean", "N m", "moment", "joint", 0, "mean", "x"))
+    'mean moment, joint 0, x [N m]'
+    """
+    if column.statistic == "value":
+        words = column.quantity.replace("min_", "smallest ").replace("max_", "largest ")
+        words = words.replace("non_uniformity", "non-uniformity U").replace("_", " ")
+    else:
+        statistic = _REDUCED.get(column.statistic, column.statistic)
+        words = f"{statistic} {OUTPUTS[column.quantity].label}"
+    words += f", {column.per} {column.item}"
+    words += f", {column.component}" if column.component else ""
+    return words + _bracketed({"rad": "deg", "1": ""}.get(column.unit, column.unit))
+
+
+def _bracketed(unit: str) -> str:
+    return f" [{unit}]" if unit else ""

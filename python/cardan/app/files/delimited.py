@@ -1,0 +1,235 @@
+"""Columns of numbers from CSV files, of which every row must fit the header."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from array import array
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from itertools import islice
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from cardan.app.files.headings import place_of_column
+from cardan.app.files.plain import plain_blocks
+from cardan.arrays import FloatArray
+
+# Rows that are read at a time: what takes Python long is to look at each number by itself.
+_BLOCK = 4096
+
+_NO_TABLE = "the file is not a table of numbers with headings"
+
+
+def read_csv(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None = None, _: None = None
+) -> Iterator[tuple[list[FloatArray], int]]:
+    """Yield columns of a CSV file and the number of all rows; an empty cell is NaN.
+
+    Args:
+        path: the file.
+        names: the columns wanted.
+        rows: largest number of rows at a time, of which some 4000 are read together; ``None`` for
+            all. The number of all rows is then that of the lines until the last piece.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: a column that is missing, a cell that is no number, a row that does not fit the
+            header, a file that is not a table.
+    """
+    lines = 0 if rows is None else _lines(path)
+    held: list[list[FloatArray]] = []
+    count = done = 0
+    for block in _of_both(path, names, _BLOCK if rows is None else min(rows, _BLOCK), rows):
+        if rows is not None and count + len(block[0]) > rows:
+            done += count
+            yield _joined(held, names), max(lines, done + 1)
+            held, count = [], 0
+        held.append(block)
+        count += len(block[0])
+    yield _joined(held, names), done + count
+
+
+def _of_both(
+    path: str | PathLike[str], names: Sequence[str], size: int, rows: int | None
+) -> Iterator[list[FloatArray]]:
+    """Blocks of plain numbers, then those that are looked at cell by cell."""
+    done, whole = yield from plain_blocks(path, names, rows)
+    if whole:
+        return
+    for cells in _blocks(path, names, size, done):
+        yield [np.array(column, dtype=np.float64) for column in cells]
+
+
+def _joined(blocks: Sequence[list[FloatArray]], names: Sequence[str]) -> list[FloatArray]:
+    if not blocks:
+        return [np.empty(0) for _ in names]
+    return [np.concatenate(columns) for columns in zip(*blocks, strict=True)]
+
+
+def _lines(path: str | PathLike[str]) -> int:
+    """The line ends of a file."""
+    with open(path, "rb") as file:
+        parts = iter(lambda: file.read(1 << 20), b"")
+        # NumPy counts what occurs often faster than bytes.count.
+        return sum(int(np.count_nonzero(np.frombuffer(part, np.uint8) == 10)) for part in parts)
+
+
+def _blocks(
+    path: str | PathLike[str], names: Sequence[str], size: int, done: int
+) -> Iterator[list[array[float]]]:
+    """Columns of some rows at a time, after those that have been read."""
+    with _rows(path) as (rows, delimiter):
+        header = [name.strip() for name in next(rows, [])]
+        filled = ((rows.line_num, row) for row in rows if row)
+        begun = list(islice(filled, 1))
+        # What else a file holds, as one of passwords, is not shown.
+        is_table = any(_fits(row, header) for _, row in begun)
+        if any(_is_heading(row, header) for _, row in begun):
+            begun += islice(filled, 1)
+            if any(_fits(row, header) for _, row in begun):
+                raise ValueError(_second_heading(*begun[0], names, header))
+        if header and not is_table and not set(names) <= set(header):
+            raise ValueError(f"no column {_first_missing(names, header)!r}; {_NO_TABLE}")
+        places = [place_of_column(name, header) for name in names]
+        if done:
+            more = done - len(begun)
+            next(islice(filled, more, more), None)
+            begun = []
+        while block := begun + list(islice(filled, max(0, size - len(begun)))):
+            begun = []
+            found = _fast_numbers([row for _, row in block], places, len(header))
+            if found is not None:
+                yield found
+                continue
+            read = [array("d") for _ in names]
+            for line, row in block:
+                if len(row) != len(header):
+                    raise ValueError(_misfit(line, row, header, delimiter))
+                for name, place, column in zip(names, places, read, strict=True):
+                    try:
+                        column.append(_number(row[place]))
+                    except ValueError as error:
+                        shown = error if is_table else f"is no number; {_NO_TABLE}"
+                        raise ValueError(f"line {line}, column {name!r} {shown}") from None
+            yield read
+
+
+def _fits(row: Sequence[str], header: Sequence[str]) -> bool:
+    """Whether a row is one of a table of numbers."""
+    return len(row) == len(header) and any(map(_is_number, row))
+
+
+def _is_heading(row: Sequence[str], header: Sequence[str]) -> bool:
+    """Whether a row has words and no number, as a line of units."""
+    return len(row) == len(header) and not any(map(_is_number, row)) and any(map(_is_word, row))
+
+
+def _is_word(cell: str) -> bool:
+    try:
+        _number(cell)
+    except ValueError:
+        return True
+    return False
+
+
+def _second_heading(
+    line: int, row: Sequence[str], names: Sequence[str], header: Sequence[str]
+) -> str:
+    """What is wrong with a line of units below the headings."""
+    name = next((name for name in names if name in header), header[0])
+    place = header.index(name)
+    cell = row[place] if place < len(row) else ""
+    return (
+        f"line {line}, column {name!r} is {cell!r}; it must be a number: remove the second line of "
+        "headings, such as units"
+    )
+
+
+def line_of(path: str | PathLike[str], row: int) -> int:
+    """Return the line on which a row of a CSV file ends, the first line 1 and the first row 0."""
+    with _rows(path) as (rows, _):
+        next(rows, None)
+        next(islice((filled for filled in rows if filled), row, None), None)
+        return int(rows.line_num)
+
+
+@contextmanager
+def _rows(path: str | PathLike[str]) -> Iterator[tuple[Any, str]]:
+    """The rows of a file, header first, and what separates their cells."""
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        first = file.readline()
+        file.seek(0)
+        delimiter = max(",;\t", key=first.count)
+        rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
+        try:
+            yield rows, delimiter
+        except csv.Error as error:
+            raise ValueError(f"line {rows.line_num}: not CSV: {error}") from None
+
+
+def _first_missing(names: Sequence[str], header: Sequence[str]) -> str:
+    return next(name for name in names if name not in header)
+
+
+def _misfit(line: int, row: Sequence[str], header: Sequence[str], delimiter: str) -> str:
+    cells = f"{len(row)} cell{'s' if len(row) > 1 else ''}"
+    rule = "every row must have as many cells as the header"
+    if delimiter == "," and len(row) > len(header):
+        rule += ", and numbers a decimal point"
+    return f"line {line} has {cells}, the header {len(header)}; {rule}"
+
+
+def _fast_numbers(
+    rows: Sequence[Sequence[str]], places: Sequence[int], width: int
+) -> list[array[float]] | None:
+    """Columns of rows in which Python reads each cell as ``_number`` does; ``None`` of others."""
+    if any(len(row) != width for row in rows):
+        return None
+    read = []
+    for place in places:
+        cells = [row[place] for row in rows]
+        text = "".join(cells)
+        if "_" in text or not text.isascii():
+            return None
+        try:
+            numbers = array("d", [float(cell or "nan") for cell in cells])
+        except ValueError:
+            return None
+        if np.isinf(numbers).any():
+            return None
+        read.append(numbers)
+    return read
+
+
+def _number(cell: str) -> float:
+    """The number of a cell, or NaN; the error says what the cell is instead."""
+    if not cell or cell.isspace():
+        return math.nan
+    number: float | None = None
+    # Python takes 1_000 for 1000, and digits of any script.
+    if "_" not in cell and cell.isascii():
+        with suppress(ValueError):
+            number = float(cell)
+    if number is None:
+        text = cell if len(cell) <= 40 else f"{cell[:37]}..."
+        raise ValueError(f"is {text!r}; it must be a number{_hint(cell)}")
+    if math.isinf(number):
+        raise ValueError(f"is {number}; it must be finite")
+    return number
+
+
+def _hint(cell: str) -> str:
+    if re.fullmatch(r"\s*[+-]?[0-9]+,[0-9]+\s*", cell):
+        return ", with a decimal point"
+    return ", without underscores" if re.fullmatch(r"\s*[+-]?[0-9_.]+\s*", cell) else ""
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return not math.isnan(_number(cell))
+    except ValueError:
+        return bool(_hint(cell))

@@ -1,0 +1,233 @@
+"""Recorded columns of numbers from CSV, Parquet, NPZ and MDF files, at once or in pieces."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cardan.app.files.delimited import line_of, read_csv
+from cardan.app.files.headings import place_of_column, short
+from cardan.arrays import FloatArray, import_optional
+
+_Columns = list[FloatArray]
+# Columns of some rows, and the number of all rows.
+_Pieces = Iterator[tuple[_Columns, int]]
+
+MOST_ROWS = 100_000_000
+"""Rows of a Parquet file that are read at once at most."""
+
+
+def read_columns(
+    path: str | PathLike[str], names: Sequence[str], raster_s: float | None = None
+) -> _Columns:
+    """Return columns of a file, all of one length, as doubles; what is missing is NaN.
+
+    Missing are empty cells of a CSV file, nulls of a Parquet file, samples that an MDF file marks
+    as invalid, and NaN anywhere.
+
+    A CSV file has its names in the first line and commas, semicolons or tabs between the columns;
+    of an NPZ file each array of one dimension is a column; of an MDF file each channel of one
+    channel group, the time among them.
+
+    Args:
+        path: the file; its suffix names the format.
+        names: the columns wanted.
+        raster_s: of an MDF file: interpolate channels of any groups at steps of so many seconds.
+
+    Raises:
+        ImportError: Parquet without pyarrow, MDF without asammdf.
+        OSError: the file cannot be read.
+        ValueError: a column that is missing, not of numbers, infinite somewhere or without any
+            number, columns of different lengths, a damaged file; one line with file, line or row,
+            column and value.
+    """
+    chunks = [chunk.columns for chunk in read_chunks(path, names, None, raster_s)]
+    return chunks[0] if len(chunks) == 1 else list(map(np.concatenate, zip(*chunks, strict=True)))
+
+
+class Chunk(NamedTuple):
+    """Some rows of columns.
+
+    Attributes:
+        first: the first of the rows, counted from 0.
+        columns: the columns.
+        total: the number of all rows; of a CSV file that of its lines until the last chunk.
+    """
+
+    first: int
+    columns: list[FloatArray]
+    total: int
+
+
+def read_chunks(
+    path: str | PathLike[str],
+    names: Sequence[str],
+    rows: int | None,
+    raster_s: float | None = None,
+) -> Generator[Chunk]:
+    """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
+
+    Memory is that of a chunk, however long the file is; except for NPZ files, and MDF files with a
+    raster, of which the columns must fit in memory.
+
+    Args:
+        path: the file; its suffix names the format.
+        names: the columns wanted.
+        rows: largest number of rows at a time; ``None`` for all at once.
+        raster_s: as ``read_columns`` takes it.
+
+    Raises:
+        ImportError: as for ``read_columns``.
+        OSError: the file cannot be read.
+        ValueError: as for ``read_columns``.
+    """
+    suffix = Path(path).suffix
+    if suffix not in SUFFIXES:
+        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
+    if raster_s is not None and suffix not in RASTERED:
+        raise ValueError(f"{os.fspath(path)} has no channels to resample; only MDF files have")
+    with _of_file(path):
+        first = 0
+        found = [False] * len(names)
+        for read, total in SUFFIXES[suffix](path, names, rows, raster_s):
+            for name, column in zip(names, read, strict=True):
+                if len(column) != len(read[0]):
+                    raise ValueError(
+                        f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
+                    )
+            _check_numbers(path, names, read, first)
+            found = [
+                some or not np.isnan(column[0]) or not np.isnan(column).all()
+                for some, column in zip(found, read, strict=True)
+            ]
+            yield Chunk(first, read, total)
+            first += len(read[0])
+        _check_some(names, found)
+
+
+@contextmanager
+def _of_file(path: str | PathLike[str]) -> Iterator[None]:
+    """Put the file in front of what is wrong with it."""
+    try:
+        yield
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{os.fspath(path)}: not UTF-8 text at byte {error.start}") from None
+    except ValueError as error:
+        raise ValueError(f"{os.fspath(path)}: {error}") from None
+
+
+def _check_numbers(
+    path: str | PathLike[str], names: Sequence[str], read: _Columns, first: int = 0
+) -> None:
+    for name, column in zip(names, read, strict=True):
+        if not len(column):
+            raise ValueError(f"column {name!r} has no rows")
+        # NaN and infinities show in one of them.
+        if math.isfinite(column.min()) and math.isfinite(column.max()):
+            continue
+        infinite = np.isinf(column)
+        if infinite.any():
+            row = int(np.argmax(infinite))
+            where = place_of(path, first + row)
+            raise ValueError(f"{where}, column {name!r} is {column[row]}; it must be finite")
+
+
+def _check_some(names: Sequence[str], found: Iterable[bool]) -> None:
+    for name, some in zip(names, found, strict=True):
+        if not some:
+            raise ValueError(f"column {name!r} has no numbers, only empty cells or NaN")
+
+
+def place_of(path: str | PathLike[str], row: int) -> str:
+    """Say where a row of a file is, which is counted from 0, as whoever opens the file finds it.
+
+    Of a CSV file that is the line as editors count them, of other files the row, the first one 1.
+    """
+    if Path(path).suffix == ".csv":
+        return f"line {line_of(path, row)}"
+    return f"row {row + 1}, counted from 1"
+
+
+def _parquet(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
+    with _parquet_file(path, names) as file:
+        total = file.metadata.num_rows
+        if rows is None and total > MOST_ROWS:
+            raise ValueError(
+                f"{total} rows are too many to be read at once, "
+                f"{MOST_ROWS} at most; cardan stream takes any number"
+            )
+        if rows is None or not total:
+            yield _of_arrow(file.read(columns=list(names)), names), total
+            return
+        for batch in file.iter_batches(rows, columns=list(names)):
+            yield _of_arrow(batch, names), total
+
+
+@contextmanager
+def _parquet_file(path: str | PathLike[str], names: Sequence[str]) -> Iterator[Any]:
+    """An open Parquet file that has the columns, of numbers."""
+    pyarrow, parquet = (
+        import_optional("pyarrow", "table"),
+        import_optional("pyarrow.parquet", "table"),
+    )
+    # Opened here, because pyarrow's own message for a missing file names no file.
+    with open(path, "rb") as source:
+        try:
+            # With a buffer a row group is read bit by bit.
+            file = parquet.ParquetFile(source, buffer_size=1 << 20, pre_buffer=False)
+            schema = file.schema_arrow
+            for name in names:
+                kind = schema.field(place_of_column(name, schema.names)).type
+                if not (pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind)):
+                    raise ValueError(f"column {name!r} holds {kind}; it must hold numbers")
+            yield file
+        except (pyarrow.ArrowException, OSError) as error:
+            reason = " ".join(str(error).split())
+            raise ValueError(f"not a readable Parquet file: {short(reason)}") from None
+
+
+def _of_arrow(table: Any, names: Sequence[str]) -> _Columns:  # noqa: ANN401 - of pyarrow
+    """Columns of a table or a batch; Arrow's nulls become NaN."""
+    columns = []
+    for name in names:
+        column = table[name]
+        if column.null_count:
+            column = column.cast("float64")
+        columns.append(np.asarray(column).astype(np.float64, copy=False))
+    return columns
+
+
+def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
+    from cardan.app.files.npz import read_npz
+
+    return read_npz(path, names, rows)
+
+
+def _mdf(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None
+) -> _Pieces:
+    from cardan.app.files.mdf import read_mdf
+
+    return read_mdf(path, names, rows, raster_s)
+
+
+_Read = Callable[[str | PathLike[str], Sequence[str], int | None, Any], _Pieces]
+
+SUFFIXES: Mapping[str, _Read] = {
+    ".csv": read_csv,
+    ".npz": _npz,
+    ".parquet": _parquet,
+    ".mf4": _mdf,
+    ".mdf": _mdf,
+}
+"""Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
+
+RASTERED = (".mf4", ".mdf")
+"""Formats in which each column has its times, which a raster replaces."""

@@ -1,0 +1,194 @@
+"""The first section: does it run smoothly, what loads the bearings, how to set the yokes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cardan.app.figures.advice import advice
+from cardan.app.figures.drive_speed import drive_speed
+from cardan.app.figures.slip import slip_figures
+from cardan.app.figures.states import forces_of
+from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.report.limits import groups, shown, verdict_of
+from cardan.app.report.motion import deviates, turn_motion
+from cardan.app.report.samples import Samples
+from cardan.app.scene.scene import Scene
+from cardan.app.words.advice import BEST_OF_STATES, advice_text, arrangement_text, remedies
+from cardan.app.words.drive_speed import heading_text, sentences
+from cardan.app.words.forces import largest_text, reasons
+from cardan.app.words.summary import figure_text, range_ends
+from cardan.app.words.tolerances import verdict_texts
+from cardan.app.words.yokes import phases_text, tooth_lines, yoke_lines
+from cardan.design.check import Check
+from cardan.design.judged import counted
+from cardan.motion.workshop import SAME_YOKE
+
+# Shafts that one reads in a list.
+_MOST = 8
+
+# Speed ratios that differ by less differ by rounding.
+_EVEN = 1e-14
+
+_SMOOTH = {
+    "within": "Yes",
+    "tolerable": "Tolerably",
+    "beyond": "No",
+    "unknown": "Unknown",
+    "not judged": "Unknown",
+}
+
+_SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the best teeth"}
+
+
+def answer(
+    scene: Scene, samples: Samples, found: Check, yokes: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Return the three answers as plain data for ``answer.html``.
+
+    Args:
+        scene: the scene.
+        samples: the same evaluated for the page.
+        found: its check, as ``check_scene`` makes it.
+        yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
+    """
+    return {
+        "smooth": _smooth(scene, found),
+        "bearings": _bearings(samples),
+        "yokes": _yokes(yokes) if yokes else None,
+        "no_yokes": (
+            "The states set the yokes themselves, so no setting can serve all of them."
+            if scene.states
+            else "The bends vary along the recording. Yoke settings are given for fixed bends only."
+        ),
+        "remedies": _of_one_joint(scene),
+        "drive_speed": _drive_speed(scene),
+        "forces": _forces(samples),
+        "spline": _spline(scene),
+        "toleranced": _toleranced(scene),
+    }
+
+
+def _toleranced(scene: Scene) -> list[str]:
+    found = tolerance_figures(scene)
+    return verdict_texts(found) if found else []
+
+
+def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
+    line, verdict, unvaried = scene.line, verdict_of(found), []
+    words = f"{_SMOOTH[verdict]}. {found.heading}"
+    if scene.study and scene.study.axes:
+        words = f"Drivelines of the study: {counted(found.ranks)}."
+        unvaried = groups(line.check(scene.speed or None, scene.limits))
+    elif scene.states:
+        words = f"States: {counted(found.ranks)}."
+    elif line.shape:
+        words = f"Recorded samples: {counted(found.ranks)}."
+    return {
+        "class": shown(verdict),
+        "verdict": words,
+        "groups": groups(found),
+        "unvaried": unvaried,
+        "motion": "" if line.shape else _motion(scene, found),
+    }
+
+
+def _motion(scene: Scene, check: Check) -> str:
+    """How the last shaft turns, over states in the one with the largest equivalent bend."""
+    line, place = scene.line, ""
+    if scene.states:
+        bend = next(one for one in check.findings if one.figure == "equivalent_bend")
+        line = scene.states.driveline(scene.states.names.index(bend.worst_in))
+        place = f", in {bend.worst_in}"
+    found = turn_motion(scene, line, line.n_joints)
+    if found.fastest - found.slowest <= _EVEN:
+        return "The last shaft turns at the speed of the drive, without any variation."
+    error = figure_text(float(np.degrees(found.angle_error)))
+    slowest, fastest = range_ends(float(found.slowest), float(found.fastest))
+    often = "" if deviates(scene) else ", twice per turn"
+    return (
+        f"At constant drive speed, the last shaft leads and lags the drive by up to "
+        f"{error}°{often}{place}. Its speed varies from {slowest} to {fastest} times that of the "
+        "drive."
+    )
+
+
+def _bearings(samples: Samples) -> dict[str, Any] | None:
+    """The largest support moments; ``None`` where there are none."""
+    peaks = samples.support_peaks()
+    by_size = sorted(peaks, key=lambda peak: -peak.size)
+    largest = by_size[0]
+    if largest.size == 0.0:
+        return None
+    place = "at every drive angle"
+    if largest.at_deg is not None:
+        at = [largest.at_deg]
+        scene = samples.result.scene
+        if scene.recording is None and not deviates(scene):
+            # Every ideal joint repeats its motion after half a turn.
+            at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
+        place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
+    scene = samples.result.scene
+    if scene.states:
+        place += f", in {largest.state}" if largest.state else ", with the points of [driveline]"
+    listed = sorted(by_size[:_MOST], key=lambda peak: peak.item)
+    return {
+        "assumed": samples.assumed,
+        "shaft": largest.item,
+        "size": figure_text(largest.size),
+        "place": place,
+        "listed": [(peak.item, figure_text(peak.size)) for peak in listed],
+        "others": len(peaks) - len(listed),
+    }
+
+
+def _of_one_joint(scene: Scene) -> list[str]:
+    """What would bring a single joint within its limit; of more joints the yokes say it."""
+    if scene.line.n_joints > 1 or scene.line.shape:
+        return []
+    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
+    return remedies(advice(scene.line, float(limit)))
+
+
+def _forces(samples: Samples) -> list[str]:
+    """The largest force of a bearing, and why forces are not known."""
+    found = forces_of(samples.result.scene)
+    return [] if found is None else [*filter(None, [largest_text(found)]), *reasons(found)]
+
+
+def _spline(scene: Scene) -> str:
+    """What the axial force of a spline adds to the loads of the bearings."""
+    found = slip_figures(scene)
+    if found is None or found.force is None:
+        return ""
+    return (
+        f"The spline of shaft {found.slip.shaft} adds an axial force of up to "
+        f"{figure_text(found.force)} N while it slides."
+    )
+
+
+def _drive_speed(scene: Scene) -> dict[str, Any] | None:
+    found = drive_speed(scene)
+    if found is None:
+        return None
+    words = [f"{text[:1].upper()}{text[1:]}." for text in sentences(found)]
+    return {"heading": heading_text(found), "words": words}
+
+
+def _yokes(data: dict[str, Any]) -> dict[str, Any]:
+    bends = data["equivalent_bend_deg"]
+    return {
+        "view": data["view"],
+        "same": SAME_YOKE,
+        "arrangement": arrangement_text(data),
+        "lines": yoke_lines(data),
+        # The first line is the heading of the others.
+        "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
+        "of": "Largest equivalent bend of all states" if "states" in data else "Equivalent bend",
+        "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
+        "advice": " ".join([BEST_OF_STATES] * ("states" in data) + [advice_text(data)]),
+        "tried": "On these teeth" if data["teeth"] else "With this setting",
+        "above_limits": data["above_limits"],
+        "phases": phases_text(data),
+    }

@@ -1,0 +1,183 @@
+"""The page of a scene: the data of its sections, which ``templates/page.html`` puts together."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import os
+import time
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cardan import __version__
+from cardan.app.figures.life import life_figures
+from cardan.app.figures.limits import check_scene
+from cardan.app.figures.slides import scene_slides
+from cardan.app.figures.slip import slip_figures
+from cardan.app.figures.steering import steering_figures
+from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.figures.torsion import torsion_figures
+from cardan.app.figures.tubes import tube_figures
+from cardan.app.figures.yokes import yoke_settings
+from cardan.app.files.progress import Progress
+from cardan.app.report import tables
+from cardan.app.report.answer import answer
+from cardan.app.report.ball_joint import ball_joint, page_data
+from cardan.app.report.charts import chart, decimals
+from cardan.app.report.drawing import drawing
+from cardan.app.report.forces import force_views
+from cardan.app.report.life import life
+from cardan.app.report.limits import limits_table
+from cardan.app.report.optimise import optimise
+from cardan.app.report.samples import Panel, Samples, evaluated
+from cardan.app.report.slides import slides_section
+from cardan.app.report.slip import slip
+from cardan.app.report.states import states
+from cardan.app.report.steering import steering
+from cardan.app.report.study import study
+from cardan.app.report.tolerances import tolerances
+from cardan.app.report.torsion import torsion
+from cardan.app.scene.ball_joint_scene import BallJointScene
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.states import StatesResult
+from cardan.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str:
+    """Return the whole page as HTML; arguments and errors as of ``write_report``."""
+    if isinstance(scene, BallJointScene):
+        return _ball_joint_page(scene)
+    template = environment().get_template("page.html")
+    result = scene.run(progress)
+    samples, found = evaluated(scene), check_scene(scene)
+    # Of one joint there is nothing to set, and for recorded bends no setting.
+    fixed = scene.line.n_joints > 1 and not scene.line.shape
+    fixed = fixed and not (scene.states and scene.states.set_phases)
+    yokes = yoke_settings(scene) if fixed else None
+    panels, (x, x_label) = samples.panels(), _abscissa(samples)
+    firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
+    joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
+    spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
+    toleranced, vibration = tolerance_figures(scene), torsion_figures(scene)
+    moved = scene_slides(scene)
+    over_states = table if isinstance(table, StatesResult) else None
+    return template.render(
+        answer(scene, samples, found, yokes),
+        version=__version__,
+        style=_part("page.css"),
+        script=_part("page.js"),
+        title=scene.title or Path(scene.name).name,
+        name=Path(scene.name).name,
+        joints=scene.line.n_joints,
+        over="time" if samples.time is not None else "the drive angle",
+        varied=bool(scene.study and scene.study.axes),
+        recorded=scene.recording is not None,
+        date=_today(),
+        every=samples.every,
+        inputs=tables.inputs(scene),
+        results=[limits_table(found), *tables.results(samples)],
+        study=None if table is None or over_states else study(table, found),
+        states=states(scene, over_states, found, yokes) if over_states else None,
+        charts=[
+            chart(panel, x, x_label, int(first))
+            for panel, first in zip(panels, firsts[:-1], strict=True)
+        ],
+        force_paths=force_views(scene),
+        ball_joint=joint,
+        slides=slides_section(scene, moved) if moved else None,
+        slip=slip(spline) if spline else None,
+        steering=steering(steered) if steered else None,
+        torsion=torsion(vibration) if vibration else None,
+        optimise=optimise(scene),
+        tolerances=tolerances(toleranced, scene.tolerances, scene.tolerance_arms)
+        if toleranced and scene.tolerances
+        else None,
+        life=life(life_figures(scene), tube_figures(scene)),
+        catalogue=tables.catalogue(scene, yokes),
+        data=_data(samples, panels),
+    )
+
+
+def _ball_joint_page(scene: BallJointScene) -> str:
+    template = environment().get_template("ball_joint_page.html")
+    style = _part("page.css")
+    return template.render(page_data(scene), version=__version__, style=style, date=_today())
+
+
+def _today() -> str:
+    """The date of the page; builds that must repeat set it in their environment."""
+    given = os.environ.get("SOURCE_DATE_EPOCH", "")
+    when = time.gmtime(int(given)) if given.isdecimal() else time.localtime()
+    return time.strftime("%Y-%m-%d", when)
+
+
+def environment() -> Environment:
+    """Return what renders the templates: it escapes every text and refuses a missing name.
+
+    Raises:
+        ImportError: jinja2 is missing.
+    """
+    try:
+        import jinja2
+    except ModuleNotFoundError:
+        hint = "a report needs jinja2: pip install 'cardan[app]'"
+        raise ModuleNotFoundError(hint) from None
+    made = jinja2.Environment(
+        loader=jinja2.FunctionLoader(_part),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    made.filters["digest"] = _digest
+    return made
+
+
+def _part(name: str) -> str:
+    path = resources.files("cardan.app.report").joinpath("templates", name)
+    return path.read_text(encoding="utf-8")
+
+
+def _digest(text: str) -> str:
+    """The source by which the page's policy lets this text alone be a script or a style."""
+    digest = base64.b64encode(hashlib.sha256(text.encode()).digest())
+    return f"sha256-{digest.decode()}"
+
+
+def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
+    if samples.time is not None:
+        return samples.time, "time [s]"
+    angle = samples.angle_deg
+    if np.all(np.diff(angle) >= 0.0) or np.all(np.diff(angle) <= 0.0):
+        return angle, "drive angle [deg]"
+    # Angles that go back and forth would draw the curves over themselves.
+    return samples.every * np.arange(float(len(angle))), "recorded sample"
+
+
+def _data(samples: Samples, panels: list[Panel]) -> dict[str, Any]:
+    """What the script reads."""
+    curves = []
+    for panel in panels:
+        digits = decimals(panel)
+        curves += [
+            {"decimals": digits, "values": np.round(curve.values, digits).tolist()}
+            for curve in panel.curves
+        ]
+    return {"places": _places(samples), "curves": curves, "drawing": drawing(samples)}
+
+
+def _places(samples: Samples) -> list[str]:
+    """Where each sample stands, in words."""
+    angle = samples.angle_deg
+    digits = 1 if np.all(np.round(angle, 1) == angle) else 2
+    places = [f"{value:.{digits}f}°".replace("-", "\N{MINUS SIGN}") for value in angle]
+    if samples.result.scene.recording is not None:
+        places = [f"{samples.every * i}, drive angle {place}" for i, place in enumerate(places)]
+    return places

@@ -1,0 +1,420 @@
+"""Scene files: a driveline, its load, the drive angles, a study and what to write, in TOML."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.app.files.ahead import read_ahead
+from cardan.app.files.progress import Progress
+from cardan.app.scene.angles import Angles
+from cardan.app.scene.ball_joint import BallJointCase
+from cardan.app.scene.ball_joint_scene import BallJointScene, is_alone
+from cardan.app.scene.document import Document, read_text
+from cardan.app.scene.errors import SceneError
+from cardan.app.scene.help_text import describe
+from cardan.app.scene.layout import SceneLayout
+from cardan.app.scene.parts import (
+    at_samples,
+    largest_speed,
+)
+from cardan.app.scene.reading import attributes_of
+from cardan.app.scene.recorded import Recording
+from cardan.app.scene.schema import scene_schema
+from cardan.app.scene.service import Service
+from cardan.app.scene.signals import Signal
+from cardan.app.scene.slip import Slip
+from cardan.app.scene.states import States, table_of
+from cardan.app.scene.steering import SteeringColumn
+from cardan.app.scene.study import Study, StudyResult
+from cardan.app.scene.torsion import TorsionCase
+from cardan.app.scene.units import LengthUnit
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import Limits
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.result import Result
+from cardan.evaluation.sweep import Sweep
+from cardan.tolerances import Tolerances
+
+if TYPE_CHECKING:
+    from cardan.app.scene.optimise import Optimisation
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A driveline, its load, the drive angles to evaluate and the files to write.
+
+    Make one with ``load`` or ``parse``.
+
+    Attributes:
+        name: where it came from, for messages.
+        title: heading, or "".
+        line: the driveline; if its bends were recorded, a batch ``(samples,)``.
+        load_case: its load, if any; what was recorded of it is ``(samples,)``.
+        limits: what a check compares it with.
+        drive_angle_deg: drive angles in degrees, ``(samples,)``.
+        angle: the same to evaluate at: a sweep, or recorded angles in rad.
+        quantities: outputs to evaluate.
+        shafts: the shafts that the scene names; ``None`` for the last one only.
+        joints: the joints that the scene names; ``None`` for all.
+        teeth: of the spline of each intermediate shaft; empty if the scene gives none.
+        options: further arguments of ``Driveline.evaluate``.
+        study: what to vary and the figures wanted, if any; with [states] the figures of each.
+        recording: file that the drive angles come from, if any.
+        curves_file: name of the file for the curves, if any.
+        table_file: name of the file for the table of the study, if any.
+        picture_file: name of the file for the picture, if any.
+        points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
+        ball_joint: its ball joint, if any.
+        slip: the spline of a shaft that changes its length, if the scene gives one.
+        time: recorded times in s, ``(samples,)``, if any.
+        signals: the extents of what was recorded besides angles and bends.
+        layout: the keys that describe the driveline; ``None`` if its bends were recorded.
+        states: the states that the scene lists, if it does. ``line`` is the driveline of
+            [driveline], whether that is one of them or not.
+        steering: what the scene says of its driveline as a steering column, if it is one.
+        optimisation: what may change for the better, if the scene says so.
+        tolerances: what errors of manufacture make of the driveline in all of its states, if the
+            scene gives any.
+        driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
+            those in place of drive angles.
+        service: its joints, duty cycle and tubes.
+        torsion: its shafts as torsion springs, if the scene says so.
+        deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
+            driveline of the drawing, ``line_as_built`` has them.
+        tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
+            lengths.
+        length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
+    """
+
+    name: str
+    title: str
+    line: Driveline
+    load_case: Load | None
+    limits: Limits
+    drive_angle_deg: FloatArray
+    angle: FloatArray | Sweep
+    quantities: tuple[str, ...]
+    shafts: tuple[int, ...] | None
+    joints: tuple[int, ...] | None
+    teeth: tuple[int, ...]
+    options: Mapping[str, Any]
+    study: Study | None
+    recording: Path | None
+    curves_file: str | None
+    table_file: str | None
+    picture_file: str | None
+    points: FloatArray | None = None
+    ball_joint: BallJointCase | None = None
+    slip: Slip | None = None
+    time: FloatArray | None = None
+    signals: tuple[Signal, ...] = ()
+    layout: SceneLayout | None = None
+    states: States | None = None
+    steering: SteeringColumn | None = None
+    optimisation: Optimisation | None = None
+    tolerances: Tolerances | None = None
+    driven_angle_deg: FloatArray | None = None
+    service: Service = field(default_factory=Service)
+    torsion: TorsionCase | None = None
+    deviations: FloatArray | None = None
+    tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
+    length_unit: LengthUnit = "mm"
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Self:
+        """Read a scene file; paths in it are relative to its folder.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ImportError: it names a file whose library is missing.
+            OSError: the file cannot be read.
+            ValueError: it is not a scene, or its recording cannot be read; one line with file, line
+                where that is certain, section, key, rule and value.
+        """
+        return cls.parse(read_text(path), fspath(path), Path(path).parent)
+
+    @classmethod
+    def parse(cls, text: str, name: str = "scene", folder: str | PathLike[str] = ".") -> Self:
+        """Make a scene from the text of a scene file.
+
+        Args:
+            text: TOML.
+            name: its name in messages.
+            folder: the folder to which paths in it are relative.
+
+        Raises:
+            ImportError: it names a file whose library is missing.
+            ValueError: it is not a scene, or its recording cannot be read; one line with name, line
+                where that is certain, section, key, rule and value.
+        """
+        return cls._of(Document(text, name), Path(folder))
+
+    @classmethod
+    def parts(cls, path: str | PathLike[str], rows: int) -> Generator[tuple[Self, int]]:
+        """Read a scene file whose recorded angles may not fit in memory.
+
+        Args:
+            path: the scene file.
+            rows: largest number of angles at a time.
+
+        Yields:
+            the scene with the next angles, and the number of all.
+
+        Raises:
+            ImportError: pyarrow or the library for the recording is missing.
+            OSError: the file cannot be read.
+            ValueError: as for ``load``; no recording, no curves in a Parquet file; a key of which
+                the value needs all angles.
+        """
+        document, folder = Document(read_text(path), fspath(path)), Path(path).parent
+        recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
+        with document.within(""):
+            if not recorded or document.sections.keys() & {"study", "states"}:
+                raise ValueError(
+                    "it must have a section [angles], no [study] and no [states] to be streamed"
+                )
+        with document.within("output"):
+            if not str(output.get("curves", "")).endswith(".parquet"):
+                raise ArgumentValueError(
+                    "curves", "must name a .parquet file for a scene to be streamed"
+                )
+            for key in ("reduce", "closed_forms", "table", "picture"):
+                if key in output:
+                    raise ArgumentValueError(key, "does not go with streaming; it needs all angles")
+        with closing(read_ahead(Recording(recorded, folder).pieces(rows))) as pieces:
+            while True:
+                with document.within("angles"):
+                    piece = next(pieces, None)
+                if piece is None:
+                    return
+                angle, total = piece
+                yield cls._of(document, folder, angle), total
+
+    @classmethod
+    def validate(cls, path: str | PathLike[str]) -> list[str]:
+        """Return the errors in a scene file, one line each; nothing if it is valid.
+
+        All unknown keys and values of the wrong kind are found at once. Only if there are none,
+        values that do not fit together are found.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ImportError: it names a file whose library is missing.
+            OSError: the file cannot be read.
+        """
+        try:
+            document = Document(read_text(path), fspath(path), gather=True)
+            if not document.problems:
+                # Not gathered: values that do not fit together are found one by one.
+                whole = Document(read_text(path), fspath(path))
+                _ = BallJointScene.of(whole) if is_alone(whole) else cls.load(path)
+        except ValueError as error:
+            return [str(error)]
+        return document.problems
+
+    @staticmethod
+    def schema() -> dict[str, Any]:
+        """Return the JSON Schema of a scene file, for editors and other tools."""
+        return scene_schema()
+
+    @classmethod
+    def _of(cls, document: Document, folder: Path, angle: Angles | None = None) -> Self:
+        return cls(**attributes_of(document, folder, angle))
+
+    @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad, ``(samples,)``."""
+        return np.asarray(self.angle)
+
+    @property
+    def missing(self) -> int:
+        """Number of recorded samples that are missing; their results are NaN."""
+        return 0 if self.recording is None else int(np.count_nonzero(np.isnan(self.drive_angle)))
+
+    def without_missing(self) -> Self:
+        """Return the scene without the recorded samples that are missing."""
+        if not self.missing:
+            return self
+        known = ~np.isnan(self.drive_angle)
+        line = self.line[known] if self.line.shape else self.line
+        degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
+        load = self.load_case and at_samples(self.load_case, known)
+        time = None if self.time is None else self.time[known]
+        driven = None if self.driven_angle_deg is None else self.driven_angle_deg[known]
+        return replace(
+            self,
+            line=line,
+            drive_angle_deg=degrees,
+            angle=radians,
+            load_case=load,
+            time=time,
+            driven_angle_deg=driven,
+        )
+
+    @property
+    def line_as_built(self) -> Driveline:
+        """The driveline with the deviations of [joints]; that of the drawing if there are none."""
+        if self.deviations is None:
+            return self.line
+        return self.line.with_deviations(*self.deviations.T)
+
+    @property
+    def speed(self) -> float:
+        """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
+        return largest_speed(self.load_case)
+
+    @property
+    def speed_recorded(self) -> bool:
+        """Whether the speed of the drive was recorded, or follows from what was."""
+        return self.time is not None
+
+    @property
+    def accelerates(self) -> bool:
+        """Whether the speed of the drive changes."""
+        return self.load_case is not None and bool(np.any(self.load_case.acceleration != 0.0))
+
+    def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
+        """Return the driveline in every state of the scene, or as a batch of one without [states].
+
+        Args:
+            changes: values by path, as for ``States.drivelines``.
+
+        Raises:
+            ValueError: as for ``States.drivelines``; bends that were recorded.
+        """
+        if self.states:
+            return self.states.drivelines(changes)
+        if self.layout is None:
+            raise ValueError(f"{self.name}: the bends were recorded; they have no keys to change")
+        return self.layout.drivelines(changes=changes)
+
+    def in_state(self, state: int) -> Self:
+        """Return the scene of one of its states alone, without [states].
+
+        Args:
+            state: number of the state, counted from 0.
+
+        Raises:
+            IndexError: a state that does not exist.
+            ValueError: the scene has no section [states].
+        """
+        if self.states is None:
+            raise ValueError(f"{self.name}: it has no section [states]")
+        return replace(
+            self,
+            line=self.states.driveline(state),
+            load_case=self.states.load(state),
+            points=self.states.points(state),
+            study=self.study and self.states.study(self.study, state),
+            layout=None,
+            states=None,
+            tolerances=self.tolerances and self.tolerances.in_state(state),
+        )
+
+    def run(self, progress: Progress | None = None) -> SceneResult:
+        """Evaluate the scene and its study; writes nothing.
+
+        Args:
+            progress: called after each block of the study with the rows done and all rows.
+
+        Raises:
+            ValueError: a point of the study that makes no driveline; the message names it.
+        """
+        values = self.evaluate()
+        try:
+            study = table_of(self.states, self.study, progress)
+        except ValueError as error:
+            raise SceneError.of(error, self.name, "study") from None
+        return SceneResult(self, values, study)
+
+    def evaluate(self) -> Result:
+        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``.
+
+        Raises:
+            ValueError: as for ``Driveline.evaluate``.
+        """
+        line = self.line_as_built
+        return line.evaluate(self.angle, self.quantities, **self._arguments())
+
+    def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
+        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does.
+
+        Raises:
+            ValueError: as for ``Driveline.plan``.
+        """
+        line: Any = self.line_as_built
+        return line.plan(self.quantities, **self._arguments())
+
+    def explain(self) -> str:
+        """Describe how the curves over the drive angle and the study are evaluated."""
+        curves: str = self.plan().explain(self.angle)
+        if self.states and self.study:
+            return f"{curves}\n\neach of {self.states.count} states:\n{self.study.explain()}"
+        return f"{curves}\n\n{self.study.explain()}" if self.study else curves
+
+    def _arguments(self) -> dict[str, Any]:
+        return {
+            "load": self.load_case,
+            "shafts": None if self.shafts is None else list(self.shafts),
+            "joints": None if self.joints is None else list(self.joints),
+            **self.options,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """The results of a scene.
+
+    Attributes:
+        scene: the scene.
+        values: its quantities in SI units by name, over the drive angles: ``(samples,)`` for the
+            last shaft, ``(shafts, samples)`` for shafts that the scene names, ``(joints, samples,
+            3)`` for the moments of the joints.
+        study: the table of its study, if it has one; with [states] a ``StatesResult``.
+    """
+
+    scene: Scene
+    values: Result
+    study: StudyResult | None = None
+
+    @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad."""
+        return self.scene.drive_angle
+
+    def curves(self) -> Iterator[tuple[Output, int, FloatArray]]:
+        """Yield every quantity of every shaft or joint: what, of which, ``(samples, [3])``."""
+        joints = self.scene.line.n_joints
+        shafts = self.scene.shafts
+        items = {
+            "shaft": (joints,) if shafts is None else shafts,
+            "joint": range(joints) if self.scene.joints is None else self.scene.joints,
+            "bearing": range(self.scene.line.n_bearings),
+        }
+        for name, values in self.values.items():
+            output = OUTPUTS[name]
+            single = output.per == "shaft" and shafts is None
+            parts = [values] if single else values
+            for item, part in zip(items[output.per], parts, strict=True):
+                yield output, item, part
+
+
+Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
+    describe(), " " * 8
+)

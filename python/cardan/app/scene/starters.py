@@ -1,0 +1,244 @@
+"""Starter scenes: commented files that run unchanged, to begin with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from os import PathLike, fspath
+from pathlib import Path
+from types import MappingProxyType
+
+from cardan.arrays.errors import ArgumentValueError
+
+
+@dataclass(frozen=True)
+class Starter:
+    """One kind of starter scene.
+
+    Attributes:
+        meaning: one line.
+        text: the scene, with ``{name}`` where the name of its file belongs.
+        recorded: whether a sample recording goes with it.
+        machine: whether it is a whole machine, from its points to its limits.
+    """
+
+    meaning: str
+    text: str
+    recorded: bool = False
+    machine: bool = False
+
+
+def _machine(kind: str, meaning: str) -> Starter:
+    """Return the scene of a machine, whose output files are named like it, as a starter."""
+    file = resources.files("cardan.app.scene").joinpath("machines", f"{kind}.toml")
+    text = file.read_text(encoding="utf-8")
+    return Starter(meaning, text.replace(f'= "{kind}.', '= "{name}.'), machine=True)
+
+
+_FILES = """\
+# quantities = ["angle_error", "speed_ratio", "bending_driving", "bending_driven"]
+# Curves over the drive angle as .csv, .parquet or .npz; the picture as .svg, .png or .pdf.
+curves = "{name}.csv"
+picture = "{name}.svg"
+"""
+
+STARTERS: Mapping[str, Starter] = MappingProxyType(
+    {
+        "joint": Starter(
+            "one joint",
+            """\
+# One universal joint. Try another bend and run it again: cardan run {name}.toml
+
+title = "One joint at 20 deg"
+
+[driveline]
+bends_deg = [20]               # the angle between the two shafts
+
+[load]                         # may be left out: then only the motion is computed
+speed_rpm = 1500
+output_torque_Nm = 100         # delivered by the driven shaft
+inertias_kgm2 = [0, 0.02]      # driving shaft, driven shaft with what it carries
+
+[output]
+"""
+            + _FILES,
+        ),
+        "z-shaft": Starter(
+            "two joints with parallel ends, which cancel each other",
+            """\
+# A Z shaft: two joints with equal bends in one plane, input and output shaft parallel. If the yokes
+# of the common shaft lie in one plane (phase 0), the joints cancel each other, and only the shaft
+# between them turns unevenly. Set phases_deg to 5 and see what a small error of assembly costs.
+# Then "cardan phase {name}.toml" says how to correct it.
+
+title = "Z shaft, twice 15 deg"
+
+[driveline]
+bends_deg = [15, 15]
+twists_deg = [180]             # 180: Z arrangement, 0: W arrangement
+phases_deg = [0]               # 0: yokes of the common shaft in one plane
+# teeth = 24                   # of its spline: cardan phase then finds the best tooth
+
+[load]
+speed_rpm = 1000
+output_torque_Nm = 200
+inertias_kgm2 = [0, 0.01, 0.05]
+
+[output]
+# shafts = [1, 2]              # the common shaft and the driven one
+"""
+            + _FILES,
+        ),
+        "multi-joint": Starter(
+            "three joints by their points from a drawing",
+            """\
+# A multi-joint driveline by the points of a drawing: the driving end, the centre of each joint, the
+# driven end. "cardan phase {name}.toml" says how to set the yokes.
+#
+# Axes of the points, right-handed, in mm:
+#
+#   axis  direction
+#   x     rearwards, from the gearbox to the axle
+#   y     up
+#   z     to the vehicle's left
+#
+# If z points to the right in your drawing, change the sign of every z. Otherwise the driveline is
+# mirrored and each yoke is set in the wrong sense: this one would get an equivalent bend of 4.2 deg
+# in place of 2.0.
+
+title = "Driveline with three joints"
+
+[driveline]
+points_mm = [
+    [0, 0, 0],                 # gearbox
+    [350, -24, 0],             # joint 0
+    [1650, -46, 0],            # joint 1, behind the centre bearing
+    [3150, -180, 45],          # joint 2
+    [3450, -196, 45],          # pinion of the axle
+]
+phases_deg = [0, 0]            # the yokes of each shaft between two joints lie in one plane
+# teeth = 24                   # of their splines: cardan phase then finds the best teeth
+
+[load]
+speed_rpm = 1500
+output_torque_Nm = 4000
+
+[output]
+"""
+            + _FILES,
+        ),
+        "recorded": Starter(
+            "recorded drive angles and bends from a file",
+            """\
+# A recorded run: drive angle and bends of each sample from a file. {name}_run.csv is a made-up
+# sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet,
+# .npz or .mf4, in the folder of this scene.
+
+title = "Recorded run"
+
+[angles]
+file = "{name}_run.csv"
+angle_column_deg = "crank_deg" # or angle_column_rad
+# A column per joint, or bend_columns_rad; leave it out where the bends are fixed: bends_deg below.
+bend_columns_deg = ["front_deg", "rear_deg"]
+
+[driveline]
+twists_deg = [180]             # input and output shaft stay parallel
+phases_deg = [0]
+
+[load]
+speed_rpm = 1500
+output_torque_Nm = 300
+
+[output]
+"""
+            + _FILES,
+            recorded=True,
+        ),
+        "ball-joint": Starter(
+            "a ball in its seat under a load",
+            """\
+# A ball joint: how large must the ball be, and how is the pressure spread over the seat? Without
+# radius_mm the smallest ball is found; round it up, enter it and run again: cardan run {name}.toml
+
+title = "Ball joint under 20 kN"
+
+[ball_joint]
+load_N = 20000                 # towards the middle of the seat
+# radius_mm = 16
+half_angle_deg = 60            # from the middle of the seat to its edge; 90 is a hemisphere
+clearance_mm = 0.01            # radius of the seat less that of the ball; 0 is a perfect fit
+friction = 0.12
+picture = "{name}.svg"
+
+[ball_joint.ball]
+name = "hardened steel"
+allowable_pressure_MPa = 400   # take these pressures from your suppliers
+
+[ball_joint.seat]
+name = "lined with PTFE fabric"
+allowable_pressure_MPa = 60
+# How far the seat yields: by its layer, or measured as compliance_um_per_MPa.
+layer_mm = 1.0
+modulus_MPa = 2500
+poisson = 0.4
+""",
+        ),
+        **{
+            kind: _machine(kind, meaning)
+            for kind, meaning in (
+                ("truck-shaft", "a truck's shaft with a centre bearing"),
+                ("steering-column", "a steering column over its tilt"),
+                ("pto-shaft", "the PTO shaft of a baler, straight and in a turn"),
+                ("mill-spindle", "the spindle of a rolling mill"),
+                ("test-rig", "the shaft between a motor and a dynamometer"),
+                ("ship-shaft", "the shaft of a boat with its engine on soft mounts"),
+            )
+        },
+    }
+)
+"""Starter scenes by the name of their kind."""
+
+
+def write_starter(kind: str, path: str | PathLike[str]) -> list[Path]:
+    """Write a starter scene, and beside it the recording that it reads; return the files.
+
+    Raises:
+        FileExistsError: a file of that name; nothing is overwritten, and nothing written.
+        OSError: a file cannot be written; nothing is left behind then.
+        ValueError: an unknown kind, a path that does not end in .toml.
+    """
+    if kind not in STARTERS:
+        raise ArgumentValueError("kind", f"is {kind!r}; known are {', '.join(STARTERS)}")
+    target, starter = Path(path), STARTERS[kind]
+    if target.suffix != ".toml" or '"' in target.name or not target.name.isprintable():
+        raise ValueError(f"{fspath(path)} must be a file name that ends in .toml")
+    texts = {target: starter.text.replace("{name}", target.stem)}
+    if starter.recorded:
+        texts[target.with_name(f"{target.stem}_run.csv")] = _recording()
+    written: list[Path] = []
+    try:
+        for file, text in texts.items():
+            # Mode x makes the file, or fails if there is one.
+            with open(file, "x", encoding="utf-8") as opened:
+                written.append(file)
+                opened.write(text)
+    except BaseException as error:
+        for made in written:
+            made.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            # A full disk shows when the text is written, where Python names no file.
+            raise OSError(error.errno, error.strerror, fspath(file)) from error
+        raise
+    return written
+
+
+def _recording() -> str:
+    """Four turns in steps of 4 deg, the axle once up and down; equal bends, as in a Z shaft."""
+    lines = ["crank_deg,front_deg,rear_deg"]
+    for step in range(361):
+        bend = 8.0 + 5.0 * math.sin(math.tau * step / 360.0)
+        lines.append(f"{4 * step},{bend:.3f},{bend + 0.8:.3f}")
+    return "\n".join(lines) + "\n"

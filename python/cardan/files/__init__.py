@@ -1,5 +1,0 @@
-"""Tables of numbers as files: recordings read, columns written, Parquet in chunks, whole files."""
-
-from cardan.files.tables import map_parquet
-
-__all__ = ["map_parquet"]
