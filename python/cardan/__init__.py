@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from cardan._core import __version__ as __version__
 
 if TYPE_CHECKING:
-    from cardan import approximations as approximations
     from cardan import plots as plots
     from cardan import reference as reference
     from cardan import scene as scene
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
     from cardan.outputs import OUTPUTS as OUTPUTS
     from cardan.outputs import Output as Output
     from cardan.plan import Plan as Plan
+    from cardan.reference import approximations as approximations
     from cardan.result import Result as Result
     from cardan.scene import Scene as Scene
     from cardan.slides import Slides as Slides
@@ -101,7 +101,10 @@ else:
         name: f"cardan.{module}" for module, names in _NAMES.items() for name in names.split()
     }
     _MODULES = {
-        name: f"cardan.{name}" for name in ("approximations", "plots", "reference", "workshop")
+        "approximations": "cardan.reference.approximations",
+        "plots": "cardan.plots",
+        "reference": "cardan.reference",
+        "workshop": "cardan.workshop",
     }
     # A star must not replace what its user has by these names.
     _NOT_BY_STAR = {

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import approximations, geometry
+from cardan import geometry
 from cardan.arrays import FloatArray, as_float64, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
@@ -21,6 +21,7 @@ from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
+from cardan.reference import approximations
 from cardan.remembered import remembered
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result

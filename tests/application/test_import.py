@@ -59,7 +59,7 @@ def test_the_library_alone_is_imported() -> None:
 
 ASKED_FOR = {
     "Scene": "cardan.scene",
-    "approximations": "cardan.approximations",
+    "approximations": "cardan.reference.approximations",
     "plots": "cardan.plots",
     "reference": "cardan.reference",
     "scene": "cardan.scene",

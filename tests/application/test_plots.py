@@ -27,7 +27,6 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from cardan import plots, reference
-from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.command import commands
 from cardan.driveline import Driveline
@@ -40,6 +39,7 @@ from cardan.plots.key_figures import key_figures
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
 from cardan.plots.style import degree_ticks, text_width
+from cardan.reference.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
 from cardan.plan import Plan
-from cardan.reference_forces import forces
+from cardan.reference.forces import forces
 from oracle import ExactTurn, mp
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import answers
 from cardan import Driveline, Load, reference
-from cardan import reference_wear as slow
+from cardan.reference import wear as slow
 from tiers import part
 
 FRICTION: dict[str, Any] = {"friction": 0.02, "pin_radius": 0.011, "arm": 0.04}

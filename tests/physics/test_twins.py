@@ -1,7 +1,7 @@
 """Every capability of the core has a slow twin in the reference, or a line that says why not yet.
 
 Capabilities are the outputs, the functions of the package, and the public names of its classes that
-compute. A twin is named by its place in the package; a reason is a sentence.
+compute. A twin is named by its place in `cardan.reference`; a reason is a sentence.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ SOURCES = "formulas of the sources, themselves compared with the core"
 
 TWINS = {
     "OUTPUTS": {
-        "angle angle_error speed_ratio acceleration_ratio jerk_ratio": "reference.motion",
-        "torque support_moment moment bending_driving bending_driven pin_moment": "reference.loads",
-        "tilt_driving tilt_driven": "reference.tilts",
-        "swing_driving swing_driven driving_pin driven_pin": "reference.crosses",
-        "joint_force bearing_force": "reference_forces.forces",
+        "angle angle_error speed_ratio acceleration_ratio jerk_ratio": "vectors.motion",
+        "torque support_moment moment bending_driving bending_driven pin_moment": "forces.loads",
+        "tilt_driving tilt_driven": "vectors.tilts",
+        "swing_driving swing_driven driving_pin driven_pin": "vectors.crosses",
+        "joint_force bearing_force": "forces.forces",
     },
     "cardan": {
         "approximations": SOURCES,
@@ -49,21 +49,21 @@ TWINS = {
         "workshop": "words of the workshop for phases, which have a twin",
     },
     "Driveline": {
-        "from_bends": "reference.from_bends",
-        "from_directions": "reference.from_directions",
-        "from_points": "reference.from_points",
-        "bends": "reference.Shafts.bends",
-        "twists": "reference.Shafts.twists",
-        "directions normals phases with_phases": "reference.Shafts",
+        "from_bends": "vectors.from_bends",
+        "from_directions": "vectors.from_directions",
+        "from_points": "vectors.from_points",
+        "bends": "vectors.Shafts.bends",
+        "twists": "vectors.Shafts.twists",
+        "directions normals phases with_phases": "vectors.Shafts",
         "bends_deg twists_deg phases_deg deviations_deg": UNIT,
-        "evaluate": "reference.motion",
-        "equivalent": "reference_phasing.equivalent",
-        "transmission": "reference_phasing.transmission",
-        "optimal_phases": "reference_phasing.optimal_phases",
-        "harmonics": "reference_wear.harmonics",
-        "losses": "reference_wear.losses",
-        "life": "reference_wear.life",
-        "free_running": "reference_wear.free_running",
+        "evaluate": "vectors.motion",
+        "equivalent": "phasing.equivalent",
+        "transmission": "phasing.transmission",
+        "optimal_phases": "phasing.optimal_phases",
+        "harmonics": "wear.harmonics",
+        "losses": "wear.losses",
+        "life": "wear.life",
+        "free_running": "wear.free_running",
         "from_slopes from_projected_bends from_double_joint slides lengths spline_force steering "
         "catalogue_bend": DESIGN,
         "check": "it compares values with limits",
@@ -73,10 +73,10 @@ TWINS = {
         "reversed shape size with_bearings": SHAPE,
     },
     "Transmission": {
-        "q abs2": "reference_phasing.Transmission",
-        "motion": "reference_phasing.Transmission.motion",
-        "gradient": "reference_phasing.Transmission.gradient",
-        "dq d_abs2": "reference_phasing.dq",
+        "q abs2": "phasing.Transmission",
+        "motion": "phasing.Transmission.motion",
+        "gradient": "phasing.Transmission.gradient",
+        "dq d_abs2": "phasing.dq",
         "d_bend": "it refuses",
     },
     "Plan": {
@@ -120,7 +120,7 @@ def test_every_capability_has_a_twin_or_a_reason(owner: str) -> None:
 )
 def test_every_twin_exists(twin: str) -> None:
     module, *path = twin.split(".")
-    found: object = importlib.import_module(f"cardan.{module}")
+    found: object = importlib.import_module(f"cardan.reference.{module}")
     for name in path:
         found = getattr(found, name)
     assert callable(found) or isinstance(found, property)

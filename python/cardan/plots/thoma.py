@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 import cardan.plots.panel as panel
-from cardan.approximations import thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.plots.style import drawing, legend_above
+from cardan.reference.approximations import thoma_small_angle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,7 +19,15 @@ from functools import partial
 from itertools import combinations_with_replacement, product
 
 from cardan.errors import ArgumentValueError
-from cardan.reference import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
+from cardan.reference.vectors import (
+    ShaftMotion,
+    Shafts,
+    _index,
+    _joints,
+    _lead,
+    from_bends,
+    motion,
+)
 
 # Angles of half a turn among which the fastest and the slowest are looked for.
 _LOOKS = 64

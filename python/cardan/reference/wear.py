@@ -12,7 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.reference import Loads, Shafts, loads, mean_offset, motion, tilts
+from cardan.reference.forces import Loads, loads
+from cardan.reference.vectors import Shafts, mean_offset, motion, tilts
 
 _EXPONENT = 10.0 / 3.0
 _SLOPE = 9.0 / 8.0
