@@ -115,15 +115,6 @@ def test_a_free_drive_beside_its_equation_of_motion(joints: int) -> None:
     np.testing.assert_allclose([free.min_speed_ratio, free.max_speed_ratio], ends, rtol=2e-4)
 
 
-@pytest.mark.parametrize("order", [2, 4])
-def test_orders_beside_a_plain_fourier_sum(order: int) -> None:
-    line, *angles = one_of_each(3)
-    known = slow.harmonics(reference.from_bends(*angles), order)
-    found = line.harmonics([order]).complex_amplitude
-    for name, amplitude in zip(("angle_error", "speed_ratio"), known, strict=True):
-        assert abs(found[name][..., 0] - amplitude) < 1e-13, name
-
-
 def test_straight_joints_do_not_turn_their_pins() -> None:
     line = Driveline.from_bends([0.0, 0.0], 0.0, 0.0)
     load = Load(output_torque=100.0, speed=100.0 * math.pi / 30.0)

@@ -283,14 +283,15 @@ def _leaning(level: Vector, u: Vector, lean: float) -> Vector:
 def _closing(a: Vector, driven: Vector, v: Vector, skew: float, lean: float) -> float:
     """Return by how much the driven pin turns until it is closer than 90 degrees by ``skew``.
 
-    The product of the pins falls over the half turn about the place of the ideal joint, where the
-    loop can close; the range is halved until no double is left in it.
+    Newton's method from the place of the ideal joint: over the quarter turn on either side the
+    product of the pins curves one way only, so that it comes nearer from one side.
     """
-    low, high = -math.pi / 2, math.pi / 2
-    while low < (middle := (low + high) / 2.0) < high:
-        pin = _leaning(_turned(driven, v, middle), v, lean)
-        low, high = (middle, high) if _dot(a, pin) > math.sin(skew) else (low, middle)
-    return middle
+    turn, step = 0.0, math.inf
+    while abs(step) > 1e-15:
+        pin = _leaning(_turned(driven, v, turn), v, lean)
+        step = (math.sin(skew) - _dot(a, pin)) / _dot(a, _cross(v, pin))
+        turn += step
+    return turn
 
 
 def _turning(v: Vector, u: Vector, w: float, w_rate: float) -> tuple[Vector, Vector]:
