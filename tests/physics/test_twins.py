@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -263,28 +264,28 @@ def test_the_drive_angle_of_a_driven_angle() -> None:
         same(found, case.outputs(at)["speed_ratio"][-1], 1e-13)
 
 
+def blocks(outputs: dict[str, Any], names: list[str]) -> tuple[Any, dict[str, slice]]:
+    """Join outputs to one array, and say where each of them is."""
+    ends = np.cumsum([0, *(np.size(outputs[name]) for name in names)]).tolist()
+    joined = np.concatenate([np.ravel(outputs[name]) for name in names])
+    return joined, {name: slice(*pair) for name, pair in zip(names, pairwise(ends), strict=True)}
+
+
 @moderate
 def test_orders(case: Case) -> None:
     """Of the smooth outputs; kinks of magnitudes make a sum over steps converge slowly."""
-    names = [name for name in case.names if name not in ("angle", "pin_moment")]
-    names = [name for name in names if "bending" not in name]
-    orders = [1, 2, 4]
-    options: dict[str, Any] = {"load": Load(**case.load)}
-    found = case.line.plan(names, shafts=slice(None), **options).harmonics(orders)
-    flat = evaluation.harmonics(
-        lambda angle: np.concatenate([np.ravel(x) for x in take(case.outputs(angle), names)]),
-        [0, *orders],
-        steps=96,
+    kinked = ("angle", "pin_moment", "bending_driving", "bending_driven")
+    names, orders = [name for name in case.names if name not in kinked], [1, 2, 4]
+    plan = case.line.plan(names, shafts=slice(None), load=Load(**case.load))
+    found, (_, places) = plan.harmonics(orders), blocks(case.outputs(0.0), names)
+    mean, *known = evaluation.harmonics(
+        lambda angle: blocks(case.outputs(angle), names)[0], [0, *orders], steps=96
     )
-    means = np.concatenate([np.ravel(found.mean[name]) for name in names])
-    same(means, flat[0].real, 1e-12)
-    for k, known in enumerate(flat[1:]):
-        every = [np.ravel(found.complex_amplitude[name][..., k]) for name in names]
-        same(np.concatenate(every), known, 1e-12, f"order {orders[k]}")
-
-
-def take(found: dict[str, Any], names: list[str]) -> list[Any]:
-    return [found[name] for name in names]
+    for name, place in places.items():
+        same(np.ravel(found.mean[name]), mean[place].real, 1e-12, name)
+        for k, amplitudes in enumerate(known):
+            got = np.ravel(found.complex_amplitude[name][..., k])
+            same(got, amplitudes[place], 1e-12, f"{name}, order {orders[k]}")
 
 
 PEAKS = [
@@ -343,34 +344,51 @@ def test_derivatives_by_everything(name: str) -> None:
         places = [(shaft, at) for (shaft, _), at in zip(bearings, own["positions"], strict=True)]
         return evaluation.outputs(laid_out, own["angle"][0], load, own["lengths"], places)
 
-    def values(numbers: list[float]) -> Any:  # noqa: ANN401
-        return np.concatenate([np.ravel(x) for x in take(outputs(numbers), case.names)])
-
-    # A tenth of what is left to 90 degrees, at which the quantities change their size.
+    # A part of what is left to 90 degrees, where the outputs change their size.
     step = 1e-3 / case.steepness
-    known = np.stack(evaluation.slopes(values, flat, step=step), axis=-1)
-    names = [by for by in given if by != "deviations" or case.shafts.deviations]
+    known = np.stack(
+        evaluation.slopes(lambda x: blocks(outputs(x), case.names)[0], flat, step=step), axis=-1
+    )
+    ends = np.cumsum([0, *sizes.values()]).tolist()
+    columns = {by: slice(*pair) for by, pair in zip(sizes, pairwise(ends), strict=True)}
+    if not case.shafts.deviations:
+        columns.pop("deviations")
     plan = line.plan(case.names, shafts=slice(None), load=Load(**case.load))
-    found = plan.derivatives(angle, by=names)
-    weights = {
-        out: np.cos(np.arange(np.size(x))).reshape(np.shape(x)) for out, x in plan(angle).items()
-    }
-    gradient = plan.gradient(angle, weights)
-    weighted = np.concatenate([np.ravel(weights[out]) for out in case.names]) @ known
-    ends = np.cumsum([0, *sizes.values()])
+    found = plan.derivatives(angle, by=[*columns])
+    _, rows = blocks(case.outputs(angle), case.names)
     close = 1e-9 * case.steepness**3
-    for by, start, end in zip(sizes, ends, ends[1:], strict=False):
-        if by not in names:
-            continue
-        columns = [np.reshape(found[out][by], (-1, end - start)) for out in case.names]
-        same(np.concatenate(columns), known[:, start:end], close, by)
-        if by != "angle":
-            same(np.ravel(getattr(gradient, by)), weighted[start:end], close, by)
+    for by, column in columns.items():
+        for name, row in rows.items():
+            got = np.reshape(found[name][by], (row.stop - row.start, -1))
+            same(got, known[row, column], close, f"{name} by {by}")
+    shapes = {name: np.shape(values) for name, values in plan(angle).items()}
+    weights = {name: np.cos(np.arange(math.prod(x))).reshape(x) for name, x in shapes.items()}
+    gradient = plan.gradient(angle, weights)
+    weighted = blocks(weights, case.names)[0] @ known
+    for by in columns.keys() - {"angle"}:
+        same(np.ravel(getattr(gradient, by)), weighted[columns[by]], close, by)
+
+
+POINTS = [[0.0, 0.0, 0.0], [0.5, 0.05, 0.0], [1.6, 0.2, 0.3], [2.2, 0.0, 0.2], [2.9, -0.3, 0.5]]
+
+
+def test_derivatives_by_points() -> None:
+    angle, phases, names = -0.4, [0.3, -0.8], ["angle_error", "jerk_ratio", "moment"]
+    found = Driveline.from_points(POINTS, phases).plan(names, load=Load(drive_torque=2.0))
+
+    def values(numbers: list[float]) -> Any:  # noqa: ANN401
+        shafts = reference.from_points(np.reshape(numbers, (-1, 3)).tolist(), phases)
+        known = evaluation.outputs(shafts, angle, {"drive_torque": 2.0})
+        motion = [known["angle_error"][-1], known["jerk_ratio"][-1]]
+        return np.concatenate([motion, *known["moment"]])
+
+    known = np.stack(evaluation.slopes(values, np.ravel(POINTS).tolist(), step=2e-4), axis=-1)
+    by_points = found.derivatives(angle, by="points")
+    got = np.concatenate([np.reshape(by_points[name]["points"], (-1, 15)) for name in names])
+    same(got, known, 1e-9)
 
 
 # --- design --------------------------------------------------------------------------------------
-
-POINTS = [[0.0, 0.0, 0.0], [0.5, 0.05, 0.0], [1.6, 0.2, 0.3], [2.2, 0.0, 0.2], [2.9, -0.3, 0.5]]
 
 
 def same_layout(line: Driveline, shafts: reference.Shafts) -> None:
