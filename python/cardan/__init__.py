@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from cardan._core import __version__ as __version__
 
 if TYPE_CHECKING:
-    from cardan import approximations as approximations
     from cardan import reference as reference
     from cardan.app import files as files
     from cardan.app import plots as plots
@@ -55,6 +54,7 @@ if TYPE_CHECKING:
     from cardan.optimisation import ActiveLimit as ActiveLimit
     from cardan.optimisation import Optimum as Optimum
     from cardan.optimisation import optimise as optimise
+    from cardan.reference import approximations as approximations
     from cardan.tolerances import Tolerances as Tolerances
     from cardan.tolerances.order_tolerances import OrderTolerances as OrderTolerances
     from cardan.torsion import TorsionalSystem as TorsionalSystem
@@ -102,7 +102,7 @@ else:
         name: f"cardan.{module}" for module, names in _NAMES.items() for name in names.split()
     }
     _MODULES = {
-        "approximations": "cardan.approximations",
+        "approximations": "cardan.reference.approximations",
         "plots": "cardan.app.plots",
         "reference": "cardan.reference",
         "workshop": "cardan.motion.workshop",

@@ -59,7 +59,7 @@ def test_the_library_alone_is_imported() -> None:
 
 ASKED_FOR = {
     "Scene": "cardan.app.scene",
-    "approximations": "cardan.approximations",
+    "approximations": "cardan.reference.approximations",
     "plots": "cardan.app.plots",
     "reference": "cardan.reference",
     "scene": "cardan.app.scene",

@@ -25,7 +25,7 @@ from cardan import (
     Load,
     Sweep,
 )
-from cardan import approximations as approximate
+from cardan.reference import approximations as approximate
 
 TWO = Driveline.from_bends([0.1, 0.2])
 LOADED = Load(drive_torque=[1.0, 2.0, 3.0])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, approximations
-from cardan.approximations import (
+from cardan.reference.approximations import (
     ThomaMoments,
     catalogue_bend,
     inertia_bend,

@@ -1,20 +1,18 @@
-"""Closed forms of design, against recorded figures and against the vector model."""
+"""Closed forms of design, against recorded figures, symmetry and textbooks."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
 import cardan
-from cardan import Driveline, reference
+from cardan import Driveline
 from oracle import read
 
 DATA = read("design.json")
-STEP = 1e-4
 
 
 def line_of(case: dict[str, Any]) -> Driveline:
@@ -57,56 +55,6 @@ def test_recorded_tubes(case: dict[str, Any]) -> None:
     agrees(found, want)
 
 
-def largest(of: Callable[[float], float]) -> float:
-    """The largest value over half a turn: the best of many, then thirds of what is around it."""
-    steps = 180
-    step = math.pi / steps
-    best = max(range(steps), key=lambda i: of(i * step)) * step
-    low, high = best - step, best + step
-    while high - low > 1e-8:
-        left, right = low + (high - low) / 3, high - (high - low) / 3
-        low, high = (left, high) if of(left) < of(right) else (low, right)
-    return of(low)
-
-
-def second_order(shafts: reference.Shafts, count: int = 128) -> float:
-    """The second order of the summed accelerations of all intermediate shafts."""
-    total = 0j
-    for i in range(count):
-        angle = math.pi * i / count
-        for shaft in range(1, len(shafts.bends)):
-            ratio = reference.motion(shafts, angle, shaft, offset=0.0).acceleration_ratio
-            total += ratio * complex(math.cos(2 * angle), -math.sin(2 * angle))
-    return 2 * abs(total) / count
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_excitations_are_those_of_vectors(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    n = 1 + seed % 4
-    line = Driveline.from_bends(
-        rng.uniform(0.1, 0.6, n), rng.uniform(-3, 3, n - 1), rng.uniform(-3, 3, n - 1)
-    )
-    phases = line.phases.tolist()
-    shafts = reference.from_directions(line.directions.tolist(), phases)
-    turned = reference.from_directions((-line.directions[::-1]).tolist(), phases[::-1])
-    speed = 150.0
-    found = {f.figure: float(f.value) for f in line.check(speed).findings}
-
-    def motion(angle: float) -> reference.ShaftMotion:
-        return reference.motion(shafts, angle, offset=0.0)
-
-    ratio = largest(lambda angle: motion(angle).speed_ratio)
-    # The bend is flat where the ratio is largest, and so keeps half of its digits.
-    assert found["equivalent_bend"] == pytest.approx(math.degrees(math.acos(1 / ratio)), rel=1e-11)
-    peak = largest(lambda angle: motion(angle).acceleration_ratio) * speed**2
-    assert found["torsional_excitation"] == pytest.approx(peak, rel=1e-11)
-    if n > 1:
-        driving, coasting = (second_order(s) * speed**2 for s in (shafts, turned))
-        assert found["inertia_excitation_driving"] == pytest.approx(driving, rel=1e-11)
-        assert found["inertia_excitation_coasting"] == pytest.approx(coasting, rel=1e-11)
-
-
 def test_excitations_of_a_batch_are_those_of_its_drivelines() -> None:
     """Many drivelines are shared among threads."""
     bends = np.random.default_rng(3).uniform(0.0, 1.2, (3, 1000, 3))
@@ -116,32 +64,6 @@ def test_excitations_of_a_batch_are_those_of_its_drivelines() -> None:
     for place in ((0, 0), (1, 500), (2, 999)):
         for found, alone in zip(batch, lines[place].check(2.0).findings, strict=True):
             assert found.value[place] == alone.value
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_steering_is_that_of_vectors(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    line = Driveline.from_bends(rng.uniform(0.1, 0.6, 2), rng.uniform(-3, 3, 1), [0.3])
-    shafts = reference.from_directions(line.directions.tolist(), line.phases.tolist())
-    centre = float(rng.uniform(-4.0, 4.0))
-    found = line.steering(centre)
-
-    def ratio(angle: float) -> float:
-        return reference.motion(shafts, angle, offset=0.0).speed_ratio
-
-    assert found.ratio == pytest.approx(ratio(centre), rel=1e-13)
-    slope = (ratio(centre + STEP) - ratio(centre - STEP)) / (2 * STEP)
-    assert found.slope == pytest.approx(slope, abs=2e-7)
-    extremes = (largest(ratio), -largest(lambda angle: -ratio(angle)))
-    turns = (float(found.turn_to_quick), float(found.turn_to_slow))
-    for turn, extreme in zip(turns, extremes, strict=True):
-        assert abs(turn) <= math.pi / 2
-        assert ratio(centre + turn) == pytest.approx(extreme, rel=1e-13)
-        left, right = ratio(centre + turn - 0.4), ratio(centre + turn + 0.4)
-        assert left == pytest.approx(right, rel=1e-12)
-    nearest = min(map(abs, turns))
-    assert abs(found.offset) == pytest.approx(nearest, abs=1e-14)
-    assert found.quick == (nearest == abs(turns[0]))
 
 
 def test_steering_broadcasts() -> None:
@@ -156,3 +78,105 @@ def test_joints_as_built_have_no_closed_forms() -> None:
     for call in (line.check, line.steering):
         with pytest.raises(ValueError, match="has joints with deviations"):
             call()
+
+
+# --- steering ------------------------------------------------------------------------------------
+
+POINTS = np.array([[0, 0, 0], [0.55, 0, -0.28], [0.78, 0.09, -0.52], [0.90, 0.10, -0.60]])
+
+
+def column() -> Driveline:
+    line = Driveline.from_points(POINTS)
+    return line.with_phases(line.optimal_phases())
+
+
+def test_a_column_computed_elsewhere() -> None:
+    """Numbers of an independent computation, with the best phase of these points."""
+    line = column()
+    np.testing.assert_allclose(np.degrees(line.bends), [24.30841215, 16.64808719], atol=5e-9)
+    np.testing.assert_allclose(np.degrees(line.twists), [-175.8855785], atol=5e-8)
+    np.testing.assert_allclose(np.degrees(line.phases), [4.1144215], atol=5e-8)
+    quick = line.steering(line.steering().turn_to_quick)
+    slow = line.steering(line.steering().turn_to_slow)
+    assert abs(quick.ratio - 1.051286534) < 5e-10
+    assert abs(slow.ratio - 0.951215456) < 5e-10
+    assert quick.quick
+    assert not slow.quick
+    np.testing.assert_allclose([quick.slope, slow.slope, quick.offset, slow.offset], 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_turned_to_symmetry_the_ratio_is_the_same_on_both_sides(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    line = Driveline.from_bends(rng.uniform(0.1, 0.6, 3), rng.uniform(-3, 3, 2), [0.3, -0.2])
+    centre = rng.uniform(-4.0, 4.0)
+    found = line.steering(centre)
+    away = np.linspace(0.0, 3.0, 61)
+    for turn, quick in ((found.turn_to_quick, True), (found.turn_to_slow, False)):
+        left, right = (
+            line.evaluate(centre + turn + sign * away, "speed_ratio").speed_ratio
+            for sign in (-1.0, 1.0)
+        )
+        np.testing.assert_allclose(left, right, rtol=1e-12)
+        np.testing.assert_allclose(left[0], np.max(left) if quick else np.min(left), rtol=1e-12)
+    # Nowhere else are both sides alike.
+    ratios = [line.evaluate(centre + sign * away, "speed_ratio").speed_ratio for sign in (-1, 1)]
+    assert np.max(np.abs(ratios[0] - ratios[1])) > 1e-3 * abs(found.offset)
+    assert abs(found.offset) <= np.pi / 4.0
+    nearest = found.turn_to_quick if found.quick else found.turn_to_slow
+    np.testing.assert_allclose(found.offset, -nearest, atol=1e-12)
+
+
+def test_batches_and_degrees() -> None:
+    lines = Driveline.from_bends([[0.1], [0.2]])
+    found = lines.steering([[0.0], [30.0], [90.0]], degrees=True)
+    assert found.ratio.shape == found.quick.shape == (3, 2)
+    np.testing.assert_allclose(found.ratio[0], 1.0 / np.cos([0.1, 0.2]), rtol=1e-13)
+    np.testing.assert_allclose(found.ratio[2], np.cos([0.1, 0.2]), rtol=1e-13)
+    np.testing.assert_allclose(np.degrees(found.offset), [[0, 0], [30, 30], [0, 0]], atol=1e-12)
+    assert found.quick.tolist() == [[True, True], [True, True], [False, False]]
+    with pytest.raises(TypeError, match="centre"):
+        lines.steering("a")
+
+
+# --- tubes ---------------------------------------------------------------------------------------
+
+
+def test_a_tube_of_steel() -> None:
+    # 90 x 3 mm, 1.5 m long.
+    shaft = cardan.tube(0.09, 0.003, length=1.5)
+    assert shaft.stiffness == pytest.approx(82123.4, abs=0.05)
+    assert shaft.shear_stress(2000.0) == pytest.approx(57.937e6, abs=500.0)
+    assert shaft.critical_speed * 30 / math.pi == pytest.approx(6604.19, abs=0.005)
+    assert isinstance(shaft.shear_stress(2000.0), float)
+
+
+def test_a_solid_bar_has_the_largest_wall() -> None:
+    solid, full = cardan.tube(0.04, length=1.0), cardan.tube(0.04, 0.02, length=1.0)
+    assert solid.stiffness == full.stiffness == pytest.approx(7.93e10 * math.pi * 0.04**4 / 32)
+
+
+def test_tubes_broadcast() -> None:
+    shafts = cardan.tube([0.08, 0.09], [[0.002], [0.003], [0.004]], length=1.2)
+    assert shafts.stiffness.shape == (3, 2)
+    assert shafts.shear_stress(100.0).shape == (3, 2)
+    assert shafts.stiffness[1, 1] == cardan.tube(0.09, 0.003, length=1.2).stiffness
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"outer_diameter": 0.0, "length": 1.0}, "outer_diameter is 0.0; it must be positive"),
+        ({"outer_diameter": 0.1, "length": float("inf")}, "length is inf; it must be positive"),
+        (
+            {"outer_diameter": 0.1, "wall": [0.01, 0.06], "length": 1.0},
+            r"wall\[1\] is 0\.06 m; a wall is at most half the outer diameter",
+        ),
+        # A wall of half the diameter is a solid bar, and one wall may be too thick for one tube.
+        ({"outer_diameter": 0.1, "wall": [0.05, 0.06], "length": 1.0}, r"wall\[1\] is 0\.06 m"),
+        ({"outer_diameter": [0.2, 0.1], "wall": 0.06, "length": 1.0}, r"wall\[1\] is 0\.06 m"),
+    ],
+)
+def test_wrong_tubes_are_refused(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(cardan.ArgumentValueError, match=message):
+        cardan.tube(**arguments)  # type: ignore[arg-type]

@@ -506,22 +506,6 @@ def test_inertias_wind_up_the_joints_before_them_alone() -> None:
         np.testing.assert_allclose(found, lag, rtol=1e-9, atol=1e-17)
 
 
-def test_wind_up_is_the_deviation_that_the_moment_makes() -> None:
-    """The cross error of every joint is its moment over the stiffness, to first order."""
-    load, stiffness = Load(drive_torque=3.0), np.array([1e5, 3e5, 2e5])
-    for angle in (0.4, 2.1):
-        at = IDEAL.evaluate(angle, ("torque", "bending_driven"), load=load, shafts=slice(1, 4))
-        moment = np.hypot(at.torque, at.bending_driven)
-        angles = []
-        for sign in (1.0, -1.0):
-            line = IDEAL.with_deviations(cross=sign * moment / stiffness)
-            lead = _core.mean_leads(line._lines, 3)[0]
-            angles.append(float(line.evaluate(angle, "angle_error").angle_error) + lead)
-        lag = 0.5 * (angles[1] - angles[0])
-        found = IDEAL.wind_up(angle, load, stiffness)
-        assert float(found) == pytest.approx(lag, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("use", "message"),
     [

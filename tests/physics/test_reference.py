@@ -10,71 +10,43 @@ ratio ``1/c**4``-fold.
 from __future__ import annotations
 
 import cmath
-import json
+import itertools
 import math
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from cardan import reference
-from cardan.reference import Shafts, Vector
-from oracle import ExactJoint, ExactTurn
-
-DATA = Path(__file__).parents[1] / "data"
-EPS = 2.0**-52
-PI = Fraction("3.14159265358979323846264338327950288419716939937510582")
-
-
-def read(name: str) -> dict[str, Any]:
-    document: dict[str, Any] = json.loads((DATA / name).read_text(encoding="utf-8"))
-    return document
-
-
-def distinct(rows: list[dict[str, Any]], key: str) -> list[str]:
-    return list(dict.fromkeys(row[key] for row in rows))
-
+from cardan import Driveline, Load, reference
+from cardan.reference import Shafts
+from cardan.reference.forces import forces
+from equilibrium import assignments
+from equilibrium import forces as solved
+from oracle import (
+    EPS,
+    PI,
+    ExactJoint,
+    ExactTurn,
+    angles,
+    cosines,
+    distinct,
+    dot,
+    off,
+    off_all,
+    off_vectors,
+    radians,
+    read,
+    start_angle,
+)
 
 CHAINS = read("chains.json")["cases"]
 SINGLE = read("single_kinematics.json")
 MOMENTS = read("single_moments.json")["cases"]
 
 chains = pytest.mark.parametrize("case", CHAINS, ids=lambda case: case["name"])
-
-
-def off(got: float, want: str | Fraction) -> float:
-    """Return the distance of a double from a decimal string, without rounding the string."""
-    return abs(float(Fraction(got) - Fraction(want)))
-
-
-def off_vectors(got: tuple[Vector, ...], want: Sequence[Sequence[str | Fraction]]) -> float:
-    assert len(got) == len(want)
-    return max(off(g, w) for v, x in zip(got, want, strict=True) for g, w in zip(v, x, strict=True))
-
-
-def off_all(got: tuple[float, ...], want: list[str]) -> float:
-    return max(off(g, w) for g, w in zip(got, want, strict=True))
-
-
-def reduced(angle: Fraction) -> float:
-    """Round an exact angle to a double only after taking whole turns off."""
-    return float(angle - 2 * PI * round(angle / (2 * PI)))
-
-
-def dot(v: Vector, w: Vector) -> float:
-    return math.fsum(x * y for x, y in zip(v, w, strict=True))
-
-
-def cosines(shafts: Shafts) -> float:
-    return math.prod(map(math.cos, shafts.bends))
-
-
-def radians(degrees: str) -> float:
-    return reduced(Fraction(degrees) * PI / 180)
 
 
 # --- one joint -------------------------------------------------------------------------------
@@ -211,18 +183,8 @@ def lay_out(case: dict[str, Any]) -> Shafts:
     return reference.from_points(points, [float(x) for x in case["yoke_phase"]])
 
 
-def start_angle(case: dict[str, Any], shafts: Shafts) -> float:
-    """Return our drive angle at the start, where the pin is the part of ref0 across shaft 0."""
-    u, m = shafts.directions[0], shafts.normals[0]
-    e_in = (m[1] * u[2] - m[2] * u[1], m[2] * u[0] - m[0] * u[2], m[0] * u[1] - m[1] * u[0])
-    x, y, z = map(float, case["ref0"])
-    return math.atan2(dot((x, y, z), m), dot((x, y, z), e_in))
-
-
-def angles(case: dict[str, Any], shafts: Shafts) -> list[float]:
-    """Return the drive angle of each step, at most a few radians, so that its rounding is small."""
-    start = Fraction(start_angle(case, shafts))
-    return [reduced(start + Fraction(step["theta0"])) for step in case["steps"]]
+def start_of(case: dict[str, Any], shafts: Shafts) -> float:
+    return start_angle(case, shafts.directions[0], shafts.normals[0])
 
 
 @chains
@@ -249,11 +211,11 @@ def test_chain_geometry(case: dict[str, Any]) -> None:
 def test_chain_motion(case: dict[str, Any]) -> None:
     shafts = lay_out(case)
     unit, c = 2 * len(shafts.bends) * EPS, cosines(shafts)
-    start = start_angle(case, shafts)
+    start = start_of(case, shafts)
     for shaft in range(len(shafts.directions)):
         offset = reference.mean_offset(shafts, shaft)
         at_start = reference.motion(shafts, start, shaft, offset=offset).angle_error
-        for angle, step in zip(angles(case, shafts), case["steps"], strict=True):
+        for angle, step in zip(angles(case, start_of(case, shafts)), case["steps"], strict=True):
             got = reference.motion(shafts, angle, shaft, offset=offset)
             lead = Fraction(step["theta"][shaft]) - Fraction(step["theta0"])
             assert off(got.angle_error - at_start, lead) <= unit / c
@@ -272,7 +234,7 @@ def test_chain_mean(case: dict[str, Any]) -> None:
     a, b = (complex(float(x), float(y)) for x, y in (equivalent["A"], equivalent["B"]))
     alpha = math.radians(float(equivalent["alpha_in_at_theta0_deg"]))
     want = cmath.phase(1 + b / a * cmath.exp(-2j * alpha))
-    got = reference.motion(shafts, start_angle(case, shafts)).angle_error
+    got = reference.motion(shafts, start_of(case, shafts)).angle_error
     assert got == pytest.approx(want, rel=0, abs=2 * len(shafts.bends) * EPS / cosines(shafts))
 
 
@@ -283,7 +245,7 @@ def test_chain_loads(case: dict[str, Any], way: str) -> None:
     speed, acceleration = float(case["omega0"]), float(case["eps0"])
     inertias = [float(x) for x in case["inertia"]]
     unit, c = 2 * len(shafts.bends) * EPS, cosines(shafts)
-    for angle, step in zip(angles(case, shafts), case["steps"], strict=True):
+    for angle, step in zip(angles(case, start_of(case, shafts)), case["steps"], strict=True):
         want = step[way]
         largest = max(abs(float(x)) for x in [want["T_in"], *(x for v in want["M"] for x in v)])
         limit = unit / c * largest
@@ -320,7 +282,7 @@ def test_chain_tilts(case: dict[str, Any]) -> None:
     # The moment points along the normal of the cross, so its bending parts give the tilts' sizes.
     shafts = lay_out(case)
     tolerance = 2 * len(shafts.bends) * EPS / cosines(shafts)
-    for angle, step in zip(angles(case, shafts), case["steps"], strict=True):
+    for angle, step in zip(angles(case, start_of(case, shafts)), case["steps"], strict=True):
         want = step["static_T0_1"]
         for j, (psi_1, psi_2) in enumerate(reference.tilts(shafts, angle)):
             size = math.hypot(*map(float, want["M"][j]))
@@ -333,7 +295,7 @@ def test_chain_crosses(case: dict[str, Any]) -> None:
     # The swings are the slopes of the tilts, and the moment is normal to both pins.
     shafts, step = lay_out(case), 1e-4
     scale = cosines(shafts)
-    for angle, at in zip(angles(case, shafts), case["steps"], strict=True):
+    for angle, at in zip(angles(case, start_of(case, shafts)), case["steps"], strict=True):
         moments = at["static_T0_1"]["M"]
         crosses = reference.crosses(shafts, angle)
         ends = [reference.tilts(shafts, angle + by) for by in (-step, step)]
@@ -519,3 +481,69 @@ def test_refusals() -> None:
         reference.mean_offset(reference.from_bends([math.radians(89.99)]))
     with pytest.raises(IndexError, match="shaft is 3"):
         reference.motion(line, 0.0, 3)
+
+
+# --- forces ----------------------------------------------------------------------------------
+
+
+FIVE = np.linspace(-3.0, 4.0, 5)
+
+
+def mounted(counts: tuple[int, ...]) -> tuple[Driveline, reference.Shafts, list[float], list]:  # type: ignore[type-arg]
+    n = len(counts) - 1
+    rng = np.random.default_rng(counts)
+    bends, twists, phases = (rng.uniform(-1.0, 1.0, k) for k in (n, n - 1, n - 1))
+    lengths = rng.uniform(0.3, 2.0, n + 1).tolist()
+    bearings = [
+        (shaft, lengths[shaft] * at)
+        for shaft, count in enumerate(counts)
+        for at in (0.25, 0.8)[:count]
+    ]
+    line = Driveline.from_bends(abs(bends), twists, phases).with_bearings(bearings, lengths)
+    shafts = reference.from_bends(abs(bends).tolist(), twists.tolist(), phases.tolist())
+    return line, shafts, lengths, bearings
+
+
+@pytest.mark.parametrize(
+    "counts", [c for n in (1, 2, 3, 4) for c in itertools.product(range(3), repeat=n + 1)]
+)
+def test_every_arrangement(counts: tuple[int, ...]) -> None:
+    line, shafts, lengths, bearings = mounted(counts)
+    load = {"drive_torque": 7.0, "speed": 5.0, "acceleration": 2.0}
+    inertias = np.linspace(0.1, 0.5, len(counts)).tolist()
+    ways = list(assignments(len(counts) - 1, counts))
+    at = [reference.loads(shafts, a, inertias=inertias, **load) for a in FIVE.tolist()]
+    if len(ways) != 1:
+        with pytest.raises(ValueError, match=r"bearings leave shaft \d with"):
+            forces(shafts, at[0], lengths, bearings)
+        return
+    names = ("joint_force", "bearing_force")[: 2 if bearings else 1]
+    got = line.evaluate(FIVE, names, load=Load(**load, inertias=inertias))
+    for k, loads in enumerate(at):
+        want = forces(shafts, loads, lengths, bearings)
+        scale = max(map(math.hypot, *zip(*want.joint_force, *want.bearing_force, strict=True)))
+        np.testing.assert_allclose(got.joint_force[:, k], want.joint_force, atol=1e-12 * scale)
+        if bearings:
+            np.testing.assert_allclose(
+                got.bearing_force[:, k], want.bearing_force, atol=1e-12 * scale
+            )
+        # The reference itself, against all shafts solved as one system.
+        of_bearings, of_joints = solved(
+            np.array(shafts.directions),
+            np.array(lengths),
+            np.array(loads.moment),
+            bearings,
+            ways[0],
+        )
+        np.testing.assert_allclose(want.joint_force, of_joints, atol=1e-10 * scale)
+        if bearings:
+            np.testing.assert_allclose(want.bearing_force, of_bearings, atol=1e-10 * scale)
+
+
+def test_what_statics_does_not_determine() -> None:
+    _, shafts, lengths, bearings = mounted((2, 0, 2))
+    loads = reference.loads(shafts, 0.3, drive_torque=1.0)
+    with pytest.raises(ValueError, match="are 3 on shaft 0; forces are determinate with two"):
+        forces(shafts, loads, lengths, [*bearings, (0, 0.1)])
+    with pytest.raises(ValueError, match="lengths has 2 values; there are 3 shafts"):
+        forces(shafts, loads, lengths[:2], bearings)

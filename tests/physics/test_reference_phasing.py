@@ -16,8 +16,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from cardan import Driveline, reference
-from cardan import reference_phasing as slow
 from cardan.arrays import FloatArray
+from cardan.reference import phasing as slow
 from tiers import part
 
 EPS = 2.0**-52

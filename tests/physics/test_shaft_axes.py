@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
-from cardan.reference_forces import forces
+from cardan.reference.forces import forces
 from oracle import ExactTurn, mp, plan_at
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 

@@ -1,4 +1,4 @@
-"""Lengths of shafts, engagement of splines, and their axial force against equilibrium in space."""
+"""Lengths of shafts, engagement of splines, and the parts of their axial force."""
 
 from __future__ import annotations
 
@@ -46,71 +46,6 @@ def test_a_longer_shaft_has_pulled_its_spline_out() -> None:
     assert left + found.each[:, 1] == pytest.approx(0.08 + at)
     assert left.min() == pytest.approx(0.08 - (found.longest[1] - at))
     assert found.engagement(-2, [[0.08], [0.09]], at).shape == (2, 41)
-
-
-def balanced(line: cardan.Driveline, shaft: int, force: float) -> tuple[np.ndarray, np.ndarray]:
-    """What two bearings of each neighbour give, by equilibrium of all bodies in space.
-
-    Unknown: the force in each joint, and on each neighbour a force of each of two bearings across
-    the shaft and a thrust. Known: the friction between the halves of the sliding shaft. Six
-    equations per body, solved at once.
-    """
-    points = axle(np.array(0.06))
-    u = line.directions
-    bodies = ["before", "upper", "lower", "behind"]
-    origin = {"before": points[1], "upper": points[1], "lower": points[2], "behind": points[2]}
-    columns: list[np.ndarray] = []
-    rows = {body: slice(6 * i, 6 * i + 6) for i, body in enumerate(bodies)}
-    known = np.zeros(24)
-
-    def wrench(body: str, force: np.ndarray, at: np.ndarray, into: np.ndarray) -> None:
-        into[rows[body]] += np.concatenate([force, np.cross(at - origin[body], force)])
-
-    for joint, (one, other) in enumerate((("before", "upper"), ("lower", "behind"))):
-        for axis in np.eye(3):
-            column = np.zeros(24)
-            wrench(other, axis, points[joint + 1], column)
-            wrench(one, -axis, points[joint + 1], column)
-            columns.append(column)
-    for body, along, places in (("before", u[0], (0.05, 0.2)), ("behind", u[2], (1.6, 1.75))):
-        across = np.linalg.svd(along[np.newaxis])[2][1:]
-        for x in places:
-            at = points[0] + x * u[0] if body == "before" else points[2] + (x - 1.5) * u[2]
-            for axis in across:
-                column = np.zeros(24)
-                wrench(body, axis, at, column)
-                columns.append(column)
-        column = np.zeros(24)
-        wrench(body, along, origin[body], column)
-        columns.append(column)
-    # Between the halves: forces and moments across the shaft keep them in line.
-    for axis in np.linalg.svd(u[shaft][np.newaxis])[2][1:]:
-        column = np.zeros(24)
-        wrench("upper", axis, points[1] + 0.5 * u[shaft], column)
-        wrench("lower", -axis, points[1] + 0.5 * u[shaft], column)
-        columns.append(column)
-        column = np.zeros(24)
-        column[rows["upper"].start + 3 : rows["upper"].stop] = axis
-        column[rows["lower"].start + 3 : rows["lower"].stop] = -axis
-        columns.append(column)
-    wrench("upper", force * u[shaft], points[1] + 0.5 * u[shaft], known)
-    wrench("lower", -force * u[shaft], points[1] + 0.5 * u[shaft], known)
-    system = np.array(columns).T
-    solution, _, rank, _ = np.linalg.lstsq(system, -known, rcond=None)
-    assert rank == len(columns)
-    assert np.abs(system @ solution + known).max() < 1e-9 * force
-    return solution[0:3], solution[3:6]
-
-
-def test_equilibrium_of_all_bodies() -> None:
-    """The friction pulls the halves of a shaft that becomes longer towards each other."""
-    line = cardan.Driveline.from_points(axle(np.array(0.06)))
-    found = line.spline_force(1, 400.0, friction=0.12, radius=0.02)
-    assert found.axial == pytest.approx(2400.0)
-    on_upper, on_behind = balanced(line, 1, 2400.0)
-    # What the joint gives the sliding shaft, the shaft before feels the other way round.
-    assert found.upstream == pytest.approx(-on_upper, abs=1e-6)
-    assert found.downstream == pytest.approx(on_behind, abs=1e-6)
 
 
 def test_parts_along_and_across_the_next_shafts() -> None:

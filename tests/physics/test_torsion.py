@@ -11,8 +11,9 @@ import pytest
 from numpy.typing import ArrayLike
 
 import cardan
+from cardan import reference
+from cardan.reference import torsion
 from oracle import read
-from runge_kutta import half_turn
 
 CASES: list[dict[str, Any]] = read("torsion.json")["cases"]
 NAMES = [f"{case['case']} at {case['speed']:.4g}" for case in CASES]
@@ -397,38 +398,22 @@ def test_wrong_calls_are_refused(
 
 def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
     # Between the folds of the resonance only an orbit of some 2 rad is left. Integrated from its
-    # start by Runge's and Kutta's method, with the joints' formulas, it closes after half a turn.
-    bend, stiffness, damping, near, far, load = np.radians(30.0), 9000.0, 0.8, 0.004, 0.1, 20.0
-    drive, k = 147.0, np.tan(np.radians(15.0)) ** 2
-    line = cardan.Driveline.from_bends([bend, bend])
-    system = cardan.TorsionalSystem(
-        line,
-        inertias=[[0.0, 0.0], [0.0, near], [far, 0.0]],
-        stiffnesses=[INF, stiffness, INF],
-        dampings=[0.0, damping, 0.0],
-        load_torque=load,
-    )
+    # start by the reference, it closes after half a turn.
+    bends, drive = np.radians([30.0, 30.0]), 147.0
+    own: dict[str, Any] = {
+        "inertias": [(0.0, 0.0), (0.0, 0.004), (0.1, 0.0)],
+        "stiffnesses": [INF, 9000.0, INF],
+        "dampings": [0.0, 0.8, 0.0],
+        "load_torque": 20.0,
+    }
+    system = cardan.TorsionalSystem(cardan.Driveline.from_bends(bends), **own)
     orbit = system.orbit(drive, 4)
     assert orbit.found
-    # Twist 0 and phase 0 turn the shaft by 90 degrees.
-    turn = np.pi / 2
-
-    def slopes(angle: float, state: np.ndarray) -> np.ndarray:
-        theta, speed = state
-        first = 1.0 - k * np.exp(-2j * angle)
-        before = angle + np.angle(first) + turn
-        ratio_before = ((2.0 - first) / first).real
-        z = -k * np.exp(-2j * theta)
-        ratio = ((1 - z) / (1 + z)).real
-        slope = (4j * z / (1 + z) ** 2).real
-        torque = stiffness * (before - theta) + damping * drive * (ratio_before - speed)
-        inertia, inertia_slope = near + far * ratio**2, 2 * far * ratio * slope
-        inertial = torque - ratio * load - 0.5 * inertia_slope * (speed * drive) ** 2
-        return np.array([speed, inertial / (inertia * drive**2)])
-
-    start = np.array([orbit.angle_error[1, 1, 0] + turn, orbit.speed[1, 1, 0] / drive])
-    states = list(half_turn(slopes, start, 4000))
-    assert max(abs(state[0] - angle - turn) for angle, state in states) > 1.5
-    _, state = states[-1]
-    assert state - [np.pi, 0.0] == pytest.approx(start, abs=1e-7)
+    slow = torsion.System(reference.from_bends(bends.tolist()), **own)
+    zero = torsion.zero_of(slow, 1)
+    start = np.array([orbit.angle_error[1, 1, 0] + zero, orbit.speed[1, 1, 0]])
+    states = torsion.half_turn(slow, drive, start, 1000)
+    angles = np.arange(1, 1001) * np.pi / 1000
+    assert np.max([abs(state[0] - a - zero) for a, state in zip(angles, states, strict=True)]) > 1.5
+    assert states[-1] - [np.pi, 0.0] == pytest.approx(start, abs=1e-7 * drive)
     assert system.stability(drive).stable

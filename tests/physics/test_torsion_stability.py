@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 import cardan
+from cardan import reference
 from cardan.app.figures.torsion_stability import unstable_regions
-from runge_kutta import half_turn
+from cardan.reference import torsion
 
 INF = float("inf")
 STIFFNESS, INERTIA = 8000.0, 0.05
@@ -175,67 +176,28 @@ def test_a_flywheel_on_a_spring_behind_all_joints_vibrates_freely() -> None:
         assert np.poly(multipliers) == pytest.approx(np.poly(exact), abs=1e-9)
 
 
-def joint_functions(
-    angle: NDArray[np.float64], bend: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """The angle behind a joint and its first two derivatives by the angle before it."""
-    z = -(np.tan(bend / 2) ** 2) * np.exp(-2j * angle)
-    return (
-        angle + np.angle(1 + z),
-        ((1 - z) / (1 + z)).real,
-        (4j * z / (1 + z) ** 2).real,
-    )
-
-
 @pytest.mark.parametrize("drive", [110.0, 180.0, 300.0])
 def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     # Two compliant shafts, each behind a joint, and a third joint before a flywheel with a viscous
     # load: what each shaft passes on depends on the angles and on the slopes of its neighbours. The
-    # motions begin beside the orbit and are integrated by Runge's and Kutta's method.
+    # motions begin beside the orbit and are integrated by the reference.
     bends = np.radians([25.0, 30.0, 35.0])
-    stiffnesses, dampings = np.array([9000.0, 7000.0]), np.array([1.5, 1.0])
-    inertias, far, load, viscous = np.array([0.03, 0.01]), 0.05, 40.0, 0.6
-    system = cardan.TorsionalSystem(
-        cardan.Driveline.from_bends(bends),
-        inertias=[[0.0, 0.0], [0.0, inertias[0]], [0.0, inertias[1]], [far, 0.0]],
-        stiffnesses=[INF, *stiffnesses, INF],
-        dampings=[0.0, *dampings, 0.0],
-        load_torque=load,
-        load_damping=viscous,
-    )
-    turn = np.pi / 2  # Of a shaft with twist 0 and phase 0.
-
-    def slopes(angle: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        angles, rates = state[:2], drive * state[2:]
-        drive_angle = np.full_like(angles[0], angle)
-        one, two, three = (
-            joint_functions(x, bend) for x, bend in zip((drive_angle, *angles), bends, strict=True)
-        )
-        twists = np.array([one[0] + turn, two[0] + turn]) - angles
-        slips = np.array([one[1] * drive, two[1] * rates[0]]) - rates
-        torques = stiffnesses[:, None] * twists + dampings[:, None] * slips
-        ratio, ratio_slope = three[1:]
-        last = torques[1] - ratio * (load + viscous * ratio * rates[1])
-        accelerations = [
-            (torques[0] - two[1] * torques[1]) / inertias[0],
-            (last - far * ratio * ratio_slope * rates[1] ** 2) / (inertias[1] + far * ratio**2),
-        ]
-        return np.array([*state[2:], *(x / drive**2 for x in accelerations)])
-
-    orbit = system.orbit(drive, 1)
+    own: dict[str, Any] = {
+        "inertias": [(0.0, 0.0), (0.0, 0.03), (0.0, 0.01), (0.05, 0.0)],
+        "stiffnesses": [INF, 9000.0, 7000.0, INF],
+        "dampings": [0.0, 1.5, 1.0, 0.0],
+        "load_torque": 40.0,
+        "load_damping": 0.6,
+    }
+    system = cardan.TorsionalSystem(cardan.Driveline.from_bends(bends), **own)
+    orbit, ends = system.orbit(drive, 1), [1, 2]
     assert orbit.found
-    ends = [1, 2]
-    start = np.concatenate(
-        [
-            orbit.angle_error[ends, 1, 0] + turn * np.array([1.0, 2.0]),
-            orbit.speed[ends, 1, 0] / drive,
-        ]
-    )
-    by = 1e-4
-    aside = by * np.hstack([np.eye(4), -np.eye(4), np.zeros((4, 1))])
-    *_, (_, state) = half_turn(slopes, start[:, None] + aside, 2000)
-    assert state[:, -1] - [np.pi, np.pi, 0.0, 0.0] == pytest.approx(start, abs=1e-8)
-    matrix = (state[:, :4] - state[:, 4:8]) / (2 * by)
+    slow = torsion.System(reference.from_bends(bends.tolist()), **own)
+    # Up to a constant of each shaft.
+    zeros = np.array([torsion.zero_of(slow, shaft) for shaft in ends])
+    angles, speeds = orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]
+    known = torsion.orbit(slow, drive, np.concatenate([angles + zeros, speeds]), steps=400)
+    assert known.start[2:] == pytest.approx(speeds, rel=1e-8)
     found = system.stability(drive).multipliers
     # The coefficients of the characteristic polynomial do not depend on an order.
-    assert np.poly(found) == pytest.approx(np.poly(np.linalg.eigvals(matrix)), abs=1e-6)
+    assert np.poly(found) == pytest.approx(np.poly(known.multipliers), abs=1e-6)

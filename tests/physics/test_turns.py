@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import answers
 from cardan import Driveline, Load, reference
-from cardan import reference_wear as slow
+from cardan.reference import wear as slow
 from tiers import part
 
 FRICTION: dict[str, Any] = {"friction": 0.02, "pin_radius": 0.011, "arm": 0.04}
@@ -113,15 +113,6 @@ def test_a_free_drive_beside_its_equation_of_motion(joints: int) -> None:
     ends = slow.free_running(reference.from_bends(*angles), inertias.tolist())
     free = line.free_running(inertias)
     np.testing.assert_allclose([free.min_speed_ratio, free.max_speed_ratio], ends, rtol=2e-4)
-
-
-@pytest.mark.parametrize("order", [2, 4])
-def test_orders_beside_a_plain_fourier_sum(order: int) -> None:
-    line, *angles = one_of_each(3)
-    known = slow.harmonics(reference.from_bends(*angles), order)
-    found = line.harmonics([order]).complex_amplitude
-    for name, amplitude in zip(("angle_error", "speed_ratio"), known, strict=True):
-        assert abs(found[name][..., 0] - amplitude) < 1e-13, name
 
 
 def test_straight_joints_do_not_turn_their_pins() -> None:

@@ -10,13 +10,13 @@ from numbers import Real
 from types import MappingProxyType
 from typing import TypeAlias
 
-from cardan.approximations import (
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.reference.approximations import (
     INERTIA_LIMIT,
     INERTIA_MAXIMUM,
     TORSIONAL_LIMIT,
     TORSIONAL_MAXIMUM,
 )
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 
 Bound: TypeAlias = float | Sequence[float]
 """A limit, or a limit and a maximum."""

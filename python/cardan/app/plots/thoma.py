@@ -8,11 +8,11 @@ import numpy as np
 
 import cardan.app.plots.panel as panel
 from cardan.app.plots.style import drawing, legend_above
-from cardan.approximations import thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+from cardan.reference.approximations import thoma_small_angle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,11 +15,19 @@ import cmath
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import combinations_with_replacement, product
 
 from cardan.arrays.errors import ArgumentValueError
-from cardan.reference import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
+from cardan.reference.evaluation import slopes
+from cardan.reference.vectors import (
+    ShaftMotion,
+    Shafts,
+    _index,
+    _joints,
+    _lead,
+    from_bends,
+    motion,
+)
 
 # Angles of half a turn among which the fastest and the slowest are looked for.
 _LOOKS = 64
@@ -183,17 +191,14 @@ class Transmission:
 
         Errors: 1e-11, relative to the largest of each quantity over ``1 - abs(q)``.
         """
-        step = 1.0 - abs(self.q)
 
-        def at(dq: complex) -> list[complex]:
-            there = Transmission(self.q + dq).motion(angle)
+        def at(dq: list[float]) -> tuple[float, ...]:
+            there = Transmission(self.q + complex(*dq)).motion(angle)
             rates = (there.speed_ratio, there.acceleration_ratio, there.jerk_ratio)
-            return [complex(value) for value in (there.angle_error, *rates)]
+            return (there.angle_error, *rates)
 
-        by_real = _difference(lambda h: at(complex(h)), step)
-        by_imaginary = _difference(lambda h: at(complex(0.0, h)), step)
-        pairs = zip(by_real, by_imaginary, strict=True)
-        error, speed, acceleration, jerk = (x - 1j * y for x, y in pairs)
+        by_real, by_imaginary = slopes(at, [0.0, 0.0], step=1e-3 * (1.0 - abs(self.q)))
+        error, speed, acceleration, jerk = (by_real - 1j * by_imaginary).tolist()
         return error, speed, acceleration, jerk
 
 
@@ -232,10 +237,8 @@ def dq(
     stop = _index(laid_out(at), shaft)
     least = equivalent(laid_out(at), stop).min_speed_ratio
 
-    def moved(i: int, h: float) -> list[complex]:
-        return [_q(laid_out(_moved(at, i, h)), stop, _enough(least))]
-
-    return tuple(_difference(partial(moved, i), least)[0] for i in range(len(at)))
+    found = slopes(lambda x: _q(laid_out(x), stop, _enough(least)), at, step=1e-3 * least)
+    return tuple(map(complex, found))
 
 
 def _q(shafts: Shafts, stop: int, count: int) -> complex:
@@ -254,13 +257,6 @@ def _q_of_one(joint: Shafts) -> complex:
 def _enough(least_ratio: float) -> int:
     """Return how many angles leave less than 1e-17 of ``q``, as for ``reference.mean_offset``."""
     return 16 + math.ceil(20.0 / least_ratio)
-
-
-def _difference(of: Callable[[float], list[complex]], scale: float) -> list[complex]:
-    """Return the slopes at 0 by differences of the fourth order."""
-    h = 1e-3 * scale
-    near = zip(*(of(n * h) for n in (-2, -1, 1, 2)), strict=True)
-    return [(8.0 * (c - b) - (d - a)) / (12.0 * h) for a, b, c, d in near]
 
 
 # --- phases -------------------------------------------------------------------------------------

@@ -4,9 +4,8 @@ Each yoke is a unit vector along its pin, turned about its shaft. The cross keep
 joint perpendicular, and that one condition, ``a . b = 0``, carries everything: the driven pin is
 perpendicular to the driven shaft and to the driving pin, speeds come from differentiating the
 condition once, accelerations from differentiating it twice, jerks from differentiating it three
-times. A frictionless, massless cross can transmit only a moment perpendicular to both pins; the
-torsion of the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its
-bearings must add.
+times. Of joints as built, the driven pin is turned about its shaft until it has its angle to the
+driving one.
 
 No closed formula for the transmission appears, neither for one joint nor for a chain, so that
 agreement with the compiled core means something. It is slow and takes one driveline and one angle
@@ -76,11 +75,15 @@ class Shafts:
         directions: unit vector along each shaft.
         normals: unit normal of each joint's bend plane, ``unit(u_j x u_{j+1})``.
         phases: for each intermediate shaft the angle from its input-side to its output-side pin.
+        deviations: of joints as built, for each joint how far the driving pin leans towards the
+            driven shaft, how much closer than a right angle the pins are, and how far the driven
+            pin leans along the driven shaft; none for ideal joints.
     """
 
     directions: tuple[Vector, ...]
     normals: tuple[Vector, ...]
     phases: tuple[float, ...]
+    deviations: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def bends(self) -> tuple[float, ...]:
@@ -116,27 +119,6 @@ class ShaftMotion:
     speed_ratio: float
     acceleration_ratio: float
     jerk_ratio: float
-
-
-@dataclass(frozen=True)
-class Loads:
-    """Moments in a driveline at one drive angle, all in N m.
-
-    Attributes:
-        torque: per shaft, the torsion entering it; for shaft 0 the drive torque.
-        moment: per joint, the vector that it exerts on its driven shaft (reversed: on the driving).
-        support_moment: per shaft, the vector that its bearings must give it.
-        bending_driving: per joint, the size of the bending moment in its driving shaft.
-        bending_driven: per joint, the size of the bending moment in its driven shaft.
-        pin_moment: per joint, the size of its moment.
-    """
-
-    torque: tuple[float, ...]
-    moment: tuple[Vector, ...]
-    support_moment: tuple[Vector, ...]
-    bending_driving: tuple[float, ...]
-    bending_driven: tuple[float, ...]
-    pin_moment: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -276,28 +258,54 @@ class _Joint:
 def _joints(shafts: Shafts, angle: float) -> list[_Joint]:
     """Turn the drive to ``angle`` and let each cross find its place, one joint after the other."""
     u, m = shafts.directions[0], shafts.normals[0]
-    a = _turned(_cross(m, u), u, angle if math.isfinite(angle) else math.nan)
+    level = _turned(_cross(m, u), u, angle if math.isfinite(angle) else math.nan)
     joints = []
-    phases = (*shafts.phases, 0.0)
-    for v, m, phase in zip(shafts.directions[1:], shafts.normals, phases, strict=True):
-        b = _unit(_cross(v, a))
+    count = len(shafts.normals)
+    each = (*shafts.phases, 0.0), shafts.deviations or ((0.0, 0.0, 0.0),) * count
+    for v, m, phase, (lean, skew, lean_driven) in zip(
+        shafts.directions[1:], shafts.normals, *each, strict=True
+    ):
+        a = _leaning(level, u, lean)
+        driven = _unit(_cross(v, a))
+        if shafts.deviations:
+            driven = _turned(driven, v, _closing(a, driven, v, skew, lean_driven))
+        b = _leaning(driven, v, lean_driven)
         joints.append(_Joint(u, v, m, a, b, _cross(a, b)))
-        u, a = v, _turned(b, v, phase)
+        u, level = v, _turned(driven, v, phase)
     return joints
 
 
+def _leaning(level: Vector, u: Vector, lean: float) -> Vector:
+    """Return the pin that leans from the normal of a shaft towards its end."""
+    return _plus(_scaled(math.cos(lean), level), _scaled(math.sin(lean), u)) if lean else level
+
+
+def _closing(a: Vector, driven: Vector, v: Vector, skew: float, lean: float) -> float:
+    """Return by how much the driven pin turns until it is closer than 90 degrees by ``skew``.
+
+    Newton's method from the place of the ideal joint: over the quarter turn on either side the
+    product of the pins curves one way only, so that it comes nearer from one side.
+    """
+    turn, step = 0.0, math.inf
+    while abs(step) > 1e-15:
+        pin = _leaning(_turned(driven, v, turn), v, lean)
+        step = (math.sin(skew) - _dot(a, pin)) / _dot(a, _cross(v, pin))
+        turn += step
+    return turn
+
+
 def _turning(v: Vector, u: Vector, w: float, w_rate: float) -> tuple[Vector, Vector]:
-    """Return the first two derivatives of ``v``, perpendicular to ``u``, about which it turns."""
+    """Return the first two derivatives of ``v``, which turns about the unit vector ``u``."""
     aside = _cross(u, v)
-    return _scaled(w, aside), _plus(_scaled(w_rate, aside), _scaled(-w * w, v))
+    return _scaled(w, aside), _plus(_scaled(w_rate, aside), _scaled(w * w, _cross(u, aside)))
 
 
 def _rates(joints: Sequence[_Joint]) -> list[tuple[float, float, float]]:
-    """Return each shaft's speed, acceleration and jerk ratio, from ``a . b = 0`` differentiated.
+    """Return each shaft's speed, acceleration and jerk ratio, from ``a . b`` differentiated.
 
-    With ``a' = w (u x a)``, ``b' = z (v x b)`` and ``n = a x b``, once gives ``w u.n = z v.n``,
-    twice ``w' u.n + w u.n' = z' v.n + z v.n'`` and three times
-    ``w'' u.n + 2 w' u.n' + w u.n'' = z'' v.n + 2 z' v.n' + z v.n''``.
+    It is constant, and 0 for an ideal joint. With ``a' = w (u x a)``, ``b' = z (v x b)`` and
+    ``n = a x b``, once gives ``w u.n = z v.n``, twice ``w' u.n + w u.n' = z' v.n + z v.n'`` and
+    three times ``w'' u.n + 2 w' u.n' + w u.n'' = z'' v.n + 2 z' v.n' + z v.n''``.
     """
     w, w_rate, w_jerk = 1.0, 0.0, 0.0
     rates = [(w, w_rate, w_jerk)]
@@ -345,11 +353,12 @@ def _index(shafts: Shafts, shaft: int) -> int:
 def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     """Return the constant angle that :func:`motion` takes off the raw turn of a shaft.
 
-    It is the mean of the raw turn over half a revolution, after which everything repeats, by the
-    trapezoid rule, which converges geometrically for a smooth periodic function. The speed ratio
-    stays between ``c`` and ``1/c``, so harmonic ``n`` of the half turn falls at least like
-    ``((1 - c)/(1 + c))**n < exp(-2 c n)``, and ``16 + 20/c`` points leave less than 1e-17: 36
-    points when straight, 246 for one joint bent by 85 degrees, and from there on like ``1/c``.
+    It is the mean of the raw turn over half a revolution, after which everything repeats (over a
+    whole one with joints as built), by the trapezoid rule, which converges geometrically for a
+    smooth periodic function. The speed ratio stays between ``c`` and ``1/c``, so harmonic ``n`` of
+    the half turn falls at least like ``((1 - c)/(1 + c))**n < exp(-2 c n)``, and ``16 + 20/c``
+    points leave less than 1e-17: 36 points when straight, 246 for one joint bent by 85 degrees, and
+    from there on like ``1/c``.
 
     Args:
         shafts: the driveline.
@@ -364,8 +373,8 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     if c < 2e-4:
         raise ValueError(f"the cosines of the bends multiply to {c}; the mean needs at least 2e-4")
     count = 16 + math.ceil(20.0 / c)
-    angles = [math.pi * i / count for i in range(count)]
-    return math.fsum(_lead(_joints(shafts, angle)[:stop]) for angle in angles) / count
+    angles = [math.pi * i / count for i in range(2 * count if shafts.deviations else count)]
+    return math.fsum(_lead(_joints(shafts, angle)[:stop]) for angle in angles) / len(angles)
 
 
 def motion(
@@ -410,8 +419,8 @@ def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:
     """
     return tuple(
         (
-            math.atan2(_dot(at.u, at.b), _dot(at.u, at.n)),
-            math.atan2(_dot(at.v, at.a), _dot(at.v, at.n)),
+            math.atan2(_dot(at.u, _across(at.b, at.a)), _dot(at.u, at.n)),
+            math.atan2(_dot(at.v, _across(at.a, at.b)), _dot(at.v, at.n)),
         )
         for at in _joints(shafts, angle)
     )
@@ -421,20 +430,25 @@ def crosses(shafts: Shafts, angle: float) -> tuple[Cross, ...]:
     """Return where the cross of each joint stands, and the rates at which its tilts change.
 
     The driven shaft turns relative to the driving one by ``z v - w u`` with the speed ratios ``w``
-    and ``z``. The cross allows only turns about its pins, of which this is the sum; so the part
-    along the driving pin is the rate in the driving yoke, and the part along the driven pin that in
-    the driven yoke. Error as for the speed ratio of :func:`motion`.
+    and ``z``. The cross allows only turns about its pins, of which this is the sum. So the part
+    along the driving pin and across the driven one is the rate in the driving yoke, and the other
+    way round that in the driven yoke. Error as for the speed ratio of :func:`motion`.
 
     Args:
         shafts: the driveline.
         angle: drive angle, as for ``motion``.
     """
     joints = _joints(shafts, angle)
-    ratios = pairwise(ratio for ratio, *_ in _rates(joints))
-    return tuple(
-        Cross(at.a, at.b, z * _dot(at.v, at.a), -w * _dot(at.u, at.b))
-        for at, (w, z) in zip(joints, ratios, strict=True)
-    )
+    found = []
+    for at, (w, z) in zip(joints, pairwise(w for w, *_ in _rates(joints)), strict=True):
+        relative = _plus(_scaled(z, at.v), _scaled(-w, at.u))
+        square = _dot(at.n, at.n)
+        swings = (
+            _dot(relative, _across(at.a, at.b)) / square,
+            _dot(relative, _across(at.b, at.a)) / square,
+        )
+        found.append(Cross(at.a, at.b, *swings))
+    return tuple(found)
 
 
 def turning_axes(shafts: Shafts, angle: float) -> tuple[tuple[Vector, Vector, Vector], ...]:
@@ -451,85 +465,3 @@ def turning_axes(shafts: Shafts, angle: float) -> tuple[tuple[Vector, Vector, Ve
     joints = _joints(shafts, angle)
     pins = [joints[0].a, *(at.b for at in joints)]
     return tuple((u, pin, _cross(u, pin)) for u, pin in zip(shafts.directions, pins, strict=True))
-
-
-def loads(
-    shafts: Shafts,
-    angle: float,
-    *,
-    drive_torque: float | None = None,
-    output_torque: float | None = None,
-    speed: float = 0.0,
-    acceleration: float = 0.0,
-    inertias: Sequence[float] | None = None,
-) -> Loads:
-    """Return the moments in the driveline when the drive stands at ``angle``.
-
-    Args:
-        shafts: the driveline.
-        angle: drive angle, as for :func:`motion`.
-        drive_torque: torque put into shaft 0 [N m]; excludes ``output_torque``.
-        output_torque: torque delivered by the last shaft [N m]; 0 if neither is given.
-        speed: of the drive [rad/s].
-        acceleration: of the drive [rad/s^2].
-        inertias: of each shaft about its axis [kg m^2]; none by default.
-
-    Errors: at most ``2 * 2**-52 / c`` per joint, of the largest moment; and with inertias what the
-    errors of :func:`motion` make of the torque that they take.
-
-    Source: the moment is normal to both pins (Thoma 1920, before (5); Grossmann 1939, before (1));
-    a shaft keeps ``I dw/dt`` of the torsion that enters it (Thoma's flywheel, after (7)).
-
-    Raises:
-        ValueError: both torques given, or not one inertia per shaft.
-    """
-    if drive_torque is not None and output_torque is not None:
-        raise ArgumentValueError(
-            "drive_torque", "and output_torque exclude one another; give one of them"
-        )
-    count = len(shafts.directions)
-    inertias = (0.0,) * count if inertias is None else inertias
-    if len(inertias) != count:
-        raise ArgumentValueError(
-            "inertias", f"has {len(inertias)} values; there are {count} shafts"
-        )
-    joints = _joints(shafts, angle)
-    kept = [
-        inertia * (speed**2 * acceleration_ratio + acceleration * speed_ratio)
-        for inertia, (speed_ratio, acceleration_ratio, _) in zip(
-            inertias, _rates(joints), strict=True
-        )
-    ]
-    # The moment s n has the components s u.n and s v.n along the two shafts.
-    if drive_torque is not None:
-        torque = [drive_torque]
-        for at, taken in zip(joints, kept, strict=False):
-            torque.append((torque[-1] - taken) / _dot(at.u, at.n) * _dot(at.v, at.n))
-    else:
-        torque = [(output_torque or 0.0) + kept[-1]]
-        for at, taken in zip(reversed(joints), reversed(kept[:-1]), strict=True):
-            torque.insert(0, torque[0] / _dot(at.v, at.n) * _dot(at.u, at.n) + taken)
-    moment = [
-        _scaled(into / _dot(at.v, at.n), at.n) for at, into in zip(joints, torque[1:], strict=True)
-    ]
-    # Shaft i feels moment i - 1 and, reversed, moment i. Along the shaft they make it accelerate;
-    # what they leave across it the bearings have to balance.
-    zero: Vector = (0.0, 0.0, 0.0)
-    support = [
-        _across(_plus(passed_on, _scaled(-1.0, received)), u)
-        for u, (received, passed_on) in zip(
-            shafts.directions, pairwise([zero, *moment, zero]), strict=True
-        )
-    ]
-    return Loads(
-        torque=tuple(torque),
-        moment=tuple(moment),
-        support_moment=tuple(support),
-        bending_driving=tuple(
-            _length(_cross(at.u, m)) for at, m in zip(joints, moment, strict=True)
-        ),
-        bending_driven=tuple(
-            _length(_cross(at.v, m)) for at, m in zip(joints, moment, strict=True)
-        ),
-        pin_moment=tuple(map(_length, moment)),
-    )

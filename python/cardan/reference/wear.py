@@ -11,8 +11,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
-from cardan.reference import Loads, Shafts, loads, mean_offset, motion, tilts
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.reference.evaluation import integrated
+from cardan.reference.forces import Loads, loads
+from cardan.reference.vectors import Shafts, tilts
 
 _EXPONENT = 10.0 / 3.0
 _SLOPE = 9.0 / 8.0
@@ -130,47 +136,16 @@ def free_running(
         steps: of half a turn.
     """
 
-    def slope(angle: float, speed: float) -> float:
-        """The derivative of the speed by the angle, the acceleration over the speed."""
+    def slopes(angle: float, state: NDArray[Any]) -> NDArray[Any]:
+        """Derivatives of speed and time by the angle: the acceleration over the speed, and 1/it."""
+        speed = float(state[0])
         still, faster = (
             loads(shafts, angle, speed=speed, acceleration=acceleration, inertias=inertias)
             for acceleration in (0.0, 1.0)
         )
-        return -still.torque[0] / (faster.torque[0] - still.torque[0]) / speed
+        acceleration = -still.torque[0] / (faster.torque[0] - still.torque[0])
+        return np.array([acceleration, 1.0]) / speed
 
-    width = math.pi / steps
-    speed, speeds, time = 1.0, [1.0], 0.0
-    for i in range(steps):
-        angle = i * width
-        first = slope(angle, speed)
-        second = slope(angle + width / 2.0, speed + width / 2.0 * first)
-        third = slope(angle + width / 2.0, speed + width / 2.0 * second)
-        fourth = slope(angle + width, speed + width * third)
-        middle = speed + width / 8.0 * (2.0 * first + second + third)
-        end = speed + width / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
-        time += width / 6.0 * (1.0 / speed + 4.0 / middle + 1.0 / end)
-        speed = end
-        speeds.append(speed)
-    mean = math.pi / time
-    return min(speeds) / mean, max(speeds) / mean
-
-
-def harmonics(
-    shafts: Shafts, order: int, shaft: int = -1, *, steps: int = 720
-) -> tuple[complex, complex]:
-    """Return the complex amplitudes of angle error and speed ratio, by a plain Fourier sum.
-
-    Args:
-        shafts: the driveline.
-        order: in periods per turn of the drive.
-        shaft: which shaft, by default the last.
-        steps: of a turn.
-    """
-    total, offset = [0j, 0j], mean_offset(shafts, shaft)
-    for i in range(steps):
-        angle = math.tau * i / steps
-        at = motion(shafts, angle, shaft, offset=offset)
-        turned = complex(math.cos(order * angle), -math.sin(order * angle))
-        total[0] += at.angle_error * turned
-        total[1] += at.speed_ratio * turned
-    return 2.0 * total[0] / steps, 2.0 * total[1] / steps
+    states = np.array(integrated(slopes, np.array([1.0, 0.0]), math.pi / steps, steps))
+    mean = math.pi / states[-1, 1]
+    return float(min(states[:, 0])) / mean, float(max(states[:, 0])) / mean

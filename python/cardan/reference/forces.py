@@ -1,6 +1,8 @@
-"""Forces of joints and bearings again, in pure Python: the balance of one shaft after the other.
+"""Moments and forces of joints and bearings: the balance of one shaft after the other.
 
-The moments are those of ``cardan.reference``. A shaft is balanced when the forces of its supports,
+A frictionless, massless cross can transmit only a moment perpendicular to both pins; the torsion of
+the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its bearings
+must add. A shaft is balanced when the forces of its supports,
 and those of the joints that support its neighbours, cancel across it and give it the moment that
 it needs. It is slow and takes one driveline and one angle at a time; all values are in SI units.
 """
@@ -9,11 +11,44 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from cardan.arrays.errors import ArgumentValueError
-from cardan.reference import Loads, Shafts, Vector, _across, _cross, _plus, _scaled
+from cardan.reference.vectors import (
+    Shafts,
+    Vector,
+    _across,
+    _cross,
+    _dot,
+    _joints,
+    _length,
+    _plus,
+    _rates,
+    _scaled,
+)
 
 _ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Moments in a driveline at one drive angle, all in N m.
+
+    Attributes:
+        torque: per shaft, the torsion entering it; for shaft 0 the drive torque.
+        moment: per joint, the vector that it exerts on its driven shaft (reversed: on the driving).
+        support_moment: per shaft, the vector that its bearings must give it.
+        bending_driving: per joint, the size of the bending moment in its driving shaft.
+        bending_driven: per joint, the size of the bending moment in its driven shaft.
+        pin_moment: per joint, the size of its moment.
+    """
+
+    torque: tuple[float, ...]
+    moment: tuple[Vector, ...]
+    support_moment: tuple[Vector, ...]
+    bending_driving: tuple[float, ...]
+    bending_driven: tuple[float, ...]
+    pin_moment: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -28,6 +63,88 @@ class Forces:
 
     joint_force: tuple[Vector, ...]
     bearing_force: tuple[Vector, ...]
+
+
+def loads(
+    shafts: Shafts,
+    angle: float,
+    *,
+    drive_torque: float | None = None,
+    output_torque: float | None = None,
+    speed: float = 0.0,
+    acceleration: float = 0.0,
+    inertias: Sequence[float] | None = None,
+) -> Loads:
+    """Return the moments in the driveline when the drive stands at ``angle``.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle, as for ``reference.motion``.
+        drive_torque: torque put into shaft 0 [N m]; excludes ``output_torque``.
+        output_torque: torque delivered by the last shaft [N m]; 0 if neither is given.
+        speed: of the drive [rad/s].
+        acceleration: of the drive [rad/s^2].
+        inertias: of each shaft about its axis [kg m^2]; none by default.
+
+    Errors: at most ``2 * 2**-52 / c`` per joint, of the largest moment; and with inertias what the
+    errors of ``reference.motion`` make of the torque that they take.
+
+    Source: the moment is normal to both pins (Thoma 1920, before (5); Grossmann 1939, before (1));
+    a shaft keeps ``I dw/dt`` of the torsion that enters it (Thoma's flywheel, after (7)).
+
+    Raises:
+        ValueError: both torques given, or not one inertia per shaft.
+    """
+    if drive_torque is not None and output_torque is not None:
+        raise ArgumentValueError(
+            "drive_torque", "and output_torque exclude one another; give one of them"
+        )
+    count = len(shafts.directions)
+    inertias = (0.0,) * count if inertias is None else inertias
+    if len(inertias) != count:
+        raise ArgumentValueError(
+            "inertias", f"has {len(inertias)} values; there are {count} shafts"
+        )
+    joints = _joints(shafts, angle)
+    kept = [
+        inertia * (speed**2 * acceleration_ratio + acceleration * speed_ratio)
+        for inertia, (speed_ratio, acceleration_ratio, _) in zip(
+            inertias, _rates(joints), strict=True
+        )
+    ]
+    # The moment s n has the components s u.n and s v.n along the two shafts.
+    if drive_torque is not None:
+        torque = [drive_torque]
+        for at, taken in zip(joints, kept, strict=False):
+            torque.append((torque[-1] - taken) / _dot(at.u, at.n) * _dot(at.v, at.n))
+    else:
+        torque = [(output_torque or 0.0) + kept[-1]]
+        for at, taken in zip(reversed(joints), reversed(kept[:-1]), strict=True):
+            torque.insert(0, torque[0] / _dot(at.v, at.n) * _dot(at.u, at.n) + taken)
+    moment = [
+        _scaled(into / _dot(at.v, at.n), at.n) for at, into in zip(joints, torque[1:], strict=True)
+    ]
+    # Shaft i feels moment i - 1 and, reversed, moment i. Along the shaft they make it accelerate;
+    # what they leave across it the bearings have to balance.
+    zero: Vector = (0.0, 0.0, 0.0)
+    support = [
+        _across(_plus(passed_on, _scaled(-1.0, received)), u)
+        for u, (received, passed_on) in zip(
+            shafts.directions, pairwise([zero, *moment, zero]), strict=True
+        )
+    ]
+    return Loads(
+        torque=tuple(torque),
+        moment=tuple(moment),
+        support_moment=tuple(support),
+        bending_driving=tuple(
+            _length(_cross(at.u, m)) for at, m in zip(joints, moment, strict=True)
+        ),
+        bending_driven=tuple(
+            _length(_cross(at.v, m)) for at, m in zip(joints, moment, strict=True)
+        ),
+        pin_moment=tuple(map(_length, moment)),
+    )
 
 
 def forces(

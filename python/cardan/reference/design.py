@@ -1,0 +1,394 @@
+"""What a designer asks again: layouts, steering, excitations, splines, slides, play and tubes.
+
+Motion comes from the turning yokes of ``cardan.reference``, forces from the equilibrium of every
+body at once, and what is round or bends is divided into rings and short beams.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.reference.evaluation import harmonics, largest, slopes
+from cardan.reference.forces import loads
+from cardan.reference.vectors import (
+    Shafts,
+    _cross,
+    _joints,
+    _lead,
+    _scaled,
+    from_bends,
+    from_directions,
+    motion,
+)
+
+Array: TypeAlias = NDArray[np.floating[Any]]
+
+# --- layouts -------------------------------------------------------------------------------------
+
+
+def from_slopes(
+    vertical: Sequence[float], horizontal: Sequence[float], phases: Sequence[float] | None = None
+) -> Shafts:
+    """Lay out a driveline from the slope of each shaft in side view and in top view.
+
+    Args:
+        vertical: angle from +x to the shaft as projected on the plane of x and y.
+        horizontal: the same on the plane of x and z.
+        phases: phase of each intermediate shaft; 0 by default.
+    """
+    pairs = zip(vertical, horizontal, strict=True)
+    return from_directions([(1.0, math.tan(v), math.tan(h)) for v, h in pairs], phases)
+
+
+def from_projected_bends(
+    vertical: Sequence[float],
+    horizontal: Sequence[float],
+    phases: Sequence[float] | None = None,
+    *,
+    level: int = 1,
+) -> Shafts:
+    """Lay out a driveline from its bends as they add up in side view and in top view.
+
+    Args:
+        vertical: bend of each joint in side view, by which the next shaft slopes more.
+        horizontal: the same in top view.
+        phases: phase of each intermediate shaft; 0 by default.
+        level: the shaft along x, from which the drawing measures.
+    """
+
+    def view(bends: Sequence[float]) -> list[float]:
+        sums = [math.fsum(bends[:i]) for i in range(len(bends) + 1)]
+        return [x - sums[level] for x in sums]
+
+    return from_slopes(view(vertical), view(horizontal), phases)
+
+
+def from_double_joint(total: float, length: float, pivot: float) -> Shafts:
+    """Lay out a centred double joint: the link turns until its end is on the driven shaft.
+
+    Args:
+        total: bend between the driving and the driven shaft.
+        length: distance between the two joints.
+        pivot: distance of the pivot from joint 0, along the driving shaft.
+    """
+    low, high = 0.0, total
+    first = total / 2.0
+    while low < first < high:
+        x, y = length * math.cos(first) - pivot, length * math.sin(first)
+        above = math.cos(total) * y - math.sin(total) * x > 0.0
+        low, high = (low, first) if above else (first, high)
+        first = (low + high) / 2.0
+    return from_bends([first, total - first])
+
+
+def turned_round(shafts: Shafts) -> Shafts:
+    """Return a driveline of ideal joints driven from its other end."""
+    directions, normals = (
+        tuple(_scaled(-1.0, v) for v in vectors[::-1])
+        for vectors in (shafts.directions, shafts.normals)
+    )
+    return Shafts(directions, normals, shafts.phases[::-1])
+
+
+def lengths(points: Sequence[Sequence[float]]) -> list[float]:
+    """Return the length of each shaft between its points, in their unit."""
+    return [math.dist(p, q) for p, q in pairwise(points)]
+
+
+# --- motion --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Steering:
+    """A steering column about straight ahead.
+
+    Attributes:
+        ratio: speed ratio straight ahead.
+        slope: its derivative by the drive angle.
+        turn_to_quick: least turn of the drive to where the ratio is largest.
+        turn_to_slow: least turn to where it is smallest.
+    """
+
+    ratio: float
+    slope: float
+    turn_to_quick: float
+    turn_to_slow: float
+
+
+def steering(shafts: Shafts, centre: float) -> Steering:
+    """Return the speed ratio straight ahead, its slope by differences, and the turns to symmetry.
+
+    Args:
+        shafts: the driveline.
+        centre: drive angle straight ahead.
+    """
+
+    def ratio(angle: float) -> float:
+        return motion(shafts, angle, offset=0.0).speed_ratio
+
+    quick, _ = largest(ratio)
+    slow, _ = largest(lambda angle: -ratio(angle))
+    (slope,) = slopes(lambda x: ratio(*x), [centre])
+    turns = (math.remainder(place - centre, math.pi) for place in (quick, slow))
+    return Steering(ratio(centre), float(slope), *turns)
+
+
+def excitations(shafts: Shafts) -> tuple[float, float, float]:
+    """Return the excitations of a check, over the square of the drive's speed.
+
+    They are the largest acceleration ratio of the last shaft, and the second order of the summed
+    acceleration ratios of all intermediate shafts: as driven, and driven from the other end.
+    """
+    peak = largest(lambda angle: motion(shafts, angle, offset=0.0).acceleration_ratio)[1]
+
+    def summed(own: Shafts) -> Callable[[float], float]:
+        inner = range(1, len(own.bends))
+        return lambda angle: sum(
+            motion(own, angle, shaft, offset=0.0).acceleration_ratio for shaft in inner
+        )
+
+    ways = (shafts, turned_round(shafts))
+    driving, coasting = (harmonics(summed(way), [2], steps=256)[0] for way in ways)
+    return peak, float(abs(driving)), float(abs(coasting))
+
+
+# --- offsets, play and compliance ----------------------------------------------------------------
+
+
+def slides(
+    shafts: Shafts, angle: float, offsets: Sequence[Sequence[float]]
+) -> list[tuple[float, float, float]]:
+    """Return how far each joint slides: along its driving pin, its driven pin and its driven shaft.
+
+    The vectors from the axis of the driving shaft over both pins to that of the driven shaft close
+    to a loop, whose three components give the three slides.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle.
+        offsets: of each joint, in any one unit: from the driving shaft to its pin along ``u x p``,
+            between the pins along ``p x q``, from the driven pin to its shaft along ``q x v``, and
+            between the shafts along the bend-plane normal.
+    """
+    found = []
+    for at, (driving, between, driven, apart) in zip(_joints(shafts, angle), offsets, strict=True):
+        known = apart * np.array(at.m) - driving * np.array(_cross(at.u, at.a))
+        known -= between * np.array(at.n) + driven * np.array(_cross(at.b, at.v))
+        along, behind, shaft = np.linalg.solve(np.array([at.a, at.b, at.v]).T, known).tolist()
+        found.append((along, behind, shaft))
+    return found
+
+
+def with_skews(shafts: Shafts, skews: Sequence[float]) -> Shafts:
+    """Return a driveline whose pins are closer than built by an angle in each joint."""
+    built = shafts.deviations or ((0.0, 0.0, 0.0),) * len(skews)
+    changed = ((e1, e2 + skew, e3) for (e1, e2, e3), skew in zip(built, skews, strict=True))
+    return replace(shafts, deviations=tuple(changed))
+
+
+def lash(shafts: Shafts, angle: float, play: Sequence[float], shaft: int = -1) -> float:
+    """Return by how much a shaft turns between the flanks of the play, with the drive held.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle.
+        play: for each joint, the radial play of a pin over the arm of its bearing. Both yokes turn
+            by it about the normal of the cross, one way or the other.
+        shaft: which shaft, by default the last.
+    """
+    driven, coasting = (
+        _lead_at(with_skews(shafts, [2.0 * sign * x for x in play]), angle, shaft)
+        for sign in (1.0, -1.0)
+    )
+    return coasting - driven
+
+
+def wind_up(
+    shafts: Shafts, angle: float, stiffnesses: Sequence[float], load: Mapping[str, Any]
+) -> float:
+    """Return by how much the last shaft lags because its crosses give way, to first order.
+
+    The moment of each joint brings its pins closer by the moment over the stiffness.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle.
+        stiffnesses: of each cross against its moment [N m/rad].
+        load: as for ``reference.loads``.
+    """
+    at = loads(shafts, angle, **load)
+    each = zip(at.pin_moment, at.torque[1:], stiffnesses, strict=True)
+    closed = [math.copysign(moment, torque) / stiffness for moment, torque, stiffness in each]
+    size = max(map(abs, closed))
+
+    def lead(part: list[float]) -> float:
+        return _lead_at(with_skews(shafts, [part[0] / size * skew for skew in closed]), angle)
+
+    return -size * float(slopes(lead, [0.0])[0])
+
+
+def _lead_at(shafts: Shafts, angle: float, shaft: int = -1) -> float:
+    joints = _joints(shafts, angle)
+    return _lead(joints[: shaft % (len(joints) + 1)])
+
+
+# --- splines -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Spline:
+    """A loaded spline that slides while its shaft becomes longer, in N.
+
+    Attributes:
+        upstream: force on what holds the shaft upstream.
+        downstream: force on what holds it downstream.
+        bearing_force: of each bearing, on its shaft.
+    """
+
+    upstream: Array
+    downstream: Array
+    bearing_force: Array
+
+
+def spline(
+    points: Sequence[Sequence[float]],
+    shaft: int,
+    axial: float,
+    bearings: Sequence[tuple[int, float]] = (),
+) -> Spline:
+    """Return the forces about a sliding shaft, by the equilibrium of all bodies in space.
+
+    Bodies are the two halves of the shaft, which stay in line, and the shafts before and behind.
+    Each of these has two bearings, which give forces across it, and a thrust. The friction pulls
+    the halves towards each other. All forces and moments of all bodies are solved at once.
+
+    Args:
+        points: of the driveline [m].
+        shaft: with the spline, counted from 0.
+        axial: friction in the spline, its coefficient times the torque over its radius [N].
+        bearings: shaft of each, and its distance from the upstream end of the shaft [m]; without
+            them the next shafts have two anywhere.
+    """
+    corners = np.array(points, float)
+    steps = np.diff(corners, axis=0)
+    along = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    across = [np.linalg.svd(u[np.newaxis])[2][1:] for u in along]
+    start, end, middle = *corners[shaft : shaft + 2], corners[shaft : shaft + 2].mean(axis=0)
+    any_way = np.eye(3)
+    # Where a force is, in which directions, on which body and from which; a world needs no balance.
+    places: list[tuple[Array, Array, str, str]] = [
+        (start, any_way, "upper", f"shaft {shaft - 1}"),
+        (end, any_way, "lower", f"shaft {shaft + 1}"),
+        (middle, across[shaft], "upper", "lower"),
+        (middle + along[shaft], across[shaft], "upper", "lower"),
+    ]
+    bodies = {"upper", "lower"}
+    given = {}
+    for own in {shaft - 1, shaft + 1} & set(range(len(along))):
+        bodies.add(f"shaft {own}")
+        places.append((corners[own], along[own : own + 1], f"shaft {own}", "world"))
+        held = {i: at for i, (of, at) in enumerate(bearings) if of == own} or {-1: 0.0, -2: 1.0}
+        for number, at in held.items():
+            given[number] = len(places)
+            places.append((corners[own] + at * along[own], across[own], f"shaft {own}", "world"))
+    in_order = sorted(bodies)
+
+    def acting(on: str, force: Array, at: Array) -> Array:
+        """A force as forces and moments of all bodies."""
+        wrench = np.concatenate([force, np.cross(at, force)])
+        return np.concatenate([wrench * (on == body) for body in in_order])
+
+    columns = [acting(on, v, at) - acting(off, v, at) for at, vs, on, off in places for v in vs]
+    friction = axial * along[shaft]
+    known = acting("upper", friction, middle) - acting("lower", friction, middle)
+    found, _, rank, _ = np.linalg.lstsq(np.array(columns).T, -known, rcond=None)
+    if rank < len(columns):
+        raise ValueError("the bearings leave some forces open")
+    parts = np.split(found, np.cumsum([len(vs) for _, vs, _, _ in places])[:-1])
+    forces = [part @ vs for part, (_, vs, _, _) in zip(parts, places, strict=True)]
+    rest = [forces[given[i]] if i in given else np.zeros(3) for i in range(len(bearings))]
+    return Spline(-forces[0], -forces[1], np.array(rest).reshape(-1, 3))
+
+
+# --- tubes ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A round shaft.
+
+    Attributes:
+        stiffness: its torque over its twist [N m/rad].
+        inertia: about its axis [kg m²].
+        mass: in kg.
+        critical_speed: first bending frequency, pinned at both ends [rad/s].
+        shear_per_torque: largest shear stress over the torque [1/m³].
+    """
+
+    stiffness: float
+    inertia: float
+    mass: float
+    critical_speed: float
+    shear_per_torque: float
+
+
+def tube(
+    outer_diameter: float,
+    wall: float,
+    length: float,
+    shear_modulus: float,
+    elastic_modulus: float,
+    density: float,
+    *,
+    rings: int = 4000,
+    elements: int = 24,
+) -> Tube:
+    """Return the figures of a round shaft that is divided into rings and into beam elements.
+
+    Args:
+        outer_diameter: in m.
+        wall: in m.
+        length: in m.
+        shear_modulus: in Pa.
+        elastic_modulus: in Pa.
+        density: in kg/m³.
+        rings: of the section, whose shear grows with the radius.
+        elements: of the length, with cubic shapes and the mass that goes with them.
+    """
+    step = wall / rings
+    radii = outer_diameter / 2.0 - wall + (np.arange(rings) + 0.5) * step
+    areas = 2.0 * math.pi * radii * step
+    polar = float(np.sum(areas * radii**2))
+    section = float(np.sum(areas))
+    # A twist of 1 shears a ring by its radius over the length.
+    torque = shear_modulus * polar / length
+    largest_shear = shear_modulus * outer_diameter / 2.0 / length
+    h = length / elements
+    bending = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+    moving = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
+    units = np.outer([1, h, 1, h], [1, h, 1, h])
+    # Of the whole polar moment, half is that about a diameter.
+    stiffness = elastic_modulus * polar / 2.0 / h**3 * bending * units
+    mass = density * section * h / 420.0 * moving * units
+    size = 2 * elements + 2
+    whole = np.zeros((2, size, size))
+    for i in range(elements):
+        part = slice(2 * i, 2 * i + 4)
+        whole[:, part, part] += stiffness, mass
+    # The ends cannot move but can turn.
+    free = np.ix_([0, 1], *2 * [[i for i in range(size) if i not in (0, size - 2)]])
+    squares = np.linalg.eigvals(np.linalg.solve(*whole[free][::-1]))
+    return Tube(
+        torque,
+        density * length * polar,
+        density * length * section,
+        math.sqrt(float(np.min(squares.real))),
+        largest_shear / torque,
+    )
