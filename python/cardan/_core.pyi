@@ -152,10 +152,17 @@ class Plan:
         tolerance: float,
         workers: int | None,
     ) -> list[_Flat]: ...
+    def drive_angles(
+        self,
+        shape: tuple[int, ...],
+        angle: _Spread | Sweep,
+        workers: int | None,
+        level: str | None,
+    ) -> _Spread | None: ...
     def run(
         self,
         shape: tuple[int, ...] | None,
-        angle: _Spread | Sweep,
+        angle: _Spread | tuple[_Spread, _Spread] | Sweep,
         out: list[NDArray[Any]] | dict[str, NDArray[Any]] | None,
         workers: int | None,
         level: str | None,

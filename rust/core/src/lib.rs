@@ -53,6 +53,7 @@ pub use mechanics::transmission::{Ideal, Transmission};
 pub use number::{DoubleDouble, Precision};
 pub use plan::{Axes, End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::common_phases::common_phases_of_batch;
+pub use run::driven::drive_angles;
 pub use run::execution::{Execution, Planes};
 pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;
