@@ -63,6 +63,7 @@ pub use run::phases::optimal_phases_of_batch;
 pub use run::q_derivatives::{Parameters, q_derivatives};
 pub use run::threads::uses_threads;
 pub use turns::Turns;
+pub use turns::free_drive::{FreeDrive, free_drives, least_drive_inertias};
 pub use turns::orders::Orders;
 pub use turns::peaks::{Peak, Sought};
 pub use turns::rows::Rows;

@@ -3,6 +3,7 @@
 //! One set of samples per driveline serves all its outputs. It follows from the driveline alone, so
 //! that results do not depend on the other drivelines of a batch.
 
+pub mod free_drive;
 pub mod orders;
 mod panels;
 pub mod peaks;
