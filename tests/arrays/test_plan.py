@@ -766,9 +766,12 @@ def test_a_compensated_shaft_turns_with_the_drive(bend: float, tolerance: float 
     plan = Driveline.from_bends([bend, bend]).plan(names, shafts=2, tolerance=tolerance)
     assert ", those of the drive" in plan.explain(angle)
     found = plan(angle)
+    wanted = {name: np.zeros(1001) for name in names} | {
+        "angle": angle,
+        "speed_ratio": np.ones(1001),
+    }
     for name in names:
-        wanted = {"angle": angle, "speed_ratio": 1.0}.get(name, 0.0)
-        np.testing.assert_array_equal(found[name], np.broadcast_to(wanted, 1001), name)
+        np.testing.assert_array_equal(found[name], wanted[name], name)
 
 
 def test_a_batch_of_none_has_nothing_to_explain() -> None:
