@@ -24,10 +24,12 @@ __all__ = [
     "dq",
     "equivalent",
     "excitations",
+    "free_drives",
     "from_bends",
     "from_directions",
     "from_points",
     "hours",
+    "least_drive_inertias",
     "levels",
     "mean_leads",
     "optimal_phases",
@@ -99,6 +101,16 @@ def derivatives_at(
     time: _Flat, values: _Flat, reach: int, begin: int, end: int
 ) -> tuple[_Flat, _Flat]: ...
 def hours(means: _Flat, bends: _Flat, rpm: _Flat, rating: _Flat) -> list[_Flat]: ...
+def free_drives(
+    lines: Lines, shape: Sequence[int], inertias: _Flat, workers: int | None
+) -> list[_Flat]: ...
+def least_drive_inertias(
+    lines: Lines,
+    shape: Sequence[int],
+    inertias: _Flat,
+    variations: _Flat,
+    workers: int | None,
+) -> _Flat: ...
 def pin_means(
     lines: Lines,
     shape: Sequence[int],
@@ -152,10 +164,17 @@ class Plan:
         tolerance: float,
         workers: int | None,
     ) -> list[_Flat]: ...
+    def drive_angles(
+        self,
+        shape: tuple[int, ...],
+        angle: _Spread | Sweep,
+        workers: int | None,
+        level: str | None,
+    ) -> _Spread | None: ...
     def run(
         self,
         shape: tuple[int, ...] | None,
-        angle: _Spread | Sweep,
+        angle: _Spread | tuple[_Spread, _Spread] | Sweep,
         out: list[NDArray[Any]] | dict[str, NDArray[Any]] | None,
         workers: int | None,
         level: str | None,

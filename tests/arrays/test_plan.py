@@ -758,6 +758,22 @@ def test_compensated_chains_have_no_negative_bend() -> None:
         assert found.non_uniformity >= 0.0
 
 
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+@pytest.mark.parametrize("bend", [0.3, 1.2])
+def test_a_compensated_shaft_turns_with_the_drive(bend: float, tolerance: float | None) -> None:
+    names = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
+    angle = np.linspace(-9.0, 9.0, 1001)
+    plan = Driveline.from_bends([bend, bend]).plan(names, shafts=2, tolerance=tolerance)
+    assert ", those of the drive" in plan.explain(angle)
+    found = plan(angle)
+    wanted = {name: np.zeros(1001) for name in names} | {
+        "angle": angle,
+        "speed_ratio": np.ones(1001),
+    }
+    for name in names:
+        np.testing.assert_array_equal(found[name], wanted[name], name)
+
+
 def test_a_batch_of_none_has_nothing_to_explain() -> None:
     with pytest.raises(ValueError, match="no driveline"):
         Driveline.from_bends(np.zeros((0, 2))).plan("speed_ratio").explain()

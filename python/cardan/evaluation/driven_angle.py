@@ -1,10 +1,7 @@
 """Plans that take the angle of the last shaft in place of the drive angle.
 
-A chain takes the direction ``w = exp(i a)`` of the drive's pin to ``A w + B conj(w)``. With ``q =
-B/A`` the mean-synchronous angle of the last shaft is ``a + arg(1 + q exp(-2 i a))`` (from Thoma 4).
-Its inverse has the same form with ``-q``. That is the same chain with its drive a quarter turn
-ahead, because ``i w`` goes to ``i (A w - B conj(w))``. A straight joint before the chain turns the
-drive so. The inverse is therefore a driveline like any other, and nothing is iterated.
+The core finds the drive angles in closed form, each with an error term, and evaluates at these
+sums: a steep chain would magnify the rounding of a drive angle.
 """
 
 from __future__ import annotations
@@ -15,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, array_namespace_of
+from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.libraries import LIBRARIES
 from cardan.evaluation.plan import Plan
@@ -33,7 +30,7 @@ class DrivenPlan(Plan):
     The ``drive_angle`` of a result is the drive angle that belongs to each of them.
     """
 
-    __slots__ = ("_at_drive", "_drive_angle")
+    __slots__ = ("_at_drive",)
 
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
@@ -41,8 +38,6 @@ class DrivenPlan(Plan):
         super().__init__(line, request)
         self.request = self.request._replace(angle_of="driven")
         self._at_drive = at_drive
-        inverted = Request("angle", tolerance=0.0, workers=request.workers)
-        self._drive_angle = Plan(inverse(line), inverted)
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -59,30 +54,48 @@ class DrivenPlan(Plan):
         Raises:
             TypeError, ValueError, MemoryError, RuntimeError: as of any plan.
         """
-        if (name := array_namespace_of(angle)) and LIBRARIES[name].wraps:
-            if self.line.shape:
+        if name := array_namespace_of(angle):
+            if LIBRARIES[name].wraps and self.line.shape:
                 raise ArgumentValueError(
                     "angle",
                     "has labels, and each driveline of the batch has different drive angles; "
                     "give its values",
                 )
-            return super().__call__(angle, out)
-        return self._at_drive(self._drive_angles(angle), out)
+            result = super().__call__(angle, out)
+            if LIBRARIES[name].deferred:
+                request = Request("angle", shafts=0, workers=self._workers)
+                of_drive = DrivenPlan(Plan(self.line, request))
+                drive = adapter(name).evaluate(of_drive, angle, None)["angle"]
+                return Result(dict(result), result._labels, drive)
+            return result
+        drive, error_terms = self._sums(angle)
+        evaluated = self._at_drive._run(drive, (drive, error_terms), out)
+        assert evaluated is not None, "arrays that the core made lie one after another"
+        return evaluated
 
-    def _drive_angles(self, angle: ArrayLike | Sweep) -> Any:  # noqa: ANN401 - an array
-        return self._drive_angle(angle)["angle"]
+    def _drive_angles(self, angle: ArrayLike | Sweep) -> FloatArray:
+        return self._sums(angle)[0]
+
+    def _sums(self, angle: ArrayLike | Sweep) -> tuple[FloatArray, FloatArray]:
+        """Return the drive angles and their error terms."""
+        given = angle if isinstance(angle, Sweep) else as_float64("angle", angle)
+        angles = given._core if isinstance(given, Sweep) else given
+        shape, workers = self._sample_shape(given.shape), threads.at_most(self._workers)
+        found = self._core.drive_angles(shape, angles, workers, self._level)
+        assert found is not None, "angles are aligned and in C order"
+        return found[0, ...], found[1, ...]
 
     def _again(self, line: Driveline, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
         return DrivenPlan(self._at_drive._again(line, request))
 
     def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
-        """Return the steps for the drive angles and for the outputs, as ``Plan.explain`` does."""
+        """Return the steps at the drive angles, as ``Plan.explain`` does."""
         shape: Any = angle
         if isinstance(angle, Sweep):
             shape = np.broadcast_to(0.0, np.broadcast_shapes(self.line.shape, angle.shape))
-        drive, outputs = self._drive_angle.explain(angle), self._at_drive.explain(shape)
-        return f"drive angles from angles of the last shaft\n{drive}\n{outputs}"
+        outputs = self._at_drive.explain(shape)
+        return f"drive angles in closed form from angles of the last shaft\n{outputs}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the plan that is called with drive angles."""
@@ -105,16 +118,3 @@ def planned(line: Driveline, request: Request) -> Plan:
     checked_choice("angle_of", angle_of, ("drive", "driven"))
     plan = Plan(line, request)
     return DrivenPlan(plan) if angle_of == "driven" else plan
-
-
-def inverse(line: Driveline) -> Driveline:
-    """Return the driveline whose last shaft turns as the drive if driven as this one's last shaft.
-
-    It has the bends, twists and phases of the line behind a straight joint.
-    """
-
-    def behind(angles: FloatArray) -> FloatArray:
-        return np.concatenate([np.zeros((*line.shape, 1)), angles], axis=-1)
-
-    between = behind(line.twists), behind(line.phases)
-    return type(line).from_bends(behind(line.bends), *between)

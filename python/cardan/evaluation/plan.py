@@ -134,6 +134,20 @@ class Plan:
             return elsewhere
         else:
             angles = angle = as_float64("angle", angle)
+        result = self._run(angle, angles, out)
+        # Otherwise the angles do not lie one after another.
+        return self(as_float64("angle", angle)) if result is None else result
+
+    def _run(
+        self,
+        angle: Any,  # noqa: ANN401 - an array or a sweep
+        angles: FloatArray | tuple[FloatArray, FloatArray] | NativeSweep,
+        out: Mapping[str, NDArray[Any]] | None,
+    ) -> Result | None:
+        """Evaluate at angles as the native module takes them, if it can."""
+        # The native module takes new results and dictionaries. Other arrays are looked at below.
+        named = out if type(out) is dict else None
+        taken = named is out
         shape = angle.shape if self._only_angle_varies else self._sample_shape(angle.shape)
         rows = self._rows(shape) if self._reduce else shape
         samples = None if self._single_row else shape
@@ -144,8 +158,7 @@ class Plan:
                 return self._result(angle, filled, named)
         if out is not None:
             return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
-        # The angles do not lie one after another.
-        return self(as_float64("angle", angle))
+        return None
 
     def _result(self, angle: Any, filled: Any, named: object) -> Result:  # noqa: ANN401
         """Return the result of a run that has filled a new array, or arrays by name."""
@@ -158,7 +171,7 @@ class Plan:
         self,
         out: Mapping[str, NDArray[Any]],
         angle: FloatArray | Sweep,
-        angles: FloatArray | NativeSweep,
+        angles: FloatArray | tuple[FloatArray, FloatArray] | NativeSweep,
         samples: tuple[int, ...] | None,
         rows: tuple[int, ...],
         workers: int | None,

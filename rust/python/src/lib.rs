@@ -48,7 +48,7 @@ mod _core {
     #[pymodule_export]
     use super::transmission::NativeTransmission;
     #[pymodule_export]
-    use super::turns::{hours, pin_means};
+    use super::turns::{free_drives, hours, least_drive_inertias, pin_means};
 
     use super::PyResult;
     use pyo3::prelude::*;

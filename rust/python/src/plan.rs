@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Axes, Call, Drivelines, End, Execution, FoldedDriveline, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level, strides,
-    uses_threads,
+    Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, drive_angles,
+    level, strides, uses_threads,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
@@ -22,7 +22,7 @@ use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use crate::convert::{OrRaise, argument_error, count, not_contiguous, slice_mut};
 use crate::lines::Lines;
 use crate::turns::run_rows;
-use crate::watch::{check_memory, no_memory, run_interruptible, threads};
+use crate::watch::{check_memory, no_memory, run_interruptible, run_released, threads};
 
 /// The fewest samples for which releasing the interpreter saves time.
 const MIN_DETACHED: usize = 1000;
@@ -55,7 +55,40 @@ type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
 /// The drive angles of a run.
 enum AngleArgument<'py> {
     Array(PyReadonlyArrayDyn<'py, f64>),
+    /// With their error terms.
+    Sums(PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn<'py, f64>),
     Sweep(Sweep),
+}
+
+impl<'py> AngleArgument<'py> {
+    /// An array, a pair of arrays or a sweep.
+    fn new(angle: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(array) = angle.extract() {
+            Ok(Self::Array(array))
+        } else if let Ok((angle, error_terms)) = angle.extract() {
+            Ok(Self::Sums(angle, error_terms))
+        } else {
+            Ok(Self::Sweep(angle.cast::<DriveSweep>()?.get().0))
+        }
+    }
+
+    /// The shape of the angles; that of a sweep is its length.
+    fn shape(&self) -> Vec<usize> {
+        match self {
+            Self::Array(angle) | Self::Sums(angle, _) => angle.shape().to_vec(),
+            Self::Sweep(sweep) => vec![sweep.count()],
+        }
+    }
+
+    /// The angles with these strides over the samples, unless they are not aligned and in C order.
+    fn angles<'a>(&'a self, strides: &'a [usize]) -> Option<Angles<'a>> {
+        let source = |array| Some(Source { data: elements(array)?, strides });
+        Some(match self {
+            Self::Array(angle) => Angles::Array(source(angle)?),
+            Self::Sums(angle, error_terms) => Angles::Sums(source(angle)?, elements(error_terms)?),
+            Self::Sweep(sweep) => Angles::Sweep(*sweep),
+        })
+    }
 }
 
 /// Drive angles at equal steps.
@@ -256,6 +289,41 @@ impl NativePlan {
         })
     }
 
+    /// The drive angles at angles of the last shaft, and their error terms: two planes in the shape
+    /// of the samples. `None` if the angles are not aligned and in C order.
+    fn drive_angles<'py>(
+        &self,
+        py: Python<'py>,
+        shape: Vec<usize>,
+        angle: Bound<'py, PyAny>,
+        workers: Option<usize>,
+        level: Option<&str>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let level = level.map(level::named).transpose().or_raise()?;
+        let (angle, batch) = (AngleArgument::new(&angle)?, self.lines.get().batch());
+        let angle_strides = strides("angle", &angle.shape(), &shape).or_raise()?;
+        let line_strides = strides(BATCH, &batch.shape, &shape).or_raise()?;
+        let Some(angle) = angle.angles(&angle_strides) else { return Ok(None) };
+        let brief = count(&shape)? < MIN_INTERRUPTIBLE;
+        self.lines.get().with(py, |lines| {
+            let (shape, line_strides) = (&shape, &line_strides);
+            let samples = Samples { shape, lines, line_strides, angle, load: None };
+            filled(py, 2, shape, |planes: &mut [&mut [f64]]| {
+                let Ok([angles, error_terms]) = planes.get_disjoint_mut([0, 1]) else {
+                    return Ok(());
+                };
+                let mut done = Ok(());
+                run_released(py, brief, workers, &mut |workers, stop| {
+                    let execution = Execution { level, workers, stop, new_memory: true };
+                    let out = [&mut **angles, &mut **error_terms];
+                    done = drive_angles(batch.joints(), &samples, out, execution);
+                })?;
+                done.or_raise()
+            })
+            .map(Some)
+        })
+    }
+
     /// Fills a new array, the arrays of a list, which hold the planes one after another, or those
     /// of a dictionary by output, and returns what it has filled, a dictionary in the order of the
     /// outputs. Returns `None` if the angles or an array of `out` are not aligned and in C order,
@@ -275,25 +343,14 @@ impl NativePlan {
         level: Option<&str>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let level = level.map(level::named).transpose().or_raise()?;
-        let angle = match angle.extract() {
-            Ok(array) => AngleArgument::Array(array),
-            Err(error) => {
-                AngleArgument::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0)
-            }
-        };
-        let count = match &angle {
-            AngleArgument::Array(array) => array.len(),
-            AngleArgument::Sweep(sweep) => sweep.count(),
-        };
-        let own = match &angle {
-            AngleArgument::Array(array) => array.shape(),
-            AngleArgument::Sweep(_) => &[count],
-        };
+        let angle = AngleArgument::new(&angle)?;
+        let own = angle.shape();
+        let count: usize = own.iter().product();
         let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
         // If only the angle changes, the samples are one row, whatever the shape of the angles.
         let (own, shape, rows) = match &shape {
-            Some(shape) => (own, shape.as_slice(), shape.as_slice()),
-            None => (&[count][..], &[count][..], own),
+            Some(shape) => (own.as_slice(), shape.as_slice(), shape.as_slice()),
+            None => (&[count][..], &[count][..], own.as_slice()),
         };
         let lines = self.lines.get();
         let line_strides = strides(BATCH, &lines.batch().shape, shape).or_raise()?;
@@ -304,13 +361,7 @@ impl NativePlan {
             (Some(_), _) => return Err(argument_error("shape", "has no samples to reduce")),
             (None, _) => rows,
         };
-        let angle = match &angle {
-            AngleArgument::Array(array) => {
-                let Some(data) = elements(array) else { return Ok(None) };
-                Angles::Array(Source { data, strides: &angle_strides })
-            }
-            AngleArgument::Sweep(sweep) => Angles::Sweep(*sweep),
-        };
+        let Some(angle) = angle.angles(&angle_strides) else { return Ok(None) };
         let load = self.load_of(&load)?;
         let execution = Execution { level, workers, stop: None, new_memory: out.is_none() };
         lines.with(py, |lines| {

@@ -2,7 +2,10 @@
 
 use std::borrow::Cow;
 
-use cardan::{End, Execution, Load, Rows, Source, Wear, check_length, pin_means as means, strides};
+use cardan::{
+    End, Execution, FreeDrive, Load, Rows, Source, Wear, check_length, free_drives as drives,
+    least_drive_inertias as least_inertias, pin_means as means, strides,
+};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -91,6 +94,66 @@ pub(crate) fn pin_means<'py>(
         })
     })?;
     Ok(out.into_pyarray(py))
+}
+
+/// Least, largest and variation of the speed of a drive that runs freely, over its mean, and the mean
+/// over the turn of the root of the inertia that it feels, in each row of this shape. `inertias` has
+/// one for each shaft of each row.
+#[pyfunction]
+pub(crate) fn free_drives<'py>(
+    py: Python<'py>,
+    lines: &Lines,
+    shape: Vec<usize>,
+    inertias: Input<'py>,
+    workers: Option<usize>,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+    let inertias = slice("inertias", &inertias)?;
+    let found = run_unloaded(py, lines, &shape, workers, |rows, execution| {
+        drives(rows, &lines.batch().largest_bends, inertias, execution)
+    })?;
+    let column =
+        |of: fn(&FreeDrive) -> f64| found.iter().map(of).collect::<Vec<f64>>().into_pyarray(py);
+    Ok([
+        column(|drive| drive.least),
+        column(|drive| drive.largest),
+        column(|drive| drive.variation),
+        column(|drive| drive.root),
+    ])
+}
+
+/// The least inertia of the drive for a variation of its speed, in each row of this shape. `inertias`
+/// has one for each shaft of each row, and 0 for the drive.
+#[pyfunction]
+pub(crate) fn least_drive_inertias<'py>(
+    py: Python<'py>,
+    lines: &Lines,
+    shape: Vec<usize>,
+    inertias: Input<'py>,
+    variations: Input<'py>,
+    workers: Option<usize>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let [inertias, variations] = [slice("inertias", &inertias)?, slice("variations", &variations)?];
+    let found = run_unloaded(py, lines, &shape, workers, |rows, execution| {
+        least_inertias(rows, &lines.batch().largest_bends, inertias, variations, execution)
+    })?;
+    Ok(found.into_pyarray(py))
+}
+
+/// Runs `body` with the drivelines broadcast to rows of this shape without a load.
+fn run_unloaded<R: Send>(
+    py: Python<'_>,
+    lines: &Lines,
+    shape: &[usize],
+    workers: Option<usize>,
+    body: impl Fn(&Rows<'_>, Execution<'_>) -> cardan::Result<R> + Sync,
+) -> PyResult<R> {
+    let line_strides = strides("the driveline's batch", &lines.batch().shape, shape).or_raise()?;
+    let count = count(shape)?;
+    check_memory(count.saturating_mul(size_of::<FreeDrive>()))?;
+    lines.with(py, |arrays| {
+        let rows = Rows { shape, lines: arrays, line_strides: &line_strides, load: None };
+        run_rows(py, count, workers, |execution| body(&rows, execution))
+    })
 }
 
 /// An array with its strides over the rows.

@@ -17,6 +17,8 @@ pub struct Source<'a> {
 pub enum Angles<'a> {
     /// In rad.
     Array(Source<'a>),
+    /// The same as sums of a double and an error term. The error terms lie as the doubles do.
+    Sums(Source<'a>, &'a [f64]),
     /// A uniform sweep along the last axis.
     Sweep(Sweep),
 }

@@ -17,6 +17,8 @@ pub(crate) struct Table<'a> {
     pub(crate) line: Cow<'a, [usize]>,
     /// The sweep that replaces the column of angles.
     pub(crate) sweep: Option<Sweep>,
+    /// The error terms of the angles, if these are sums.
+    pub(crate) error_terms: Option<&'a [f64]>,
     pub(crate) columns: Vec<TableColumn<'a>>,
     /// Column of each shaft's inertia, if there is a load.
     pub(crate) inertia: Vec<Option<usize>>,
@@ -55,16 +57,36 @@ impl<'a> TableColumn<'a> {
 
     /// Reads values that lie `step` apart, from the one at `begin` on.
     pub(crate) fn read(&self, begin: usize, step: usize, out: &mut [f64]) {
-        match step {
-            0 => out.fill(self.data[begin]),
-            1 => out.copy_from_slice(&self.data[begin..begin + out.len()]),
-            _ => {
-                for (x, &value) in out.iter_mut().zip(self.data[begin..].iter().step_by(step)) {
-                    *x = value;
-                }
+        read(self.data, begin, step, out);
+    }
+}
+
+/// Reads values of an array that lie `step` apart, from the one at `begin` on.
+fn read(data: &[f64], begin: usize, step: usize, out: &mut [f64]) {
+    match step {
+        0 => out.fill(data[begin]),
+        1 => out.copy_from_slice(&data[begin..begin + out.len()]),
+        _ => {
+            for (x, &value) in out.iter_mut().zip(data[begin..].iter().step_by(step)) {
+                *x = value;
             }
         }
     }
+}
+
+/// `size` values of an array from the one at `begin` on, in steps of `step`: the array itself, or
+/// gathered in `buffer` if they are not contiguous.
+pub(crate) fn contiguous<'d>(
+    data: &'d [f64],
+    [begin, step, size]: [usize; 3],
+    buffer: &'d mut Vec<f64>,
+) -> &'d [f64] {
+    if step == 1 {
+        return &data[begin..begin + size];
+    }
+    buffer.resize(size, 0.0);
+    read(data, begin, step, buffer);
+    buffer
 }
 
 impl<'a> Table<'a> {
@@ -83,7 +105,7 @@ impl<'a> Table<'a> {
         let lines = samples.lines;
         let count = lines.check(n)?;
         let (angle, sweep) = match &samples.angle {
-            Angles::Array(source) => (TableColumn::of(source), None),
+            Angles::Array(source) | Angles::Sums(source, _) => (TableColumn::of(source), None),
             // All samples share one angle, as with an array of one element.
             Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => (
                 TableColumn { data: sweep.first(), strides: vec![0; samples.shape.len()].into() },
@@ -96,6 +118,13 @@ impl<'a> Table<'a> {
                 (TableColumn { data: &[], strides: strides.collect() }, Some(*sweep))
             }
         };
+        let error_terms = match samples.angle {
+            Angles::Sums(_, error_terms) => Some(error_terms),
+            Angles::Array(_) | Angles::Sweep(_) => None,
+        };
+        if let Some(error_terms) = error_terms {
+            check_reach("error terms", error_terms.len(), samples.shape, &angle.strides)?;
+        }
         let mut columns = vec![angle];
         let mut inertia = vec![];
         if let Some(load) = &samples.load {
@@ -125,7 +154,7 @@ impl<'a> Table<'a> {
         let mut line = Cow::Borrowed(samples.line_strides);
         let strides = columns.iter_mut().map(|column| &mut column.strides);
         merge_axes(&mut shape, mergeable, once(&mut line).chain(strides));
-        Ok(Self { lines, shape, line, sweep, columns, inertia })
+        Ok(Self { lines, shape, line, sweep, error_terms, columns, inertia })
     }
 
     /// Number of samples.
@@ -133,9 +162,11 @@ impl<'a> Table<'a> {
         self.shape.iter().product()
     }
 
-    /// Whether each sample of a sweep has its own driveline.
-    pub(crate) fn sweeps_drivelines(&self) -> bool {
-        self.sweep.is_some() && self.geometry_variation() == GeometryVariation::BySample
+    /// Whether angle errors are kept until the drive angles are added to them: those of a sweep where
+    /// each sample has its own driveline, and sums.
+    pub(crate) fn adds_angles_last(&self) -> bool {
+        let by_sample = self.geometry_variation() == GeometryVariation::BySample;
+        self.sweep.is_some() && by_sample || self.error_terms.is_some()
     }
 
     /// How the geometry changes over the samples.

@@ -144,6 +144,19 @@ pub(crate) fn reduce_any(x: f64) -> (DoubleDouble, u64) {
     }
 }
 
+/// [`reduce_any`] for an angle with an error term.
+pub(crate) fn reduce_any_sum(x: DoubleDouble) -> (DoubleDouble, u64) {
+    let near = reduce_double_double(x);
+    let mut too_large = LargeAngleFlag::for_quadrants();
+    too_large.accumulate(near.1);
+    if !too_large.any() {
+        return near;
+    }
+    let ((high, quadrant), (low, quadrants)) = (reduce_any(x.high), reduce_any(x.low));
+    let (sum, more) = reduce_double_double((high + low).renormalized());
+    (sum, quadrant.wrapping_add(quadrants).wrapping_add(more))
+}
+
 /// Reduces twice the angle, given the reduced angle.
 pub(crate) fn double_angle((remainder, quadrant): (DoubleDouble, u64)) -> (DoubleDouble, u64) {
     let (double, quadrants) = (remainder.scaled(2.0), quadrant.wrapping_mul(2));

@@ -67,8 +67,8 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     scratch: Scratch<T>,
     /// Planes for one chunk, if the results are converted or reduced afterwards.
     staging: Vec<Vec<T::Plane>>,
-    /// The angles of a chunk, if they are not contiguous in the samples.
-    angles: Vec<f64>,
+    /// The angles of a chunk and their error terms, if they are not contiguous in the samples.
+    angles: [Vec<f64>; 2],
     /// First angle, step and length of the chunks for which `scratch` holds pins, wide pins and
     /// double angles.
     pins_key: Option<(usize, usize, usize)>,
@@ -116,7 +116,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
             staging: (0..staged).map(|_| vec![T::Plane::default(); longest]).collect(),
-            angles: vec![],
+            angles: [vec![], vec![]],
             pins_key: None,
             wide_pins_key: None,
             double_angles_key: None,
@@ -200,7 +200,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         // A part that is not repeated may be longer than the period of the row before it.
         let errors = if stop < end {
             stop - start
-        } else if self.shared.table.sweeps_drivelines() || is_compact(self.shared.level) {
+        } else if self.shared.table.adds_angles_last() || is_compact(self.shared.level) {
             self.chunk_length.min(end - start)
         } else {
             0

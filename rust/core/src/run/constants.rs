@@ -266,6 +266,23 @@ impl<T: Angle> FoldedShaft<T> {
         }
     }
 
+    /// Whether the shaft turns with the drive in a chunk that shares a driveline: its joints are
+    /// straight or compensate each other exactly.
+    #[inline(always)]
+    pub(super) fn is_straight(&self, geometry: GeometryIndex) -> bool {
+        match geometry {
+            GeometryIndex::Shared(index) if self.has_double_angles() => {
+                let [re, im] = self.double_angles(geometry, 0).at(index).q;
+                re.value() == T::Float::default() && im.value() == T::Float::default()
+            }
+            GeometryIndex::Shared(index) => {
+                let (joint, _) = self.equivalents(geometry, 0).at(index);
+                joint.versine.value() == T::Float::default()
+            }
+            GeometryIndex::PerSample => false,
+        }
+    }
+
     /// Whether there are constants in twice the drive angle.
     #[inline(always)]
     pub(super) fn has_double_angles(&self) -> bool {

@@ -136,6 +136,10 @@ impl<T: Angle> Folded<T> {
     ) -> (Route, AtanRange) {
         let constants = self.shafts[shaft].as_ref().filter(|_| routes.is_bent(shaft));
         let range = constants.map_or(AtanRange::Hundredth, |shaft| shaft.range(geometry));
+        let may_be_straight = constants.filter(|_| range == AtanRange::Hundredth);
+        if may_be_straight.is_some_and(|shaft| shaft.is_straight(geometry)) {
+            return (Route::Drive, range);
+        }
         (routes.of(shaft, range), range)
     }
 

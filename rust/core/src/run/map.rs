@@ -388,6 +388,14 @@ fn add_drive_to<T: Number, W: Float>(
                 |i| error(i).after(DoubleDouble::exact(angle[i].mul_add(0.0, angle[i]))),
             );
         }
+        DriveAngles::Sums(angle, rest) => {
+            let (angle, rest) = (&angle[..length], &rest[..length]);
+            fill(
+                out,
+                #[inline(always)]
+                |i| error(i).after(DoubleDouble::new(angle[i].mul_add(0.0, angle[i]), rest[i])),
+            );
+        }
         DriveAngles::Sweep(sweep, first) if sweep.starts_at_zero() => fill(
             out,
             #[inline(always)]
@@ -442,7 +450,7 @@ pub(crate) fn drive_angle<T: Number, W: Float>(drive: DriveAngles<'_>, out: &mut
 pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Sink<T>) {
     let length = out.length();
     match drive {
-        DriveAngles::Array(angle) => over_samples(
+        DriveAngles::Array(angle) | DriveAngles::Sums(angle, _) => over_samples(
             length,
             angle,
             out,

@@ -8,6 +8,7 @@ mod by_strips;
 mod chunk_length;
 pub mod common_phases;
 mod constants;
+pub mod driven;
 mod evaluation;
 pub mod execution;
 pub mod explain;

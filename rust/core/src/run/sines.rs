@@ -1,6 +1,6 @@
 //! The sines and cosines that one chunk needs.
 
-use crate::input::table::{ANGLE, Table};
+use crate::input::table::{ANGLE, Table, contiguous};
 use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
@@ -15,24 +15,23 @@ use crate::sincos::array::{
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
 
-/// The angles of a chunk of so many samples, which begin at this element and follow in these steps;
-/// gathered in `angles` if they are not contiguous.
+/// The angles of a chunk, which begin at the first element of `place`, follow in steps of the second,
+/// and are as many as the third; gathered in the buffers if they are not contiguous.
 pub(crate) fn drive_angles<'d>(
     table: &'d Table<'_>,
     selected: Option<&'d [f64]>,
-    [begin, step, size]: [usize; 3],
-    angles: &'d mut Vec<f64>,
+    place: [usize; 3],
+    [angles, error_terms]: &'d mut [Vec<f64>; 2],
 ) -> DriveAngles<'d> {
     match (&table.sweep, selected) {
         (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
-        (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
-        (None, _) if step == 1 => {
-            DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
-        }
+        (Some(sweep), None) => DriveAngles::Sweep(sweep, place[0]),
         (None, _) => {
-            angles.resize(size, 0.0);
-            table.columns[ANGLE].read(begin, step, angles);
-            DriveAngles::Array(angles)
+            let angles = contiguous(table.columns[ANGLE].data, place, angles);
+            match table.error_terms {
+                Some(terms) => DriveAngles::Sums(angles, contiguous(terms, place, error_terms)),
+                None => DriveAngles::Array(angles),
+            }
         }
     }
 }
@@ -91,7 +90,7 @@ pub(crate) fn find_double_angles<T: Number>(
                 rotations.group(sweep, sample as usize, 1, i, groups);
             }
         }
-        DriveAngles::Array(_) => {}
+        DriveAngles::Array(_) | DriveAngles::Sums(..) => {}
     }
     if T::PRECISION.costs().double_angle {
         rotations.sin_cos(groups, sine, cosine);

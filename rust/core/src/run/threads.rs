@@ -185,7 +185,8 @@ impl<'a, 's> Run<'a, 's> {
             && one
             && !plan.as_built
             && table.rows() == 1
-            && table.sweep.is_none();
+            && table.sweep.is_none()
+            && table.error_terms.is_none();
         let stop = execution.stop;
         Shared { plan, table, level, routes, tables, folded, past_caches, fresh_pins, stop }
     }
@@ -216,7 +217,7 @@ impl<'p, W> Iterator for Pieces<'p, W> {
 }
 
 /// The number of threads for so many samples, the calling one among them.
-fn threads(samples: usize, workers: Option<usize>) -> usize {
+pub(super) fn threads(samples: usize, workers: Option<usize>) -> usize {
     // The pool, which may not exist, is not queried for one thread.
     if !uses_threads(samples) || workers == Some(1) {
         return 1;

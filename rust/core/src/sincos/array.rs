@@ -19,6 +19,8 @@ use crate::number::trig::{self, Angle};
 pub(crate) enum DriveAngles<'a> {
     /// An array of angles.
     Array(&'a [f64]),
+    /// An array of angles and one of their error terms.
+    Sums(&'a [f64], &'a [f64]),
     /// The angles of a sweep from this sample on.
     Sweep(&'a Sweep, usize),
     /// The angles of a sweep at these samples.
@@ -219,6 +221,26 @@ pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
                 replace_large::<K, T>(angle, sine.reborrow(), cosine.reborrow(), set);
             }
         }
+        DriveAngles::Sums(angle, rest) => {
+            let (angle, rest) = (&angle[..length], &rest[..length]);
+            let multiple = if K::DOUBLE_ANGLE { 2.0 } else { 1.0 };
+            let mut too_large = LargeAngleFlag::for_quadrants();
+            for i in 0..length {
+                let sum = DoubleDouble::new(angle[i], rest[i]).scaled(multiple);
+                let (r, quadrant) = reduction::reduce_double_double(sum);
+                too_large.accumulate(quadrant);
+                let reduced = (T::from_double_double(r), quadrant);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+            }
+            if too_large.any() {
+                for i in 0..length {
+                    let sum = DoubleDouble::new(angle[i], rest[i]).scaled(multiple);
+                    let (r, quadrant) = reduction::reduce_any_sum(sum);
+                    let reduced = (T::from_double_double(r), quadrant);
+                    set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                }
+            }
+        }
         DriveAngles::Sweep(sweep, first) => {
             let sweep = if K::DOUBLE_ANGLE { sweep.double_angle() } else { *sweep };
             match sweep.reduction() {
@@ -296,6 +318,28 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
                 }
             }
         }
+        DriveAngles::Sums(angle, rest) => {
+            let (angle, rest) = (&angle[..length], &rest[..length]);
+            let mut too_large = LargeAngleFlag::for_quadrants();
+            for i in 0..length {
+                let sum = DoubleDouble::new(angle[i], rest[i]);
+                let reduced = reduction::reduce_double_double(sum);
+                too_large.accumulate(reduced.1);
+                let (s, c, lost) = turned::<K, T>(at.at(i), reduced);
+                near |= lost;
+                sine.set(i, s);
+                cosine.set(i, c);
+            }
+            if too_large.any() {
+                for i in 0..length {
+                    let sum = DoubleDouble::new(angle[i], rest[i]);
+                    let (s, c, lost) = turned::<K, T>(at.at(i), reduction::reduce_any_sum(sum));
+                    near |= lost;
+                    sine.set(i, s);
+                    cosine.set(i, c);
+                }
+            }
+        }
         DriveAngles::Sweep(sweep, first) => {
             let reduction = sweep.reduction();
             for i in 0..length {
@@ -332,6 +376,9 @@ impl DriveAngles<'_> {
     pub(crate) fn reduced(&self, i: usize) -> (DoubleDouble, u64) {
         match self {
             Self::Array(angle) => reduction::reduce_any(angle[i]),
+            Self::Sums(angle, rest) => {
+                reduction::reduce_any_sum(DoubleDouble::new(angle[i], rest[i]))
+            }
             Self::Sweep(sweep, first) => sweep.reduction().of(sample_number(*first, i)),
             Self::Selected(sweep, samples) => sweep.reduction().of(samples[i]),
         }
@@ -341,7 +388,7 @@ impl DriveAngles<'_> {
     #[inline(always)]
     pub(crate) fn angle(&self, i: usize) -> f64 {
         match self {
-            Self::Array(angle) => angle[i].mul_add(0.0, angle[i]),
+            Self::Array(angle) | Self::Sums(angle, _) => angle[i].mul_add(0.0, angle[i]),
             Self::Sweep(sweep, first) => sweep.angle(sample_number(*first, i)).value(),
             Self::Selected(sweep, samples) => sweep.angle(samples[i]).value(),
         }
@@ -349,11 +396,14 @@ impl DriveAngles<'_> {
 
     /// The angle of a sample with all its digits.
     pub(crate) fn exact(&self, i: usize) -> ExactAngle {
-        if let Self::Array(angle) = self {
-            return ExactAngle { parts: [angle[i], 0.0], quarters: 0 };
+        match self {
+            Self::Array(angle) => ExactAngle { parts: [angle[i], 0.0], quarters: 0 },
+            Self::Sums(angle, rest) => ExactAngle { parts: [angle[i], rest[i]], quarters: 0 },
+            Self::Sweep(..) | Self::Selected(..) => {
+                let (DoubleDouble { high, low }, quarters) = self.reduced(i);
+                ExactAngle { parts: [high, low], quarters }
+            }
         }
-        let (DoubleDouble { high, low }, quarters) = self.reduced(i);
-        ExactAngle { parts: [high, low], quarters }
     }
 }
 

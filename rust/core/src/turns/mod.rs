@@ -3,8 +3,7 @@
 //! One set of samples per driveline serves all its outputs. It follows from the driveline alone, so
 //! that results do not depend on the other drivelines of a batch.
 
-mod driven;
-mod each_row;
+pub mod free_drive;
 pub mod orders;
 mod panels;
 pub mod peaks;
@@ -13,8 +12,9 @@ mod rule;
 
 use crate::error::Result;
 use crate::number::Precision;
+use crate::plan::output::Output;
+use crate::plan::request::{Axes, Request};
 use crate::plan::steps::Plan;
-use driven::Driven;
 use rows::Rows;
 
 pub(crate) use panels::Integrands;
@@ -43,9 +43,38 @@ impl<'a> Turns<'a> {
 
     /// The values of one row, at angles of the last shaft if these are what the turn is over.
     fn values_at(&self, driven: Option<&Driven>, row: usize, angles: &[f64]) -> Result<Vec<f64>> {
-        match driven {
-            Some(driven) => self.values(&[row], &driven.to_drive(self.rows, row, angles)?),
-            None => self.values(&[row], angles),
+        if driven.is_none() {
+            return self.values(&[row], angles);
         }
+        let gathered = self.rows.gathered(&[row], self.plan.joint_count);
+        let [angles, error_terms] = gathered.drive_angles(self.plan.joint_count, angles)?;
+        gathered.run_at_sums(self.plan, self.precision, &angles, Some(&error_terms))
+    }
+}
+
+/// The plan that turns drive angles into angles of the last shaft.
+struct Driven(Plan);
+
+impl Driven {
+    /// The plan for drivelines with these largest bends.
+    fn new(largest_bends: &[f64]) -> Result<Self> {
+        let plan = Plan::new(&Request {
+            largest_bends,
+            outputs: &[Output::Angle],
+            shafts: &[largest_bends.len()],
+            joints: &[],
+            load: None,
+            inertias: &[],
+            bearings: None,
+            as_built: false,
+            axes: Axes::Space,
+        });
+        plan.map(Self)
+    }
+
+    /// The angles of the last shaft at drive angles of one row.
+    fn of_drive(&self, rows: &Rows<'_>, row: usize, angles: &[f64]) -> Result<Vec<f64>> {
+        let Self(plan) = self;
+        rows.gathered(&[row], plan.joint_count).run(plan, Precision::DoubleDouble, angles)
     }
 }

@@ -16,10 +16,9 @@ use crate::mechanics::chain::Equivalent;
 use crate::number::elementary::{hypot, ln, ln_1p};
 use crate::number::trig;
 use crate::run::execution::Execution;
-use crate::turns::Turns;
-use crate::turns::driven::Driven;
-use crate::turns::each_row::each_row;
 use crate::turns::panels::{Integrands, RowMeans};
+use crate::turns::rows::each_row;
+use crate::turns::{Driven, Turns};
 
 /// Outputs have errors of some ulp, and chains amplify those of their constants.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;

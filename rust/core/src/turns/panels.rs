@@ -16,10 +16,9 @@ use crate::mechanics::joint::Joint;
 use crate::number::DoubleDouble;
 use crate::number::elementary::{atan2, ln};
 use crate::run::execution::Execution;
-use crate::turns::Turns;
-use crate::turns::driven::Driven;
-use crate::turns::each_row::each_piece;
+use crate::turns::rows::each_piece;
 use crate::turns::rule::{self, LobattoRule, PanelMean, RULES};
+use crate::turns::{Driven, Turns};
 
 /// Kinks that are nearer to each other count as one: what is between them adds the square of it.
 const APART: f64 = 1e-8;

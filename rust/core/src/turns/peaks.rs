@@ -16,7 +16,7 @@ use crate::number::trig;
 use crate::plan::reduction::Reduction;
 use crate::run::execution::Execution;
 use crate::turns::Turns;
-use crate::turns::each_row::each_row;
+use crate::turns::rows::each_row;
 
 /// Steps of half a turn. The quantities have at most some four periods in it, so a peak and the
 /// sample next to it differ by less than a hundredth, and no peak below [`NEAR`] is the largest.

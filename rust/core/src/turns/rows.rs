@@ -1,11 +1,20 @@
-//! Drivelines and loads, broadcast to rows: one turn each.
+//! Drivelines and loads, broadcast to rows: one turn each, on several threads if there are many.
 
-use crate::error::Result;
+use std::sync::OnceLock;
+use std::sync::atomic::Ordering;
+
+use crate::error::{Error, Result};
 use crate::input::table::check_reach;
 use crate::input::{Angles, Drivelines, Load, Samples, Source};
 use crate::number::Precision;
 use crate::plan::steps::Plan;
+use crate::run::driven;
 use crate::run::execution::{Execution, Planes};
+use crate::run::queue::work_off;
+
+/// On the calling thread.
+const ALONE: Execution<'_> =
+    Execution { level: None, workers: Some(1), stop: None, new_memory: false };
 
 /// Drivelines and loads that are constant over a turn, broadcast to rows.
 #[derive(Clone, Debug)]
@@ -109,17 +118,22 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
-    /// The chains of one row behind a straight joint, without what only loads and vectors need.
-    pub(crate) fn behind_straight_joint(self) -> Self {
-        let [bends, twists, phases, directions, normals, ..] = self.lines;
-        let behind = |angles: Vec<f64>| [vec![0.0], angles].concat();
-        let longer = |vectors: Vec<f64>| vec![0.0; vectors.len() + 3];
-        let lines =
-            [behind(bends), behind(twists), behind(phases), longer(directions), longer(normals)];
-        let [bends, twists, phases, directions, normals] = lines;
-        let none = Vec::new;
-        let lines = [bends, twists, phases, directions, normals, none(), none(), none()];
-        Self { lines, load: vec![], shafts: vec![], ..self }
+    /// The drive angles at angles of the last shaft of one row, and their error terms.
+    pub(crate) fn drive_angles(&self, joints: usize, angles: &[f64]) -> Result<[Vec<f64>; 2]> {
+        let samples = Samples {
+            shape: &[angles.len()],
+            lines: self.lines(),
+            line_strides: &[0],
+            angle: Angles::Array(Source { data: angles, strides: &[1] }),
+            load: None,
+        };
+        let mut found = [(); 2].map(|()| vec![0.0; angles.len()]);
+        driven::drive_angles(joints, &samples, found.each_mut().map(Vec::as_mut_slice), ALONE)?;
+        Ok(found)
+    }
+
+    fn lines(&self) -> Drivelines<'_> {
+        Drivelines::from_arrays(self.lines.each_ref().map(Vec::as_slice))
     }
 
     /// Evaluates the plan at drive angles, the same number in each row, on the calling thread. The
@@ -129,6 +143,17 @@ impl Gathered {
         plan: &Plan,
         precision: Precision,
         angles: &[f64],
+    ) -> Result<Vec<f64>> {
+        self.run_at_sums(plan, precision, angles, None)
+    }
+
+    /// The same at sums of drive angles and error terms, if these are given.
+    pub(crate) fn run_at_sums(
+        &self,
+        plan: &Plan,
+        precision: Precision,
+        angles: &[f64],
+        error_terms: Option<&[f64]>,
     ) -> Result<Vec<f64>> {
         let each = angles.len() / self.count;
         let load = match self.load.as_slice() {
@@ -140,17 +165,20 @@ impl Gathered {
             }),
             _ => None,
         };
+        let angle = Source { data: angles, strides: &[each, 1] };
         let samples = Samples {
             shape: &[self.count, each],
-            lines: Drivelines::from_arrays(self.lines.each_ref().map(Vec::as_slice)),
+            lines: self.lines(),
             line_strides: &[1, 0],
-            angle: Angles::Array(Source { data: angles, strides: &[each, 1] }),
+            angle: match error_terms {
+                Some(error_terms) => Angles::Sums(angle, error_terms),
+                None => Angles::Array(angle),
+            },
             load,
         };
         let mut values = vec![0.0; plan.planes() * angles.len()];
         let mut planes: Vec<&mut [f64]> = values.chunks_mut(angles.len()).collect();
-        let alone = Execution { workers: Some(1), ..Execution::default() };
-        plan.run(&samples, None, precision, Planes::Double(&mut planes), alone)?;
+        plan.run(&samples, None, precision, Planes::Double(&mut planes), ALONE)?;
         Ok(values)
     }
 }
@@ -163,4 +191,45 @@ fn by_row(values: &Vec<f64>) -> Source<'_> {
 
 fn part(array: &[f64], start: usize, count: usize) -> &[f64] {
     &array[start..start + count]
+}
+
+/// The rows of a piece of work for one thread, and the fewest pieces that use threads.
+pub(crate) const PIECE: usize = 32;
+const MIN_PARALLEL_PIECES: usize = 4;
+
+/// Calls `work` with the first row of every piece and the piece's part of `out`, which has `each`
+/// elements for each row. The first error ends nothing but is returned.
+pub(crate) fn each_piece<N: Send>(
+    out: &mut [N],
+    each: usize,
+    execution: Execution<'_>,
+    work: impl Fn(usize, &mut [N]) -> Result<()> + Sync,
+) -> Result<()> {
+    let failed = OnceLock::new();
+    let pieces = out.chunks_mut((PIECE * each).max(1)).enumerate();
+    let run = |(): &mut (), (piece, out): (usize, &mut [N])| {
+        if execution.stop.is_none_or(|stop| !stop.load(Ordering::Relaxed))
+            && let Err(error) = work(piece * PIECE, out)
+        {
+            failed.get_or_init(|| error);
+        }
+    };
+    // The pool, which may not exist, is not queried for one thread.
+    let alone = execution.workers == Some(1) || pieces.len() < MIN_PARALLEL_PIECES;
+    let pool = if alone { 1 } else { rayon::current_num_threads() };
+    let threads = execution.workers.map_or(pool, |workers| pool.min(workers));
+    work_off(pieces, threads, || (), run);
+    failed.into_inner().map_or(Ok(()), Err::<(), Error>)
+}
+
+/// The same row by row.
+pub(crate) fn each_row<N: Send>(
+    out: &mut [N],
+    each: usize,
+    execution: Execution<'_>,
+    work: impl Fn(usize, &mut [N]) -> Result<()> + Sync,
+) -> Result<()> {
+    each_piece(out, each, execution, |first, out| {
+        out.chunks_mut(each.max(1)).enumerate().try_for_each(|(i, out)| work(first + i, out))
+    })
 }
