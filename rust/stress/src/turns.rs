@@ -126,6 +126,9 @@ struct TurnOracle<'a> {
     loading: &'a Loading,
 }
 
+/// A drive angle, and what is there.
+type Node = (Wide, Instant);
+
 /// An interval of the drive angle.
 type Panel = [Wide; 2];
 
@@ -210,7 +213,7 @@ impl TurnOracle<'_> {
 
     /// The means of functions over panels that are a turn, and the instants at all nodes. There are none
     /// where a torque reverses twice between the places at which zeros are looked for.
-    fn means(&self, panels: &[Panel]) -> Option<(Vec<f64>, Vec<(Wide, Instant)>)> {
+    fn means(&self, panels: &[Panel]) -> Option<(Vec<f64>, Vec<Node>)> {
         let of = |at: &Instant| [at.orders(), at.wear()].concat();
         let (mut means, mut instants) = (vec![], vec![]);
         for &panel in panels {
@@ -250,7 +253,7 @@ impl TurnOracle<'_> {
     }
 
     /// The largest of the sizes of an item over half a turn, to which it repeats.
-    fn peak(&self, instants: &[(Wide, Instant)], size: impl Fn(&Instant) -> f64) -> [f64; 2] {
+    fn peak(&self, instants: &[Node], size: impl Fn(&Instant) -> f64) -> [f64; 2] {
         let half = instants[0].0 + Wide::from(PI + 0.2);
         let own = instants.iter().take_while(|(place, _)| (*place - half).high < 0.0);
         let sizes: Vec<(Wide, f64)> = own.map(|(place, at)| (*place, size(at))).collect();
