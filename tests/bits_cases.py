@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+import cardan
 from cardan import Driveline, Load, Sweep, _core
 from oracle import plan_at
 
@@ -289,7 +290,7 @@ def of_forces() -> Iterator[BitsCase]:
 
 def of_crosses() -> Iterator[BitsCase]:
     """The moment of the pins, their rates and their directions."""
-    names = ("pin_moment", "swing_driving", "swing_driven", "driving_pin", "driven_pin")
+    names = tuple(name for name, output in cardan.OUTPUTS.items() if output.ideal)
     for line, own in LINES.items():
         for tier, options in TIERS.items():
             yield case(f"{line}, {tier}", own, MANY[:500], names, **options)

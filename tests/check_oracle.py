@@ -11,27 +11,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Any, TypeAlias
-
-import mpmath
+from dataclasses import dataclass, fields
 
 from equilibrium import system
+from oracle import ExactTurn, Fold, MpNumber, mp
+from vectors import ExactLoads, Frames, MpVector, cross, dot, unit
 
-mp = mpmath.mp.clone()
-mp.dps = 120
-LIMIT = mp.mpf(2) ** -92
-# mpmath carries no types; these are its numbers.
-MpNumber: TypeAlias = Any
-MpVector: TypeAlias = tuple[MpNumber, MpNumber, MpNumber]
-
-
-def dot(a: MpVector, b: MpVector) -> MpNumber:
-    return sum(x * y for x, y in zip(a, b, strict=True))
-
-
-def cross(a: MpVector, b: MpVector) -> MpVector:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+LIMIT = 2.0**-92
 
 
 def add(a: MpVector, b: MpVector, factor: MpNumber = 1) -> MpVector:
@@ -41,10 +27,6 @@ def add(a: MpVector, b: MpVector, factor: MpNumber = 1) -> MpVector:
 
 def times(a: MpVector, factor: MpNumber) -> MpVector:
     return a[0] * factor, a[1] * factor, a[2] * factor
-
-
-def unit(a: MpVector) -> MpVector:
-    return times(a, 1 / mp.sqrt(dot(a, a)))
 
 
 def error(bend: MpNumber, angle: MpNumber) -> MpNumber:
@@ -74,18 +56,21 @@ def jerk_term(bend: MpNumber, angle: MpNumber) -> MpNumber:
     return 2 * cosine * sine2 * larger / (cosine**2 * c2 + s2) ** 3
 
 
+def digits(bend: MpNumber, angle: MpNumber) -> int:
+    """Digits for the cancellation that small and steep bends and large angles bring."""
+    return 120 + abs(int(mp.log10(abs(angle) + 1e-300))) + 2 * int(-mp.log10(bend))
+
+
 def joint(bend: MpNumber, angle: MpNumber) -> dict[str, MpNumber]:
-    """Everything that one joint does."""
-    u, v = (mp.mpf(1), mp.mpf(0), mp.mpf(0)), (mp.cos(bend), mp.sin(bend), mp.mpf(0))
-    driving = (mp.mpf(0), mp.cos(angle), mp.sin(angle))
-    driven = unit(cross(v, driving))
-    normal = cross(driving, driven)
-    moment = times(normal, 1 / dot(normal, u))
-    support = add(times(moment, -1), v, dot(moment, v))
-    into = add(moment, u, -dot(moment, u))
+    """Everything that one joint does, of a torque of 1, from its vectors."""
+    zero, one = mp.mpf(0), mp.mpf(1)
+    directions = [(one, zero, zero), (mp.cos(bend), mp.sin(bend), zero)]
+    folds = [Fold.of([], [], []), Fold.of([bend], [], [])]
+    frames = Frames([bend], [], directions, [(zero, zero, one)], folds)
+    loads = ExactLoads.of(frames, ExactTurn.by(angle), drive_torque=1.0)
     ratio, acceleration = rates(bend, angle)
     turned = error(bend, angle)
-    return {
+    found = {
         "sine": mp.sin(angle),
         "cosine": mp.cos(angle),
         "sine of the bend": mp.sin(bend),
@@ -96,24 +81,21 @@ def joint(bend: MpNumber, angle: MpNumber) -> dict[str, MpNumber]:
         "acceleration_ratio": acceleration,
         "jerk_ratio": jerk(bend, angle),
         "jerk_ratio's part": jerk_term(bend, angle),
-        "moment y": moment[1],
-        "moment z": moment[2],
-        "support x": support[0],
-        "support y": support[1],
-        "support z": support[2],
-        "bending_driving": mp.sqrt(dot(into, into)),
-        "bending_driven": mp.sqrt(dot(support, support)),
-        # Of the driven pin out of the plane across the driving shaft, and the other way round.
-        "tilt_driving": mp.asin(dot(driven, u)),
-        "tilt_driven": mp.asin(dot(driving, v)),
-        "pin_moment": mp.sqrt(dot(moment, moment)),
-        # The rotation of one shaft relative to the other has only parts along the pins.
-        "swing_driving": ratio * dot(v, driving),
-        "swing_driven": -dot(u, driven),
-        "driven_pin x": driven[0],
-        "driven_pin y": driven[1],
-        "driven_pin z": driven[2],
+        "torque of the driven shaft": 1 / ratio,
+        "torque of the driving shaft": ratio,
+        "torque of a flywheel": acceleration,
     }
+    items = {field.name: getattr(loads, field.name)[0] for field in fields(loads)}
+    items |= {
+        f"support of the {end} shaft": support
+        for end, support in zip(("driving", "driven"), loads.support_moment, strict=True)
+    }
+    for name, item in items.items():
+        if isinstance(item, tuple):
+            found |= {f"{name} {axis}": x for axis, x in zip("xyz", item, strict=True)}
+        else:
+            found[name] = item
+    return found
 
 
 def chain(
@@ -272,8 +254,7 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, MpNumber]]:
         first, *rest = line.split()
         if first == "bend":
             bend, angle = numbers([rest[0], rest[2]])
-            # Digits for the cancellation that small and steep bends and large angles bring.
-            mp.dps = 120 + abs(int(mp.log10(abs(angle) + 1e-300))) + 2 * int(-mp.log10(bend))
+            mp.dps = digits(bend, angle)
             want, where, steepness = joint(bend, angle), "", mp.mpf(0)
         elif first == "chain":
             bends, twists, phases = (numbers(part.split()) for part in line[6:].split("/"))

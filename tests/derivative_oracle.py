@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from cardan import OUTPUTS
 from equilibrium import assignments, solved, system
 from oracle import ExactTurn, Fold, MpNumber, mp
 from vectors import (
@@ -129,28 +130,21 @@ def outputs(
         name: [getattr(fold, name)(at) for fold in frames.folds]
         for name in ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
     }
-    tilts = []
-    for j, bend in enumerate(frames.bends):
-        # The pin of the driving yoke, as sine and cosine of the joint's input angle.
-        pin, u, m = frames.pins(at)[j][0], frames.directions[j], frames.normals[j]
-        sine, cosine = dot(pin, m), dot(pin, cross(m, u))
-        tilts.append((mp.atan(mp.tan(bend) * sine), mp.asin(mp.sin(bend) * cosine)))
-    found["tilt_driving"], found["tilt_driven"] = ([t[i] for t in tilts] for i in (0, 1))
     loads = ExactLoads.of(frames, at, **(load or {}))
-    for name in ("swing_driving", "swing_driven"):
-        found[name] = getattr(loads, name)
-    for name in ("driving_pin", "driven_pin"):
-        found[name] = [x for vector in getattr(loads, name) for x in vector]
+    for name in (field.name for field in fields(ExactLoads)):
+        if load is not None or not OUTPUTS[name].needs_load:
+            found[name] = flat(getattr(loads, name))
     if load is not None:
-        for name in ("torque", "bending_driving", "bending_driven", "pin_moment"):
-            found[name] = getattr(loads, name)
-        for name in ("moment", "support_moment"):
-            found[name] = [x for vector in getattr(loads, name) for x in vector]
         found["turning_moment"] = turning(frames, at, loads.moment, 1)
         found["turning_support_moment"] = turning(frames, at, loads.support_moment, 0)
         if mounting is not None:
             found |= mounting.forces(frames, loads.moment)
     return found
+
+
+def flat(items: Iterable[MpNumber | MpVector]) -> list[MpNumber]:
+    """Return numbers, or the components of vectors."""
+    return [x for item in items for x in (item if isinstance(item, tuple) else (item,))]
 
 
 def differences(

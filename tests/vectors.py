@@ -103,6 +103,8 @@ class ExactLoads:
     bending_driving: list[MpNumber]
     bending_driven: list[MpNumber]
     pin_moment: list[MpNumber]
+    tilt_driving: list[MpNumber]
+    tilt_driven: list[MpNumber]
     swing_driving: list[MpNumber]
     swing_driven: list[MpNumber]
     driving_pin: list[MpVector]
@@ -156,6 +158,9 @@ class ExactLoads:
             [length(across(m, u)) for m, u in zip(moments, frames.directions, strict=False)],
             [length(across(m, u)) for m, u in zip(moments, frames.directions[1:], strict=True)],
             [length(m) for m in moments],
+            # Of each pin out of the plane across the other shaft.
+            [mp.asin(dot(u, b)) for u, (_, b) in zip(axes, pins, strict=False)],
+            [mp.asin(dot(u, a)) for u, (a, _) in zip(axes[1:], pins, strict=True)],
             # The rotation of one shaft relative to the other has only parts along the pins.
             [r * dot(u, a) for r, u, (a, _) in zip(ratios[1:], axes[1:], pins, strict=True)],
             [-r * dot(u, b) for r, u, (_, b) in zip(ratios, axes, pins, strict=False)],

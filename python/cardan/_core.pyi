@@ -43,7 +43,9 @@ __all__ = [
 __version__: str
 
 def levels() -> list[str]: ...
-def outputs() -> list[tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool]]: ...
+def outputs() -> list[
+    tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool, bool]
+]: ...
 def differentiate(
     lines: Lines,
     outputs: list[tuple[str, list[int]]],

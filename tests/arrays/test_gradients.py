@@ -9,23 +9,14 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan import Driveline, Load, Sweep, _core
+from cardan import OUTPUTS, Driveline, Load, Sweep, _core
 from oracle import plan_at
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-LOADS = (
-    "torque",
-    "moment",
-    "support_moment",
-    "bending_driving",
-    "bending_driven",
-    "pin_moment",
-    "tilt_driving",
-    "tilt_driven",
-    "swing_driving",
-    "swing_driven",
+PINS = tuple(name for name, own in OUTPUTS.items() if own.vector and own.of_cross)
+LOADS = tuple(
+    name for name, own in OUTPUTS.items() if own.unit != "N" and name not in (*MOTION, *PINS)
 )
-PINS = ("driving_pin", "driven_pin")
 POINTS = np.array([[0, 0, 0], [1, 0.1, 0], [2, 0.3, 0.4], [3.2, 0.3, 0.3], [4, 0.2, 0.2]])
 RNG = np.random.default_rng(20261122)
 BATCH = Driveline.from_points(POINTS + RNG.normal(0, 0.05, (3, 1, 5, 3)), [0.3, 0.4])

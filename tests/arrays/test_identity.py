@@ -11,11 +11,9 @@ from cardan import OUTPUTS, Driveline, Load, Result, Sweep, _core
 from oracle import plan_at
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven", "pin_moment")
-TILTS = ("tilt_driving", "tilt_driven")
-SWINGS = ("swing_driving", "swing_driven")
-PINS = ("driving_pin", "driven_pin")
-ALL = (*MOTION, *LOADS, *TILTS, *SWINGS, *PINS)
+LOADS = tuple(name for name, output in OUTPUTS.items() if output.unit == "N m")
+CROSS = tuple(name for name, output in OUTPUTS.items() if output.of_cross)
+ALL = (*MOTION, *LOADS, *CROSS)
 FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
 TIERS: dict[str, dict[str, Any]] = {
     "default": {},
@@ -236,7 +234,7 @@ def test_shafts_and_joints_alone_or_together(line: Driveline, tier: str) -> None
             alone = evaluate(line, ANGLES, name, shafts=shaft, **options)[name]
             assert np.array_equal(alone, together[name][shaft]), name
     for joint in range(line.n_joints):
-        for name in (*LOADS[2:], *TILTS, *SWINGS, *PINS):
+        for name in (*LOADS[2:], *CROSS):
             alone = evaluate(line, ANGLES, name, joints=joint, **options)[name]
             assert np.array_equal(alone, together[name][joint]), name
 

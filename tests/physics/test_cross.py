@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, reference
+from cardan import OUTPUTS, Driveline, Load, reference
 
 LINE = Driveline.from_bends([0.3, 0.0, 1.2], [0.4, -0.7], [0.3, 1.1])
 LOAD = Load(output_torque=-2.0)
 ANGLES = np.linspace(-4.0, 9.0, 37)
-IDEAL = ("pin_moment", "swing_driving", "swing_driven", "driving_pin", "driven_pin")
+IDEAL = tuple(name for name, output in OUTPUTS.items() if output.ideal)
 
 
 @pytest.mark.parametrize(
@@ -24,14 +24,15 @@ def test_the_cross_of_the_vector_picture(options: dict[str, Any], close: float) 
     shafts = reference.from_bends(*(x.tolist() for x in (LINE.bends, LINE.twists, LINE.phases)))
     for i, angle in enumerate(ANGLES):
         crosses = reference.crosses(shafts, angle)
-        wanted: dict[str, Any] = {
-            name: [getattr(cross, name) for cross in crosses] for name in IDEAL[1:]
-        }
-        wanted["pin_moment"] = reference.loads(shafts, angle, output_torque=-2.0).pin_moment
+        loads = reference.loads(shafts, angle, output_torque=-2.0)
         for name in IDEAL:
+            of_loads = OUTPUTS[name].needs_load
+            wanted: Any = (
+                getattr(loads, name) if of_loads else [getattr(cross, name) for cross in crosses]
+            )
             largest = np.max(np.abs(found[name]))
             np.testing.assert_allclose(
-                found[name][:, i], wanted[name], rtol=0.0, atol=close * largest, err_msg=name
+                found[name][:, i], wanted, rtol=0.0, atol=close * largest, err_msg=name
             )
 
 
@@ -81,6 +82,6 @@ def test_what_is_computed_is_told() -> None:
         "shaft 2: speed ratio",
         "joint 2: rates of the cross from the speed ratio",
         "joint 2: pins in space",
-        "joint 2: moment of the pins from the torsion",
+        "joint 2: pin moment from the torsion",
     ):
         assert step in text

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan import Driveline, Load, Sweep
+from cardan import OUTPUTS, Driveline, Load, Sweep
 from derivative_oracle import differences, from_angles, from_points, numbers, outputs
 from oracle import Fold, mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-SWINGS = ("tilt_driving", "tilt_driven", "swing_driving", "swing_driven")
-CROSS = (*SWINGS, "driving_pin", "driven_pin")
-LOADS = ("torque", "moment", "support_moment", "bending_driving", "bending_driven", "pin_moment")
+CROSS = tuple(name for name, own in OUTPUTS.items() if own.of_cross)
+SWINGS = tuple(name for name in CROSS if not OUTPUTS[name].vector)
+LOADS = tuple(name for name, own in OUTPUTS.items() if own.unit == "N m")
 ANGLES = [0.4, -2.1, 5.0]
 
 CHAINS: dict[str, tuple[list[float], list[float], list[float]]] = {

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load
-from oracle import Exact, ExactJoint, ExactTurn, MpNumber, limits, mp, read
+from check_oracle import digits, joint
+from oracle import Exact, MpNumber, limits, mp, read
 from stress import LIMITS as PYTHON_LIMITS
 from stress import SURFACES, stress
 
@@ -22,50 +23,13 @@ PYTHON_CASES = read("worst_python.json")["cases"]
 LIMITS = {"tolerance=0": limits("tolerance_0"), "default": limits("worst")}
 
 
-def exact(name: str, joint: ExactJoint, at: ExactTurn, torque: MpNumber) -> list[MpNumber]:
+def exact(name: str, exact: dict[str, MpNumber], torque: float) -> list[MpNumber]:
     """Return the components of an output for a torque or, with a flywheel, an inertia."""
-    _, y, z = joint.moment(at)
-    in_plane = joint.sine * at.cosine**2
-    driven = [-in_plane * joint.sine, in_plane * joint.cosine, -z]
-    tilts = mp.atan2(joint.sine * at.sine, joint.cosine), mp.asin(joint.sine * at.cosine)
-    along = mp.cos(tilts[1])
-    match name:
-        case "angle":
-            return [at.angle + joint.angle_error(at)]
-        case "angle_error" | "speed_ratio" | "acceleration_ratio" | "jerk_ratio":
-            return [getattr(joint, name)(at)]
-        case "torque of the driven shaft":
-            return [torque / joint.speed_ratio(at)]
-        case "torque of the driving shaft":
-            return [torque * joint.speed_ratio(at)]
-        case "torque of a flywheel":
-            return [torque * joint.acceleration_ratio(at)]
-        case "moment":
-            return [torque, torque * y, torque * z]
-        case "support of the driving shaft":
-            return [mp.mpf(0), torque * y, torque * z]
-        case "support of the driven shaft":
-            return [torque * x for x in driven]
-        case "bending_driving":
-            return [abs(torque) * mp.hypot(y, z)]
-        case "bending_driven":
-            return [abs(torque) * mp.sqrt(sum(x * x for x in driven))]
-        case "pin_moment":
-            return [abs(torque) / mp.cos(tilts[0])]
-        case "tilt_driving":
-            return [tilts[0]]
-        case "tilt_driven":
-            return [tilts[1]]
-        case "swing_driving":
-            return [mp.cos(tilts[0]) * mp.tan(tilts[1])]
-        case "swing_driven":
-            return [-mp.sin(tilts[0])]
-        case "driving_pin":
-            return [mp.mpf(0), at.cosine, at.sine]
-        case "driven_pin":
-            inside = -at.sine / along
-            return [-joint.sine * inside, joint.cosine * inside, joint.cosine * at.cosine / along]
-    raise AssertionError(name)
+    output = OUTPUTS[ENDS.get(name, (name, 1))[0]]
+    magnitude = output.needs_load and not output.vector and output.per == "joint"
+    factor = (abs(torque) if magnitude else torque) if output.needs_load else 1.0
+    names = [f"{name} {axis}" for axis in output.axes] or [name]
+    return [mp.mpf(exact[own]) * factor for own in names]
 
 
 ENDS = {
@@ -100,9 +64,10 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
         load = Load(drive_torque=torque)
     tier = case["tier"]
     limit = LIMITS[tier][name]
-    joint, at = ExactJoint.bent(bend), ExactTurn.by(angle)
-    want = Exact.of(exact(name, joint, at, mp.mpf(torque)))
-    term = Exact.of([joint.jerk_term(at)]) if name == "jerk_ratio" else want
+    with mp.workdps(digits(bend, angle)):
+        found = joint(mp.mpf(bend), mp.mpf(angle))
+    want = Exact.of(exact(name, found, torque))
+    term = Exact.of([mp.mpf(found["jerk_ratio's part"])]) if name == "jerk_ratio" else want
     unit = term.ulp[abs(term.high).argmax()]
     # Alone and together with what shares its loop.
     for names in (output, ("angle", "speed_ratio", "acceleration_ratio", output)):

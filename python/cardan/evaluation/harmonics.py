@@ -17,7 +17,6 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_el
 from cardan.arrays.indices import item_indices
 from cardan.arrays.planes import PlanePlace
 from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
-from cardan.motion.equivalent import equivalent
 
 if TYPE_CHECKING:
     from cardan.evaluation.plan import Plan
@@ -151,7 +150,7 @@ def _closed(
     shafts = item_indices("shafts", -1 if asked is None else asked, line.n_joints + 1)
     n = order / 2
     factor = np.where(order % 2 == 0, 1j ** (derivatives - 1) * order**derivatives / n, 0.0)
-    joints = [equivalent(line, shaft) for shaft in shafts]
+    joints = [line.equivalent(shaft) for shaft in shafts]
     # (items, ..., m)
     k = np.array([joint.k for joint in joints])[..., np.newaxis]
     offset = np.array([joint.angle_offset for joint in joints])[..., np.newaxis]

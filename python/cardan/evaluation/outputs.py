@@ -23,6 +23,7 @@ class Output:
             or of the single joint equivalent to the chain, and ``b`` its bend.
         axes: names of the components of a vector; empty for a scalar.
         needs_load: whether ``evaluate`` needs ``load=``.
+        ideal: whether only ideal joints have it.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Output:
     source: str
     axes: tuple[str, ...] = ()
     needs_load: bool = False
+    ideal: bool = False
 
     @property
     def vector(self) -> bool:
@@ -169,10 +171,10 @@ _PROSE = {
 
 
 def _rows() -> Iterator[Output]:
-    for name, per, unit, components, needs_load in _core.outputs():
+    for name, per, unit, components, needs_load, ideal in _core.outputs():
         meaning, source = _PROSE[name]
         named = tuple(filter(None, components))
-        yield Output(name, per, unit, meaning, source, named, needs_load)
+        yield Output(name, per, unit, meaning, source, named, needs_load, ideal)
 
 
 OUTPUTS: Mapping[str, Output] = _Outputs(_rows())

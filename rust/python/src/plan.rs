@@ -602,14 +602,17 @@ pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
 }
 
-/// The table of outputs: name, `"shaft"`, `"joint"` or `"bearing"`, unit, names of the components, and whether
-/// it needs a load.
+/// Name, `"shaft"`, `"joint"` or `"bearing"`, unit, names of the components, whether it needs a load, and
+/// whether only ideal joints have it.
+type OutputRow = (&'static str, &'static str, &'static str, Vec<&'static str>, bool, bool);
+
+/// The table of outputs.
 #[pyfunction]
-pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>
-{
+pub(crate) fn outputs() -> Vec<OutputRow> {
     let row = |output: Output| {
         let row = output.row();
-        (row.name, row.per.name(), row.unit, row.components.to_vec(), output.needs_load())
+        let of = [output.needs_load(), output.is_ideal()];
+        (row.name, row.per.name(), row.unit, row.components.to_vec(), of[0], of[1])
     };
     Output::ALL.into_iter().map(row).collect()
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use cardan::{Geometry, Output, check_deviations};
+use cardan::{Axes, Geometry, Output, check_deviations};
 
 use crate::error_table::{ErrorTable, RowLimits};
 use crate::forces::Arrangement;
@@ -235,6 +235,7 @@ fn judge(line: &Geometry, deviations: &[f64], random: &mut Random, found: &mut A
         layout: Some(&arrangement.layout),
         deviations,
         repeated: random.below(4) == 0,
+        axes: Axes::Space,
     };
     let tiers = loaded.evaluate(&Tier::ALL).unwrap_or_else(|_| {
         // The forces of these bearings are not determinate.

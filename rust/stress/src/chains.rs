@@ -18,9 +18,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use cardan::{Angles, Axes, Drivelines, Output, Plan, Request, Samples, Source};
 
 use crate::error_table::{ErrorTable, RowLimits};
-use crate::evaluated::planes;
 use crate::exact::{ExactChain, Turn};
 use crate::judge::{Quantity, Tier};
+use crate::loading::planes;
 use crate::samples::{Kind, Random};
 use crate::shape_errors::ShapeErrors;
 
@@ -39,17 +39,17 @@ default.
 /// Angles for each chain.
 const ANGLES: usize = 50;
 
-const MOTION: [(Quantity, Output); 5] = [
-    (Quantity::Angle, Output::Angle),
-    (Quantity::AngleError, Output::AngleError),
-    (Quantity::SpeedRatio, Output::SpeedRatio),
-    (Quantity::AccelerationRatio, Output::AccelerationRatio),
-    (Quantity::JerkRatio, Output::JerkRatio),
+const MOTION: [Output; 5] = [
+    Output::Angle,
+    Output::AngleError,
+    Output::SpeedRatio,
+    Output::AccelerationRatio,
+    Output::JerkRatio,
 ];
 
 /// The largest errors of the outputs in a tier.
 fn limits(tier: Tier) -> [f64; 5] {
-    MOTION.map(|(quantity, _)| tier.chain_limit(quantity))
+    MOTION.map(|output| tier.chain_limit(Quantity::Of(output)))
 }
 
 /// A driveline's bends, twists and phases.
@@ -148,7 +148,7 @@ pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
     let head = ("Chains", ABOUT);
     ErrorTable::of(
         head,
-        MOTION.map(|(quantity, _)| quantity.name()),
+        MOTION.map(|output| output.row().name),
         &RowLimits::of_tiers(limits),
         &run(seed, samples),
         ChainShape::name,
@@ -169,7 +169,7 @@ fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     let lines = line.drivelines(&zero_directions);
     let plan = Plan::new(&Request {
         largest_bends: &line.bends,
-        outputs: &MOTION.map(|(_, output)| output),
+        outputs: &MOTION,
         shafts: &[n],
         joints: &[],
         load: None,
@@ -229,7 +229,7 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut ChainErrors) {
                     format!(
                         "{} at bends {bends:?}, twists {twists:?}, phases {phases:?}, angle {angle:?}: \
                          {got:e} instead of {:e}",
-                        MOTION[q].0.name(),
+                        MOTION[q].row().name,
                         want.high
                     )
                 });

@@ -1,10 +1,19 @@
 //! The oracle: what the outputs are for the exact values of the doubles given.
 //!
 //! A joint is the Poisson kernel of `k = tan²(β/2)`, not the tangents and quotients by which the
-//! library computes; a chain is the map `w → A w + B w̄` with the lengths left in.
+//! library computes; a chain is the map `w → A w + B w̄` with the lengths left in. Loads and crosses of
+//! chains are the vector picture. A yoke is a unit vector along its pin, turned about its shaft. The
+//! cross keeps both pins of a joint perpendicular and transmits only a moment normal to both.
+
+use std::f64::consts::TAU;
+
+use cardan::{Geometry, Output, Per};
 
 use crate::angle::{HALF_PI, atan2, sin_cos, sin_cos_in};
-use crate::space::{cross, dot, scaled};
+use crate::judge::Quantity;
+use crate::loading::Loading;
+use crate::samples::JointSample;
+use crate::space::{ExactAxes, Span, Transmitted, cross, dot, scaled, turned};
 use crate::wide::{Wide, WideComplex};
 
 /// Sine and cosine of a drive angle, and the angle itself.
@@ -94,6 +103,51 @@ impl ExactJoint {
         ExactMotion { angle: at.angle + error, error, ratio, acceleration, jerk }
     }
 
+    /// The components of a quantity with the torque of a sample, and the largest over a turn.
+    pub(crate) fn exact(
+        &self,
+        quantity: Quantity,
+        at: &Turn,
+        motion: &ExactMotion,
+        sample: JointSample,
+    ) -> (Vec<Wide>, f64) {
+        let (torque, size) = (sample.torque, sample.torque.abs());
+        let [sin, cos, tan] = [self.sin, self.cos, self.tan].map(|x| x.high);
+        let times = |v: [Wide; 3]| v.map(|x| x * torque).to_vec();
+        let bent = size * if cos * cos > 0.5 { sin } else { 0.5 / cos };
+        let output = match quantity {
+            Quantity::TorqueDriven => return (vec![Wide::from(torque) / motion.ratio], size / cos),
+            Quantity::TorqueDriving => return (vec![motion.ratio * torque], size / cos),
+            Quantity::TorqueFlywheel => {
+                return (vec![motion.acceleration * torque], size * self.steepest());
+            }
+            Quantity::SupportDriving => return (times(self.supports(at)[0]), size * tan),
+            Quantity::SupportDriven => return (times(self.supports(at)[1]), bent),
+            Quantity::Of(output) => output,
+        };
+        match output {
+            Output::Angle => (vec![motion.angle], motion.angle.high.abs().max(TAU)),
+            Output::AngleError => (vec![motion.error], self.k.high.min(1.0).asin()),
+            Output::SpeedRatio => (vec![motion.ratio], 1.0 / cos),
+            Output::AccelerationRatio => (vec![motion.acceleration], self.steepest()),
+            // The series of cosines with coefficients of one sign is largest where all are 1.
+            Output::JerkRatio => (vec![motion.jerk], 2.0 * tan * tan / cos),
+            Output::Moment => (times(self.moment(at)), size / cos),
+            Output::BendingDriving => (vec![self.bending(at)[0] * size], size * tan),
+            Output::BendingDriven => (vec![self.bending(at)[1] * size], bent),
+            Output::PinMoment => (vec![self.pin_moment(at) * size], size / cos),
+            Output::TiltDriving => (vec![self.tilts(at)[0]], sample.bend),
+            Output::TiltDriven => (vec![self.tilts(at)[1]], sample.bend),
+            Output::SwingDriving => (vec![self.swings(at)[0]], tan),
+            Output::SwingDriven => (vec![self.swings(at)[1]], sin),
+            Output::DrivingPin => (self.pins(at)[0].to_vec(), 1.0),
+            Output::DrivenPin => (self.pins(at)[1].to_vec(), 1.0),
+            Output::Torque | Output::SupportMoment | Output::JointForce | Output::BearingForce => {
+                unreachable!("{output:?} is no quantity of one joint")
+            }
+        }
+    }
+
     /// The larger of the two terms whose difference is the jerk ratio: those of
     /// `sin⁴ α + 3 sin² β sin² α cos² α − cos² β cos⁴ α`, times what stands before it.
     pub(crate) fn jerk_term(&self, at: &Turn) -> Wide {
@@ -106,7 +160,7 @@ impl ExactJoint {
     }
 
     /// The largest acceleration ratio, where `cos 2α = (−p + √(p² + 8))/2`, `p = (1 + k²)/(2k)`.
-    pub(crate) fn steepest(&self) -> f64 {
+    fn steepest(&self) -> f64 {
         let (k, gap2) = (self.k.high, self.gap.high.powi(2));
         let (p, p_less_one) = ((1.0 + k * k) / (2.0 * k), gap2 / (2.0 * k));
         let root = (p * p + 8.0).sqrt();
@@ -119,45 +173,45 @@ impl ExactJoint {
 
     /// The moment on the driven shaft per unit of torque in the driving one, shaft 0 along x, the
     /// bend-plane normal along z: normal to both pins.
-    pub(crate) fn moment(&self, at: &Turn) -> [Wide; 3] {
+    fn moment(&self, at: &Turn) -> [Wide; 3] {
         [Wide::ONE, self.tan * at.s.square(), -(self.tan * at.s * at.c)]
     }
 
     /// What the bearings must give both shafts, per unit of torque.
-    pub(crate) fn supports(&self, at: &Turn) -> [[Wide; 3]; 2] {
+    fn supports(&self, at: &Turn) -> [[Wide; 3]; 2] {
         let [_, y, z] = self.moment(at);
         let in_plane = self.sin * at.c.square();
         [[Wide::ZERO, y, z], [-(in_plane * self.sin), in_plane * self.cos, -z]]
     }
 
     /// Bending moments of both shafts, per unit of torque: the lengths of the supports.
-    pub(crate) fn bending(&self, at: &Turn) -> [Wide; 2] {
+    fn bending(&self, at: &Turn) -> [Wide; 2] {
         let across = (self.sin * at.c).square() + (self.tan * at.s).square();
         [self.tan * at.s.abs(), at.c.abs() * across.sqrt()]
     }
 
     /// Tilts of the cross against both shafts: `tan ψ₁ = tan β sin α`, `sin ψ₂ = sin β cos α`.
-    pub(crate) fn tilts(&self, at: &Turn) -> [Wide; 2] {
+    fn tilts(&self, at: &Turn) -> [Wide; 2] {
         let sine = self.sin * at.c;
         let cosine = (at.s.square() + (self.cos * at.c).square()).sqrt();
         [atan2(self.sin * at.s, self.cos), atan2(sine, cosine)]
     }
 
     /// The moment's magnitude per unit of torque: the length of the vector.
-    pub(crate) fn pin_moment(&self, at: &Turn) -> Wide {
+    fn pin_moment(&self, at: &Turn) -> Wide {
         let moment = self.moment(at);
         dot(moment, moment).sqrt()
     }
 
     /// Rates of the cross in both yokes: the parts along the pins of the rotation of the driven shaft
     /// relative to the driving one.
-    pub(crate) fn swings(&self, at: &Turn) -> [Wide; 2] {
+    fn swings(&self, at: &Turn) -> [Wide; 2] {
         let ([driving, driven], ratio) = (self.pins(at), self.motion(at).ratio);
         [ratio * self.sin * driving[1], -driven[0]]
     }
 
     /// The unit vectors along the pins of both yokes, shaft 0 along x, the normal along z.
-    pub(crate) fn pins(&self, at: &Turn) -> [[Wide; 3]; 2] {
+    fn pins(&self, at: &Turn) -> [[Wide; 3]; 2] {
         let driving = [Wide::ZERO, at.c, at.s];
         let driven = cross([self.cos, self.sin, Wide::ZERO], driving);
         [driving, scaled(driven, Wide::ONE / dot(driven, driven).sqrt())]
@@ -294,5 +348,146 @@ impl ExactChain {
         let snap = r * (6.0 * slope * curvature - third - 6.0 * slope.powi(3));
         let motion = ExactMotion { angle: at.angle + error, error, ratio, acceleration, jerk };
         (motion, [(r - 1.0).abs(), (r - 1.0).abs(), a.abs(), steep.abs(), snap.abs()])
+    }
+}
+
+/// The outputs that chains are judged by here: all but motion and forces.
+pub(crate) const OUTPUTS: [Output; COUNT] = {
+    let mut outputs = [Output::Torque; COUNT];
+    let (mut i, mut found) = (0, 0);
+    while i < Output::COUNT {
+        if is_judged(Output::ALL[i]) {
+            outputs[found] = Output::ALL[i];
+            found += 1;
+        }
+        i += 1;
+    }
+    outputs
+};
+
+pub(crate) const COUNT: usize = {
+    let (mut i, mut found) = (0, 0);
+    while i < Output::COUNT {
+        found += is_judged(Output::ALL[i]) as usize;
+        i += 1;
+    }
+    found
+};
+
+const fn is_judged(output: Output) -> bool {
+    use Output::{AccelerationRatio, Angle, AngleError, JerkRatio, SpeedRatio};
+    use Output::{BearingForce, JointForce};
+
+    let motion = matches!(output, Angle | AngleError | SpeedRatio | AccelerationRatio | JerkRatio);
+    !motion && !matches!(output, JointForce | BearingForce)
+}
+
+/// A driveline of ideal joints in space.
+pub(crate) struct Frames {
+    pub(crate) axes: ExactAxes,
+    /// Of the motion of each shaft.
+    chains: Vec<ExactChain>,
+    /// Sine and cosine of each phase.
+    phases: Vec<(Wide, Wide)>,
+}
+
+impl Frames {
+    pub(crate) fn of(line: &Geometry) -> Self {
+        let Geometry { bends, twists, phases, .. } = line;
+        let upto = |i: usize| {
+            ExactChain::of(
+                &bends[..i],
+                &twists[..i.saturating_sub(1)],
+                &phases[..i.saturating_sub(1)],
+            )
+        };
+        let chains = (0..=bends.len()).map(upto).collect();
+        let phases = phases.iter().map(|&phase| sin_cos(&[phase])).collect();
+        Self { axes: ExactAxes::of(bends, twists), chains, phases }
+    }
+
+    /// What the shafts and joints transmit at an angle.
+    pub(crate) fn transmitted(&self, loading: &Loading, at: &Turn) -> Transmitted {
+        let directions = &self.axes.directions;
+        let n = directions.len() - 1;
+        let motions = self.motions(at);
+        let rates: Vec<_> = motions.iter().map(|own| [own.ratio, own.acceleration]).collect();
+        let (power, terms) = loading.powers(&rates);
+        let mut largest = 0.0_f64;
+        let mut moments = vec![];
+        for (j, [driving, driven]) in self.pins(at).into_iter().enumerate() {
+            let along = cross(driving, driven);
+            // The moment of a unit of power over the drive's speed.
+            let unit = Wide::ONE / (rates[j][0] * dot(along, directions[j]));
+            moments.push(scaled(along, power[j + 1] * unit));
+            let components = scaled(along, terms * unit).map(|x| x.high.abs());
+            largest = components.into_iter().fold(largest, f64::max);
+        }
+        let torques = (0..=n).map(|i| power[i] / rates[i][0]).collect();
+        Transmitted { torques, moments, largest }
+    }
+
+    /// The motion of each shaft.
+    pub(crate) fn motions(&self, at: &Turn) -> Vec<ExactMotion> {
+        self.chains.iter().map(|chain| chain.motion(at).0).collect()
+    }
+
+    /// The pins of each joint.
+    fn pins(&self, at: &Turn) -> Vec<[Span; 2]> {
+        let ExactAxes { directions, normals } = &self.axes;
+        let (u, m) = (directions[0], normals[0]);
+        let mut driving = turned(cross(m, u), u, (at.s, at.c));
+        let mut pins = vec![];
+        for (j, &after) in directions[1..].iter().enumerate() {
+            let driven = cross(after, driving);
+            let driven = scaled(driven, Wide::ONE / dot(driven, driven).sqrt());
+            pins.push([driving, driven]);
+            if let Some(&phase) = self.phases.get(j) {
+                driving = turned(driven, after, phase);
+            }
+        }
+        pins
+    }
+
+    /// The components of every plane of [`OUTPUTS`], output by output and item by item.
+    pub(crate) fn outputs(&self, loading: &Loading, at: &Turn) -> Vec<Vec<Vec<Wide>>> {
+        let (u, pins, motions) = (&self.axes.directions, self.pins(at), self.motions(at));
+        let Transmitted { torques, moments, .. } = self.transmitted(loading, at);
+        let length = |v: Span| dot(v, v).sqrt();
+        let sine_of = |pin: Span, u: Span| atan2(dot(pin, u), length(cross(pin, u)));
+        let of = |output: Output, item: usize| match output {
+            Output::Torque => vec![torques[item]],
+            Output::SupportMoment => self.axes.support(&moments, item).to_vec(),
+            Output::Moment => moments[item].to_vec(),
+            Output::BendingDriving => vec![self.axes.bending(moments[item], item)],
+            Output::BendingDriven => vec![self.axes.bending(moments[item], item + 1)],
+            Output::PinMoment => vec![length(moments[item])],
+            Output::TiltDriving => vec![sine_of(pins[item][1], u[item])],
+            Output::TiltDriven => vec![sine_of(pins[item][0], u[item + 1])],
+            Output::SwingDriving => vec![motions[item + 1].ratio * dot(u[item + 1], pins[item][0])],
+            Output::SwingDriven => vec![-motions[item].ratio * dot(u[item], pins[item][1])],
+            Output::DrivingPin => pins[item][0].to_vec(),
+            Output::DrivenPin => pins[item][1].to_vec(),
+            Output::Angle
+            | Output::AngleError
+            | Output::SpeedRatio
+            | Output::AccelerationRatio
+            | Output::JerkRatio
+            | Output::JointForce
+            | Output::BearingForce => unreachable!("{output:?} is judged elsewhere"),
+        };
+        let items =
+            |output: Output| if output.row().per == Per::Shaft { u.len() } else { pins.len() };
+        let all = |output| (0..items(output)).map(|item| of(output, item)).collect();
+        OUTPUTS.into_iter().map(all).collect()
+    }
+
+    /// A vector along a shaft, the pin of its input side (of the first shaft, of its output side), and
+    /// across both.
+    pub(crate) fn along(&self, vector: &[Wide], shaft: usize, at: &Turn) -> Vec<Wide> {
+        let (u, pins) = (self.axes.directions[shaft], self.pins(at));
+        let pin = if shaft == 0 { pins[0][0] } else { pins[shaft - 1][1] };
+        let vector = [vector[0], vector[1], vector[2]];
+        [u, pin, cross(u, pin)].map(|axis| dot(vector, axis)).to_vec()
     }
 }

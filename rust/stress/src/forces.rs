@@ -5,12 +5,13 @@
 //! with those of its joints. A bearing gives no thrust, a joint no force along the shaft that it
 //! supports, and a joint that supports no shaft gives none at all.
 
-use cardan::{Geometry, Output};
+use cardan::{Axes, Geometry, Output};
 
 use crate::error_table::{ErrorTable, RowLimits};
+use crate::exact::{Frames, Turn};
 use crate::judge::Tier;
 use crate::loading::{BearingLayout, LoadedDriveline, Loading};
-use crate::loads::{ANGLES, Frames, LoadShape};
+use crate::loads::{ANGLES, LoadShape};
 use crate::samples::Random;
 use crate::shape_errors::ShapeErrors;
 use crate::space::{ExactAxes, Span, Transmitted, cross, dot, solved};
@@ -23,34 +24,27 @@ largest moment of the joints divided by the smallest distance between the two su
 that is larger; the moment is what the torques of drive and inertias give if none of them cancel.
 `tolerance=1e-6` and `float32` are judged in parts of the same. Which joints support which shafts is
 drawn at random; the bearings make up what is missing. The oracle solves the balance of all shafts as
-one linear system.
+one linear system. What is turned is in axes that turn with its shaft.
 ";
 
 const OUTPUTS: [Output; 2] = [Output::JointForce, Output::BearingForce];
 
-/// The names of the outputs.
-fn names() -> [&'static str; 2] {
-    OUTPUTS.map(|output| output.row().name)
-}
+/// What is judged: the forces in axes at rest, then in axes that turn with their shafts.
+const NAMES: [&str; 4] =
+    ["joint_force", "bearing_force", "turned joint_force", "turned bearing_force"];
 
-/// The largest errors of the outputs in a tier.
-fn limits(tier: Tier) -> [f64; 2] {
-    names().map(|name| tier.limit_in("force", name))
+/// The largest errors of what is judged in a tier.
+fn limits(tier: Tier) -> [f64; 4] {
+    NAMES.map(|name| tier.limit_in("force", name))
 }
 
 /// The worst errors of the forces of a kind of chain, by tier and output.
-type ForceErrors = ShapeErrors<LoadShape, 4, 2>;
+type ForceErrors = ShapeErrors<LoadShape, 4, 4>;
 
 /// Judges at least so many samples of each kind.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
     let head = ("Forces", ABOUT);
-    ErrorTable::of(
-        head,
-        names(),
-        &RowLimits::of_tiers(limits),
-        &run(seed, samples),
-        LoadShape::name,
-    )
+    ErrorTable::of(head, NAMES, &RowLimits::of_tiers(limits), &run(seed, samples), LoadShape::name)
 }
 
 /// At least so many samples of each kind.
@@ -200,39 +194,47 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
         layout: Some(&arrangement.layout),
         deviations: &[],
         repeated: false,
+        axes: Axes::Space,
     };
     // Joints can support the shafts in another way as well, or shafts that float follow each other.
-    let Ok(tiers) = loaded.evaluate(&Tier::ALL) else { return };
+    let Ok(at_rest) = loaded.evaluate(&Tier::ALL) else { return };
+    let turned = LoadedDriveline { axes: Axes::Shaft, ..loaded }.evaluate(&Tier::ALL);
+    let turned = turned.expect("the axes do not matter");
     let frames = Frames::of(line);
-    let transmitted: Vec<_> =
-        angles.iter().map(|&angle| frames.transmitted(&loading, angle)).collect();
+    let turns: Vec<Turn> = angles.iter().map(|&angle| Turn::by(&[angle])).collect();
+    let transmitted: Vec<_> = turns.iter().map(|at| frames.transmitted(&loading, at)).collect();
     let exact = arrangement.forces(&frames.axes, &transmitted);
     let span = arrangement.shortest_span();
     for (i, &angle) in angles.iter().enumerate() {
         let moment = transmitted[i].largest / span;
         let largest = exact[i].iter().flatten().map(|x| x.high.abs()).fold(moment, f64::max);
-        for (item, want) in exact[i].iter().enumerate() {
-            let q = usize::from(item >= n);
-            let own = want.iter().map(|x| x.ulp()).fold(0.0, f64::max);
-            for (tier, planes) in Tier::ALL.into_iter().zip(&tiers) {
-                let unit = match tier {
-                    Tier::Faithful => own,
-                    Tier::Default => Wide::from(largest).ulp(),
-                    Tier::Loose | Tier::Float32 => largest,
-                };
-                for (k, x) in want.iter().enumerate() {
-                    let got = planes[3 * item + k][i];
-                    let off = if x.distance(got) == 0.0 { 0.0 } else { x.distance(got) / unit };
-                    found.take(tier as usize, q, off, || {
-                        let Geometry { bends, twists, phases, .. } = line;
-                        format!(
-                            "{} {item}, component {k}, at bends {bends:?}, twists {twists:?}, \
-                             phases {phases:?}, {arrangement:?}, angle {angle:?}, {loading:?}: \
-                             {got:e} instead of {:e}",
-                            OUTPUTS[q].row().name,
-                            x.high
-                        )
-                    });
+        for (item, at_rest_want) in exact[i].iter().enumerate() {
+            let shaft = if item < n { item + 1 } else { arrangement.layout.bearings[item - n] };
+            let along = frames.along(at_rest_want, shaft, &turns[i]);
+            for (tiers, want, turned) in
+                [(&at_rest, &at_rest_want[..], false), (&turned, &along, true)]
+            {
+                let q = usize::from(item >= n) + if turned { 2 } else { 0 };
+                let own = want.iter().map(|x| x.ulp()).fold(0.0, f64::max);
+                for (tier, planes) in Tier::ALL.into_iter().zip(tiers) {
+                    let unit = match tier {
+                        Tier::Faithful => own,
+                        Tier::Default => Wide::from(largest).ulp(),
+                        Tier::Loose | Tier::Float32 => largest,
+                    };
+                    for (k, x) in want.iter().enumerate() {
+                        let got = planes[3 * item + k][i];
+                        let off = if x.distance(got) == 0.0 { 0.0 } else { x.distance(got) / unit };
+                        found.take(tier as usize, q, off, || {
+                            let Geometry { bends, twists, phases, .. } = line;
+                            format!(
+                                "{} {item}, component {k}, at bends {bends:?}, twists {twists:?}, \
+                                 phases {phases:?}, {arrangement:?}, angle {angle:?}, {loading:?}: \
+                                 {got:e} instead of {:e}",
+                                NAMES[q], x.high
+                            )
+                        });
+                    }
                 }
             }
         }
@@ -246,7 +248,8 @@ pub(crate) fn print_oracle(line: &Geometry, angle: f64, random: &mut Random) {
     let arrangement = Arrangement::of(random, line.bends.len());
     let loading = Loading::of_drive(random.between(-9.0, 9.0), line.bends.len() + 1);
     let frames = Frames::of(line);
-    let forces = arrangement.forces(&frames.axes, &[frames.transmitted(&loading, angle)]);
+    let forces =
+        arrangement.forces(&frames.axes, &[frames.transmitted(&loading, &Turn::by(&[angle]))]);
     let BearingLayout { bearings, lengths, positions } = &arrangement.layout;
     let supported = arrangement.supported.iter().map(|held| held.map_or(-1.0, |s| s as f64));
     let list = |all: Vec<f64>| all.into_iter().map(hex).collect::<Vec<_>>().join(" ");

@@ -1,7 +1,7 @@
 //! Single joints: every output at every tier, a block of samples at a time.
 
 use cardan::{
-    Angles, Axes, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision,
+    Angles, Axes, Drivelines, End, Execution, Geometry, Load, Output, Per, Plan, Planes, Precision,
     Request, Samples, Source, Sweep, level,
 };
 
@@ -60,53 +60,19 @@ impl Exact {
 
 impl SampleBlock {
     fn empty(kind: Kind, bends: Vec<f64>, sweep: Option<Sweep>) -> Self {
-        let exact = Quantity::ALL.iter().map(|_| Exact::default()).collect();
+        let exact = Quantity::all().map(|_| Exact::default()).collect();
         Self { kind, bends, samples: vec![], sweep, rows: vec![], exact }
     }
 
     fn put(&mut self, joint: &ExactJoint, at: &Turn, sample: JointSample) {
-        use Quantity as Q;
-
         let motion = joint.motion(at);
-        let torque = sample.torque;
-        let times = |v: [Wide; 3]| v.map(|x| x * torque);
-        let [support_driving, support_driven] = joint.supports(at).map(times);
-        let [bending_driving, bending_driven] = joint.bending(at).map(|x| x * torque.abs());
-        let pin_moment = joint.pin_moment(at) * torque.abs();
-        let [tilt_driving, tilt_driven] = joint.tilts(at);
-        let [swing_driving, swing_driven] = joint.swings(at);
-        let [driving_pin, driven_pin] = joint.pins(at);
-        let size = torque.abs();
-        let [sin, cos, tan] = [joint.sin, joint.cos, joint.tan].map(|x| x.high);
-        let steepest = joint.steepest();
-        let bending = if cos * cos > 0.5 { sin } else { 0.5 / cos };
-        let angle = motion.angle.high.abs().max(std::f64::consts::TAU);
-        let bending_largest = size * bending;
-        for (quantity, numbers, largest) in [
-            (Q::Angle, &[motion.angle][..], angle),
-            (Q::AngleError, &[motion.error], joint.k.high.min(1.0).asin()),
-            (Q::SpeedRatio, &[motion.ratio], 1.0 / cos),
-            (Q::AccelerationRatio, &[motion.acceleration], steepest),
-            // The series of cosines with coefficients of one sign is largest where all are 1.
-            (Q::JerkRatio, &[motion.jerk], 2.0 * tan * tan / cos),
-            (Q::TorqueDriven, &[Wide::from(torque) / motion.ratio], size / cos),
-            (Q::TorqueDriving, &[motion.ratio * torque], size / cos),
-            (Q::TorqueFlywheel, &[motion.acceleration * torque], size * steepest),
-            (Q::Moment, &times(joint.moment(at)), size / cos),
-            (Q::SupportDriving, &support_driving, size * tan),
-            (Q::SupportDriven, &support_driven, bending_largest),
-            (Q::BendingDriving, &[bending_driving], size * tan),
-            (Q::BendingDriven, &[bending_driven], bending_largest),
-            (Q::PinMoment, &[pin_moment], size / cos),
-            (Q::TiltDriving, &[tilt_driving], sample.bend),
-            (Q::TiltDriven, &[tilt_driven], sample.bend),
-            (Q::SwingDriving, &[swing_driving], tan),
-            (Q::SwingDriven, &[swing_driven], sin),
-            (Q::DrivingPin, &driving_pin, 1.0),
-            (Q::DrivenPin, &driven_pin, 1.0),
-        ] {
-            let terms = if quantity == Q::JerkRatio { &[joint.jerk_term(at)] } else { numbers };
-            self.exact[quantity as usize].put(numbers, terms, largest);
+        for (exact, quantity) in self.exact.iter_mut().zip(Quantity::all()) {
+            let (numbers, largest) = joint.exact(quantity, at, &motion, sample);
+            if quantity == Quantity::Of(Output::JerkRatio) {
+                exact.put(&numbers, &[joint.jerk_term(at)], largest);
+            } else {
+                exact.put(&numbers, &numbers, largest);
+            }
         }
         self.rows.push(rows_of(&sample, self.kind));
         self.samples.push(sample);
@@ -159,100 +125,45 @@ impl SampleBlock {
     }
 }
 
-/// Where the planes of a plan go.
+/// Outputs that are computed together.
 struct Job {
-    outputs: &'static [Output],
+    outputs: Vec<Output>,
     shafts: &'static [usize],
     end: Option<End>,
     flywheel: bool,
-    /// The quantity of each plane, component by component.
-    planes: &'static [Option<(Quantity, usize)>],
-}
-
-#[allow(clippy::unnecessary_wraps, reason = "beside planes that are not judged")]
-const fn plane(quantity: Quantity) -> Option<(Quantity, usize)> {
-    Some((quantity, 0))
 }
 
 /// All ways on which an output is computed: alone, with others in one loop, for a load.
-#[rustfmt::skip]
-const JOBS: &[Job] = {
-    use Quantity as Q;
-    const fn motion(
-        outputs: &'static [Output], planes: &'static [Option<(Quantity, usize)>],
-    ) -> Job {
-        Job { outputs, shafts: &[1], end: None, flywheel: false, planes }
-    }
-    &[
-        motion(
-            &[Output::Angle, Output::SpeedRatio, Output::AccelerationRatio],
-            &[plane(Q::Angle), plane(Q::SpeedRatio), plane(Q::AccelerationRatio)],
-        ),
-        motion(
-            &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio],
-            &[plane(Q::AngleError), plane(Q::SpeedRatio), plane(Q::AccelerationRatio)],
-        ),
-        motion(&[Output::Angle, Output::AngleError], &[plane(Q::Angle), plane(Q::AngleError)]),
-        motion(
-            &[Output::SpeedRatio, Output::AccelerationRatio],
-            &[plane(Q::SpeedRatio), plane(Q::AccelerationRatio)],
-        ),
-        motion(&[Output::Angle], &[plane(Q::Angle)]),
-        motion(&[Output::AngleError], &[plane(Q::AngleError)]),
-        motion(&[Output::SpeedRatio], &[plane(Q::SpeedRatio)]),
-        motion(&[Output::AccelerationRatio], &[plane(Q::AccelerationRatio)]),
-        motion(&[Output::JerkRatio], &[plane(Q::JerkRatio)]),
-        motion(
-            &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio],
-            &[
-                plane(Q::AngleError), plane(Q::SpeedRatio), plane(Q::AccelerationRatio),
-                plane(Q::JerkRatio),
-            ],
-        ),
-        Job {
-            outputs: &[
-                Output::Torque, Output::SupportMoment, Output::Moment, Output::BendingDriving,
-                Output::BendingDriven, Output::PinMoment, Output::TiltDriving, Output::TiltDriven,
-                Output::SwingDriving, Output::SwingDriven, Output::DrivingPin, Output::DrivenPin,
-            ],
-            shafts: &[0, 1],
-            end: Some(End::Drive),
-            flywheel: false,
-            planes: &[
-                None, plane(Q::TorqueDriven),
-                Some((Q::SupportDriving, 0)), Some((Q::SupportDriving, 1)),
-                Some((Q::SupportDriving, 2)),
-                Some((Q::SupportDriven, 0)), Some((Q::SupportDriven, 1)),
-                Some((Q::SupportDriven, 2)),
-                Some((Q::Moment, 0)), Some((Q::Moment, 1)), Some((Q::Moment, 2)),
-                plane(Q::BendingDriving), plane(Q::BendingDriven),
-                plane(Q::PinMoment), plane(Q::TiltDriving), plane(Q::TiltDriven),
-                plane(Q::SwingDriving), plane(Q::SwingDriven),
-                Some((Q::DrivingPin, 0)), Some((Q::DrivingPin, 1)), Some((Q::DrivingPin, 2)),
-                Some((Q::DrivenPin, 0)), Some((Q::DrivenPin, 1)), Some((Q::DrivenPin, 2)),
-            ],
-        },
-        Job {
-            outputs: &[Output::Torque],
-            shafts: &[0],
-            end: Some(End::Output),
-            flywheel: false,
-            planes: &[plane(Q::TorqueDriving)],
-        },
-        Job {
-            outputs: &[Output::Torque],
-            shafts: &[1],
-            end: Some(End::Output),
-            flywheel: true,
-            planes: &[plane(Q::TorqueFlywheel)],
-        },
-    ]
-};
+fn jobs() -> Vec<Job> {
+    use Output::{AccelerationRatio, Angle, AngleError, JerkRatio, SpeedRatio, Torque};
+
+    let together = [
+        vec![Angle, SpeedRatio, AccelerationRatio],
+        vec![AngleError, SpeedRatio, AccelerationRatio],
+        vec![Angle, AngleError],
+        vec![SpeedRatio, AccelerationRatio],
+        vec![AngleError, SpeedRatio, AccelerationRatio, JerkRatio],
+    ];
+    let (motion, others): (Vec<Output>, Vec<Output>) = Quantity::all()
+        .filter_map(
+            |quantity| if let Quantity::Of(output) = quantity { Some(output) } else { None },
+        )
+        .partition(|output| output.row().per == Per::Shaft);
+    let loaded = [vec![Torque, Output::SupportMoment], others].concat();
+    let alone = motion.into_iter().map(|output| vec![output]);
+    let job = |end, flywheel| move |outputs, shafts| Job { outputs, shafts, end, flywheel };
+    let mut jobs: Vec<Job> =
+        together.into_iter().chain(alone).map(|own| job(None, false)(own, &[1])).collect();
+    jobs.push(job(Some(End::Drive), false)(loaded, &[0, 1]));
+    jobs.push(job(Some(End::Output), false)(vec![Torque], &[0]));
+    jobs.push(job(Some(End::Output), true)(vec![Torque], &[1]));
+    jobs
+}
 
 /// Runs so many blocks, every `stride`-th from `first` on.
 pub(crate) fn run(seed: u64, blocks: impl Iterator<Item = u64>, broken: Option<Break>) -> Ledger {
     let mut ledger = Ledger::new();
-    let levels = level::available();
+    let (levels, jobs) = (level::available(), jobs());
     for number in blocks {
         let kind = Kind::ALL[(number % Kind::ALL.len() as u64) as usize];
         let mut random = Random::new(seed.wrapping_mul(0x1_0000_0001) ^ number << 20);
@@ -261,7 +172,7 @@ pub(crate) fn run(seed: u64, blocks: impl Iterator<Item = u64>, broken: Option<B
         let level = if number % 23 == 22 { 1 + number as usize / 23 } else { 0 };
         let (_, level) = levels[level % levels.len()];
         for tier in Tier::ALL {
-            for job in JOBS {
+            for job in &jobs {
                 let planes = job.run(&block, tier, level);
                 job.judge(&block, tier, planes, broken, &mut ledger);
             }
@@ -271,6 +182,27 @@ pub(crate) fn run(seed: u64, blocks: impl Iterator<Item = u64>, broken: Option<B
 }
 
 impl Job {
+    /// The quantity of each plane, and its component.
+    fn planes(&self) -> Vec<Option<(Quantity, usize)>> {
+        let of = |&output: &Output| {
+            let per_shaft = output.row().per == Per::Shaft;
+            let items = if per_shaft { self.shafts } else { &[1] };
+            items.iter().flat_map(move |&shaft| {
+                let quantity = match (output, self.end, shaft) {
+                    (Output::Torque, Some(End::Drive), 0) => None,
+                    (Output::Torque, Some(End::Drive), _) => Some(Quantity::TorqueDriven),
+                    (Output::Torque, ..) if self.flywheel => Some(Quantity::TorqueFlywheel),
+                    (Output::Torque, ..) => Some(Quantity::TorqueDriving),
+                    (Output::SupportMoment, _, 0) => Some(Quantity::SupportDriving),
+                    (Output::SupportMoment, ..) => Some(Quantity::SupportDriven),
+                    _ => Some(Quantity::Of(output)),
+                };
+                (0..output.components()).map(move |component| Some((quantity?, component)))
+            })
+        };
+        self.outputs.iter().flat_map(of).collect()
+    }
+
     fn run(&self, block: &SampleBlock, tier: Tier, level: cardan::Level) -> Vec<Vec<f64>> {
         let mut directions = vec![];
         for &bend in &block.bends {
@@ -288,7 +220,7 @@ impl Job {
         };
         let plan = Plan::new(&Request {
             largest_bends: &lines.largest_bends(1),
-            outputs: self.outputs,
+            outputs: &self.outputs,
             shafts: self.shafts,
             joints: if self.shafts.len() == 2 { &[0] } else { &[] },
             load: self.end,
@@ -349,7 +281,8 @@ impl Job {
         broken: Option<Break>,
         ledger: &mut Ledger,
     ) {
-        for (plane, place) in planes.iter_mut().zip(self.planes) {
+        let places = self.planes();
+        for (plane, place) in planes.iter_mut().zip(&places) {
             if let (Some(broken), Some((quantity, _))) = (broken, place)
                 && *quantity == broken.quantity
             {
@@ -358,10 +291,10 @@ impl Job {
                 *at = f64::from_bits(at.to_bits().wrapping_add_signed(broken.ulps * unit));
             }
         }
-        for (place, plane) in self.planes.iter().zip(&planes) {
+        for (place, plane) in places.iter().zip(&planes) {
             let &Some((quantity, component)) = place else { continue };
             let errors = ledger.of_mut(tier, quantity);
-            let Exact { components, ulp, largest } = &block.exact[quantity as usize];
+            let Exact { components, ulp, largest } = &block.exact[quantity.number()];
             for (i, (&got, want)) in plane.iter().zip(&components[component]).enumerate() {
                 let unit = if tier.is_single() { largest[i] } else { ulp[i] };
                 // Products on the way to smaller results lose digits for want of smaller doubles,

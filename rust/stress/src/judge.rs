@@ -3,79 +3,54 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use cardan::Output;
+
 use crate::samples::{JointSample, Kind};
 
-/// What is judged.
+/// What is judged of one joint: an output of the core's table, of torques and support moments those of
+/// each shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Quantity {
-    Angle,
-    AngleError,
-    SpeedRatio,
-    AccelerationRatio,
-    JerkRatio,
     TorqueDriven,
     TorqueDriving,
     TorqueFlywheel,
-    Moment,
     SupportDriving,
     SupportDriven,
-    BendingDriving,
-    BendingDriven,
-    PinMoment,
-    TiltDriving,
-    TiltDriven,
-    SwingDriving,
-    SwingDriven,
-    DrivingPin,
-    DrivenPin,
+    Of(Output),
 }
 
+static QUANTITIES: LazyLock<Vec<Quantity>> = LazyLock::new(|| {
+    let of = |output| match output {
+        Output::Torque => {
+            vec![Quantity::TorqueDriven, Quantity::TorqueDriving, Quantity::TorqueFlywheel]
+        }
+        Output::SupportMoment => vec![Quantity::SupportDriving, Quantity::SupportDriven],
+        // Of drivelines with bearings.
+        Output::JointForce | Output::BearingForce => vec![],
+        _ => vec![Quantity::Of(output)],
+    };
+    Output::ALL.into_iter().flat_map(of).collect()
+});
+
 impl Quantity {
-    pub(crate) const ALL: [Self; 20] = [
-        Self::Angle,
-        Self::AngleError,
-        Self::SpeedRatio,
-        Self::AccelerationRatio,
-        Self::JerkRatio,
-        Self::TorqueDriven,
-        Self::TorqueDriving,
-        Self::TorqueFlywheel,
-        Self::Moment,
-        Self::SupportDriving,
-        Self::SupportDriven,
-        Self::BendingDriving,
-        Self::BendingDriven,
-        Self::PinMoment,
-        Self::TiltDriving,
-        Self::TiltDriven,
-        Self::SwingDriving,
-        Self::SwingDriven,
-        Self::DrivingPin,
-        Self::DrivenPin,
-    ];
+    /// All of them, in the order of the table.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        QUANTITIES.iter().copied()
+    }
+
+    /// Its number among all.
+    pub(crate) fn number(self) -> usize {
+        Self::all().position(|own| own == self).expect("all are listed")
+    }
 
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Angle => "angle",
-            Self::AngleError => "angle_error",
-            Self::SpeedRatio => "speed_ratio",
-            Self::AccelerationRatio => "acceleration_ratio",
-            Self::JerkRatio => "jerk_ratio",
             Self::TorqueDriven => "torque of the driven shaft",
             Self::TorqueDriving => "torque of the driving shaft",
             Self::TorqueFlywheel => "torque of a flywheel",
-            Self::Moment => "moment",
             Self::SupportDriving => "support of the driving shaft",
             Self::SupportDriven => "support of the driven shaft",
-            Self::BendingDriving => "bending_driving",
-            Self::BendingDriven => "bending_driven",
-            Self::PinMoment => "pin_moment",
-            Self::TiltDriving => "tilt_driving",
-            Self::TiltDriven => "tilt_driven",
-            Self::SwingDriving => "swing_driving",
-            Self::SwingDriven => "swing_driven",
-            Self::DrivingPin => "driving_pin",
-            Self::DrivenPin => "driven_pin",
+            Self::Of(output) => output.row().name,
         }
     }
 }
@@ -288,15 +263,15 @@ pub(crate) struct Ledger(pub(crate) Vec<Vec<Errors>>);
 
 impl Ledger {
     pub(crate) fn new() -> Self {
-        Self(vec![vec![Errors::new(); Quantity::ALL.len()]; Tier::ALL.len()])
+        Self(vec![vec![Errors::new(); QUANTITIES.len()]; Tier::ALL.len()])
     }
 
     pub(crate) fn of(&self, tier: Tier, quantity: Quantity) -> &Errors {
-        &self.0[tier as usize][quantity as usize]
+        &self.0[tier as usize][quantity.number()]
     }
 
     pub(crate) fn of_mut(&mut self, tier: Tier, quantity: Quantity) -> &mut Errors {
-        &mut self.0[tier as usize][quantity as usize]
+        &mut self.0[tier as usize][quantity.number()]
     }
 
     pub(crate) fn join(&mut self, other: &Self) {
@@ -313,7 +288,7 @@ impl Ledger {
 
     /// What is beyond its limit.
     pub(crate) fn failures(&self) -> Vec<(Tier, Quantity, Worst)> {
-        let all = Tier::ALL.iter().flat_map(|&t| Quantity::ALL.iter().map(move |&q| (t, q)));
+        let all = Tier::ALL.iter().flat_map(|&t| Quantity::all().map(move |q| (t, q)));
         all.map(|(t, q)| (t, q, self.of(t, q).worst))
             .filter(|&(t, q, worst)| worst.off > t.limit(q))
             .collect()
@@ -329,10 +304,10 @@ mod tests {
         let mut rows: Vec<&str> =
             LIMITS.keys().filter(|[table, ..]| *table == "output").map(|key| key[1]).collect();
         rows.dedup();
-        let mut names = Quantity::ALL.map(Quantity::name);
+        let mut names: Vec<&str> = Quantity::all().map(Quantity::name).collect();
         names.sort_unstable();
         assert_eq!(rows, names);
-        for quantity in Quantity::ALL {
+        for quantity in Quantity::all() {
             assert!(Tier::Faithful.limit(quantity) <= 2.0);
             for (tier, least) in [(Tier::Default, 3.0), (Tier::Loose, 1e-7), (Tier::Float32, 1e-7)]
             {
@@ -340,6 +315,6 @@ mod tests {
                 assert!(tier.chain_limit(quantity) >= tier.limit(quantity));
             }
         }
-        assert!(Tier::Default.chain_limit(Quantity::AngleError) > 9.0);
+        assert!(Tier::Default.chain_limit(Quantity::Of(Output::AngleError)) > 9.0);
     }
 }

@@ -1,10 +1,10 @@
 //! Drivelines under a load: what loads them, and what the core computes.
 
 use cardan::{
-    Angles, Axes, Drivelines, End, Geometry, Load, Output, Plan, Request, Samples, Source, Vector,
+    Angles, Axes, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Request,
+    Samples, Source, Vector,
 };
 
-use crate::evaluated::planes;
 use crate::judge::Tier;
 use crate::samples::Random;
 use crate::wide::Wide;
@@ -93,6 +93,7 @@ pub(crate) struct LoadedDriveline<'a> {
     pub(crate) deviations: &'a [f64],
     /// Whether the driveline is given again with each angle, as in a batch.
     pub(crate) repeated: bool,
+    pub(crate) axes: Axes,
 }
 
 impl LoadedDriveline<'_> {
@@ -101,7 +102,23 @@ impl LoadedDriveline<'_> {
     /// # Errors
     /// Forces that are not determinate.
     pub(crate) fn evaluate(&self, tiers: &[Tier]) -> cardan::Result<Vec<Vec<Vec<f64>>>> {
-        let Self { line, loading, angles, outputs, layout, deviations, repeated } = *self;
+        self.planned(|plan, lines, load| {
+            let angle = Angles::Array(Source { data: self.angles, strides: &[1] });
+            let (shape, line_strides) = (&[self.angles.len()], &[usize::from(self.repeated)]);
+            let samples = Samples { shape, lines, line_strides, angle, load: Some(load) };
+            tiers.iter().map(|&tier| planes(plan, &samples, tier)).collect()
+        })
+    }
+
+    /// What is made of the plan, the driveline and the load.
+    ///
+    /// # Errors
+    /// Forces that are not determinate.
+    pub(crate) fn planned<R>(
+        &self,
+        made: impl FnOnce(&Plan, Drivelines<'_>, Load<'_>) -> R,
+    ) -> cardan::Result<R> {
+        let Self { line, loading, angles, outputs, layout, deviations, repeated, axes } = *self;
         let n = line.bends.len();
         let times = if repeated { angles.len() } else { 1 };
         let each = |numbers: &[f64]| numbers.repeat(times);
@@ -130,7 +147,7 @@ impl LoadedDriveline<'_> {
             inertias: &heavy,
             bearings: layout.map(|own| &own.bearings[..]),
             as_built: !deviations.is_empty(),
-            axes: Axes::Space,
+            axes,
         })?;
         let given = [loading.torque, loading.speed, loading.acceleration];
         let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };
@@ -143,9 +160,30 @@ impl LoadedDriveline<'_> {
             acceleration: constant(2),
             inertias: heavy.iter().map(inertia).collect(),
         };
-        let angle = Angles::Array(Source { data: angles, strides: &[1] });
-        let (shape, line_strides) = (&[angles.len()], &[usize::from(repeated)]);
-        let samples = Samples { shape, lines, line_strides, angle, load: Some(load) };
-        Ok(tiers.iter().map(|&tier| planes(&plan, &samples, tier)).collect())
+        Ok(made(&plan, lines, load))
     }
+}
+
+/// The planes of a plan at each sample, with the arithmetic that the core chooses for a tier.
+pub(crate) fn planes(plan: &Plan, samples: &Samples<'_>, tier: Tier) -> Vec<Vec<f64>> {
+    let precision = match tier {
+        Tier::Faithful => plan.precision(Some(0.0), false),
+        Tier::Default => plan.precision(None, false),
+        Tier::Loose | Tier::Float32 => plan.precision(None, true),
+    };
+    let length = samples.shape.iter().product();
+    let run = |planes: Planes<'_, '_>| {
+        plan.run(samples, None, precision, planes, Execution::default()).expect("the arrays fit");
+    };
+    if tier == Tier::Float32 {
+        let mut planes = vec![vec![f32::NAN; length]; plan.planes()];
+        run(Planes::Single(&mut planes.iter_mut().map(Vec::as_mut_slice).collect::<Vec<_>>()));
+        return planes
+            .into_iter()
+            .map(|plane| plane.into_iter().map(f64::from).collect())
+            .collect();
+    }
+    let mut planes = vec![vec![f64::NAN; length]; plan.planes()];
+    run(Planes::Double(&mut planes.iter_mut().map(Vec::as_mut_slice).collect::<Vec<_>>()));
+    planes
 }

@@ -1,51 +1,45 @@
 //! The loads and crosses of chains with `tolerance=0`, in plain ulp, of a vector in ulp of its largest
 //! component.
-//!
-//! The oracle is the vector picture. A yoke is a unit vector along its pin, turned about its shaft.
-//! The cross keeps both pins of a joint perpendicular and transmits only a moment normal to both.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use cardan::{Geometry, Output};
+use cardan::{Axes, Geometry, Output};
 
-use crate::angle::sin_cos;
 use crate::error_table::{ErrorTable, RowLimits};
-use crate::exact::{ExactChain, Turn};
-use crate::judge::{self, Tier};
+use crate::exact::{COUNT, Frames, OUTPUTS, Turn};
+use crate::judge::Tier;
 use crate::loading::{LoadedDriveline, Loading};
 use crate::samples::Random;
 use crate::shape_errors::ShapeErrors;
-use crate::space::{ExactAxes, Span, Transmitted, cross, dot, scaled, turned};
-use crate::wide::Wide;
 
 /// What the table of the report is about.
 const ABOUT: &str = "The loads of chains with `tolerance=0` are judged in plain ulp of the exact result, of a vector in ulp of its largest component. The \
-    oracle is the vector picture: pins as unit vectors, turned about their shafts.\n";
+    oracle is the vector picture: pins as unit vectors, turned about their shafts. \
+    What is turned is in axes that turn with its shaft.\n";
 
 /// Angles for each chain.
 pub(crate) const ANGLES: usize = 20;
 
-const OUTPUTS: [Output; 10] = [
-    Output::Torque,
-    Output::Moment,
-    Output::SupportMoment,
-    Output::BendingDriving,
-    Output::BendingDriven,
-    Output::PinMoment,
-    Output::SwingDriving,
-    Output::SwingDriven,
-    Output::DrivingPin,
-    Output::DrivenPin,
-];
+/// In axes that turn with the shaft on which they act.
+const TURNED: [Output; 2] = [Output::Moment, Output::SupportMoment];
 
-/// The names of the outputs.
-fn names() -> [&'static str; 10] {
-    OUTPUTS.map(|output| output.row().name)
-}
+const JUDGED: usize = COUNT + TURNED.len();
 
-/// The largest errors of the outputs, in ulp.
-fn limits() -> [f64; 10] {
-    names().map(|name| judge::limit("chain", name, "tolerance_0").expect("the table has it"))
+/// What is judged: the outputs at rest, then those that are turned.
+const NAMES: [&str; JUDGED] = {
+    let mut names = ["turned moment"; JUDGED];
+    let mut i = 0;
+    while i < OUTPUTS.len() {
+        names[i] = OUTPUTS[i].row().name;
+        i += 1;
+    }
+    names[JUDGED - 1] = "turned support_moment";
+    names
+};
+
+/// The largest errors of what is judged, in ulp.
+fn limits() -> [f64; JUDGED] {
+    NAMES.map(|name| Tier::Faithful.limit_in("chain", name))
 }
 
 /// A kind of chain.
@@ -84,14 +78,14 @@ impl LoadShape {
 }
 
 /// The worst errors of a kind of chain, by output.
-type LoadErrors = ShapeErrors<LoadShape, 1, 10>;
+type LoadErrors = ShapeErrors<LoadShape, 1, JUDGED>;
 
 /// Judges at least so many samples of each kind.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
     let head = ("Loads of chains", ABOUT);
     ErrorTable::of(
         head,
-        names(),
+        NAMES,
         &[RowLimits { name: "tolerance=0", single: false, limits: limits() }],
         &run(seed, samples),
         LoadShape::name,
@@ -106,85 +100,6 @@ fn run(seed: u64, samples: u64) -> Vec<LoadErrors> {
     })
 }
 
-/// A driveline of ideal joints in space.
-pub(crate) struct Frames {
-    pub(crate) axes: ExactAxes,
-    /// Of the motion of each shaft.
-    chains: Vec<ExactChain>,
-    /// Sine and cosine of each phase.
-    phases: Vec<(Wide, Wide)>,
-}
-
-impl Frames {
-    pub(crate) fn of(line: &Geometry) -> Self {
-        let Geometry { bends, twists, phases, .. } = line;
-        let upto = |i: usize| {
-            ExactChain::of(
-                &bends[..i],
-                &twists[..i.saturating_sub(1)],
-                &phases[..i.saturating_sub(1)],
-            )
-        };
-        let chains = (0..=bends.len()).map(upto).collect();
-        let phases = phases.iter().map(|&phase| sin_cos(&[phase])).collect();
-        Self { axes: ExactAxes::of(bends, twists), chains, phases }
-    }
-
-    /// What the shafts and joints transmit at an angle.
-    pub(crate) fn transmitted(&self, loading: &Loading, angle: f64) -> Transmitted {
-        let (directions, at) = (&self.axes.directions, Turn::by(&[angle]));
-        let n = directions.len() - 1;
-        let motion = self.chains.iter().map(|chain| chain.motion(&at).0);
-        let rates: Vec<_> = motion.map(|motion| [motion.ratio, motion.acceleration]).collect();
-        let (power, terms) = loading.powers(&rates);
-        let mut largest = 0.0_f64;
-        let mut moments = vec![];
-        for (j, [driving, driven]) in self.pins(&at).into_iter().enumerate() {
-            let along = cross(driving, driven);
-            // The moment of a unit of power over the drive's speed.
-            let unit = Wide::ONE / (rates[j][0] * dot(along, directions[j]));
-            moments.push(scaled(along, power[j + 1] * unit));
-            let components = scaled(along, terms * unit).map(|x| x.high.abs());
-            largest = components.into_iter().fold(largest, f64::max);
-        }
-        let torques = (0..=n).map(|i| power[i] / rates[i][0]).collect();
-        Transmitted { torques, moments, largest }
-    }
-
-    /// The pins of each joint.
-    fn pins(&self, at: &Turn) -> Vec<[Span; 2]> {
-        let ExactAxes { directions, normals } = &self.axes;
-        let (u, m) = (directions[0], normals[0]);
-        let mut driving = turned(cross(m, u), u, (at.s, at.c));
-        let mut pins = vec![];
-        for (j, &after) in directions[1..].iter().enumerate() {
-            let driven = cross(after, driving);
-            let driven = scaled(driven, Wide::ONE / dot(driven, driven).sqrt());
-            pins.push([driving, driven]);
-            if let Some(&phase) = self.phases.get(j) {
-                driving = turned(driven, after, phase);
-            }
-        }
-        pins
-    }
-
-    /// The components of every plane of magnitudes of moments, rates of crosses and pins, in the
-    /// order of the outputs.
-    fn crosses(&self, moments: &[Span], angle: f64) -> Vec<Vec<Wide>> {
-        let (u, at) = (&self.axes.directions, Turn::by(&[angle]));
-        let pins = self.pins(&at);
-        let ratio = |shaft: usize| self.chains[shaft].motion(&at).0.ratio;
-        let joints = || pins.iter().enumerate();
-        let sizes = moments.iter().map(|&m| vec![dot(m, m).sqrt()]);
-        sizes
-            .chain(joints().map(|(j, pins)| vec![ratio(j + 1) * dot(u[j + 1], pins[0])]))
-            .chain(joints().map(|(j, pins)| vec![-ratio(j) * dot(u[j], pins[1])]))
-            .chain(pins.iter().map(|pins| pins[0].to_vec()))
-            .chain(pins.iter().map(|pins| pins[1].to_vec()))
-            .collect()
-    }
-}
-
 fn judge(line: &Geometry, random: &mut Random, found: &mut LoadErrors) {
     let n = line.bends.len();
     let loading = Loading::of(random, n + 1);
@@ -197,20 +112,26 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut LoadErrors) {
         layout: None,
         deviations: &[],
         repeated: false,
+        axes: Axes::Space,
     };
-    let tiers = loaded.evaluate(&[Tier::Faithful]);
-    let [planes] = &tiers.expect("the request is sound")[..] else { unreachable!("one tier") };
+    let turned = LoadedDriveline { outputs: &TURNED, axes: Axes::Shaft, ..loaded };
+    let planes: Vec<Vec<f64>> = [loaded, turned]
+        .iter()
+        .flat_map(|own| own.evaluate(&[Tier::Faithful]).expect("the request is sound").remove(0))
+        .collect();
     let frames = Frames::of(line);
+    let place =
+        |output: Output| OUTPUTS.iter().position(|&own| own == output).expect("it is judged");
     for (i, &angle) in angles.iter().enumerate() {
+        let at = Turn::by(&[angle]);
+        let mut exact = frames.outputs(&loading, &at);
+        for (output, first) in TURNED.into_iter().zip([1, 0]) {
+            let vectors = exact[place(output)].iter().enumerate();
+            exact.push(vectors.map(|(i, own)| frames.along(own, i + first, &at)).collect());
+        }
         let mut plane = 0;
-        let transmitted = frames.transmitted(&loading, angle);
-        let crosses = frames.crosses(&transmitted.moments, angle);
-        let mut exact = frames.axes.loads(transmitted).into_iter().chain(crosses);
-        for (q, output) in OUTPUTS.into_iter().enumerate() {
-            let items =
-                if matches!(output, Output::Torque | Output::SupportMoment) { n + 1 } else { n };
-            for item in 0..items {
-                let want = exact.next().expect("every output has its items");
+        for (q, items) in exact.iter().enumerate() {
+            for (item, want) in items.iter().enumerate() {
                 let unit = want.iter().map(|x| x.ulp()).fold(0.0, f64::max);
                 for (k, x) in want.iter().enumerate() {
                     let got = planes[plane + k][i];
@@ -222,8 +143,7 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut LoadErrors) {
                              phases {phases:?}, angle {angle:?}, {end:?} {torque:?}, \
                              speed {speed:?}, acceleration {acceleration:?}, \
                              inertias {inertias:?}: {got:e} instead of {:e}",
-                            output.row().name,
-                            x.high
+                            NAMES[q], x.high
                         )
                     });
                 }

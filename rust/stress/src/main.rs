@@ -7,7 +7,6 @@ mod as_built;
 mod chains;
 mod derivatives;
 mod error_table;
-mod evaluated;
 mod exact;
 mod forces;
 mod joints;
@@ -23,6 +22,7 @@ mod shape_errors;
 mod space;
 mod taylor;
 mod torsion;
+mod turns;
 mod vibration;
 mod wide;
 
@@ -43,7 +43,7 @@ cardan-stress oracle COUNT   what the oracle says, for tests/check_oracle.py to 
 --samples COUNT       samples of single joints, each for every output and tier [200000]
 --threads COUNT       threads [1]
 --seed NUMBER         another run [1]
---only SURFACE        one of joints, chains, points, loads, forces, derivatives, as-built, torsion
+--only SURFACE        one of joints, chains, points, loads, forces, derivatives, as-built, turns, torsion
 --break OUTPUT=ULPS   make one result in a block wrong, to see that it is found
 --table FILE          write the table of errors, as Markdown
 --worst FILE          write the worst samples, as JSON
@@ -56,12 +56,13 @@ const JOINTS: &str = "joints";
 type Judge = fn(u64, u64) -> ErrorTable;
 
 /// The other tables, by the names that `--only` takes.
-const SURFACES: [(&str, Judge); 7] = [
+const SURFACES: [(&str, Judge); 8] = [
     ("chains", chains::table),
     ("loads", loads::table),
     ("forces", forces::table),
     ("derivatives", derivatives::table),
     ("as-built", as_built::table),
+    ("turns", turns::table),
     ("torsion", torsion::table),
     ("points", points::table),
 ];
@@ -109,7 +110,7 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String>
             "--worst" => options.worst = Some(value),
             "--break" => {
                 let (name, ulps) = value.split_once('=').ok_or("--break needs OUTPUT=ULPS")?;
-                let named = Quantity::ALL.into_iter().find(|q| q.name() == name);
+                let named = Quantity::all().find(|q| q.name() == name);
                 let quantity = named.ok_or(format!("there is no output {name:?}"))?;
                 options.broken = Some(Break { quantity, ulps: number(ulps)? as i64 });
             }

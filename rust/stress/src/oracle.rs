@@ -5,9 +5,12 @@ use cardan::Geometry;
 use crate::angle::sin_cos;
 use crate::exact::{ExactChain, ExactJoint, Turn};
 use crate::forces;
+use crate::judge::Quantity;
 use crate::leaning;
-use crate::samples::{Kind, Random};
+use crate::samples::{JointSample, Kind, Random};
 use crate::wide::hex;
+
+const XYZ: [&str; 3] = [" x", " y", " z"];
 
 /// Prints what the oracle says: names, doubles in hexadecimal, results as two of them.
 pub(crate) fn print(count: u64) {
@@ -21,33 +24,17 @@ pub(crate) fn print(count: u64) {
         let (joint, (s, c)) = (ExactJoint::bent(bend), sin_cos(&[bend]));
         let motion = joint.motion(&at);
         println!("bend {} angle {}", hex(bend), hex(angle));
-        for (name, x) in [
-            ("sine", at.s),
-            ("cosine", at.c),
-            ("sine of the bend", s),
-            ("cosine of the bend", c),
-            ("angle", motion.angle),
-            ("angle_error", motion.error),
-            ("speed_ratio", motion.ratio),
-            ("acceleration_ratio", motion.acceleration),
-            ("jerk_ratio", motion.jerk),
-            ("moment y", joint.moment(&at)[1]),
-            ("moment z", joint.moment(&at)[2]),
-            ("support x", joint.supports(&at)[1][0]),
-            ("support y", joint.supports(&at)[1][1]),
-            ("support z", joint.supports(&at)[1][2]),
-            ("bending_driving", joint.bending(&at)[0]),
-            ("bending_driven", joint.bending(&at)[1]),
-            ("tilt_driving", joint.tilts(&at)[0]),
-            ("tilt_driven", joint.tilts(&at)[1]),
-            ("pin_moment", joint.pin_moment(&at)),
-            ("swing_driving", joint.swings(&at)[0]),
-            ("swing_driven", joint.swings(&at)[1]),
-            ("driven_pin x", joint.pins(&at)[1][0]),
-            ("driven_pin y", joint.pins(&at)[1][1]),
-            ("driven_pin z", joint.pins(&at)[1][2]),
-        ] {
+        for (name, x) in
+            [("sine", at.s), ("cosine", at.c), ("sine of the bend", s), ("cosine of the bend", c)]
+        {
             println!("{name}: {}", x.hex());
+        }
+        let sample = JointSample { bend, angle, torque: 1.0 };
+        for quantity in Quantity::all() {
+            let (numbers, _) = joint.exact(quantity, &at, &motion, sample);
+            for (x, axis) in numbers.iter().zip(if numbers.len() > 1 { XYZ } else { [""; 3] }) {
+                println!("{}{axis}: {}", quantity.name(), x.hex());
+            }
         }
         if number % 4 == 0 {
             let n = 2 + random.below(4);

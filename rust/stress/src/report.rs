@@ -60,7 +60,7 @@ impl Report<'_> {
                 write!(text, "{:>16}", tier.name()).expect("text grows");
             }
             text.push('\n');
-            for quantity in Quantity::ALL {
+            for quantity in Quantity::all() {
                 write!(text, "{:30}", quantity.name()).expect("text grows");
                 for tier in Tier::ALL {
                     let off = shown(ledger.of(tier, quantity).worst.off, tier.is_single());
@@ -100,8 +100,8 @@ impl Report<'_> {
     /// The worst samples with the digits that they have, and the worst places of the tables.
     pub(crate) fn worst(&self) -> String {
         let mut cases = vec![];
-        let all = [Tier::Faithful, Tier::Default].map(|tier| Quantity::ALL.map(|q| (tier, q)));
-        for (tier, quantity) in all.into_iter().flatten() {
+        let tiers = [Tier::Faithful, Tier::Default].into_iter();
+        for (tier, quantity) in tiers.flat_map(|tier| Quantity::all().map(move |q| (tier, q))) {
             let Some((ledger, _)) = self.joints else { break };
             let Worst { off, sample, .. } = ledger.of(tier, quantity).again;
             cases.push(format!(
@@ -141,7 +141,7 @@ fn of_joints(ledger: &Ledger, seconds: f64, threads: u64) -> String {
         _ => vec![tier.name().to_string(), "limit".into()],
     });
     text.push_str(&head("one joint", names));
-    for quantity in Quantity::ALL {
+    for quantity in Quantity::all() {
         let cells = Tier::ALL.iter().flat_map(|&tier| {
             let off = shown(ledger.of(tier, quantity).worst.off, tier.is_single());
             match tier {
@@ -156,11 +156,11 @@ fn of_joints(ledger: &Ledger, seconds: f64, threads: u64) -> String {
 }
 
 fn of_joints_by(ledger: &Ledger, by: By, tier: Tier) -> String {
-    let short = |q: &Quantity| q.name().replace("of the ", "").replace("of a ", "");
-    let mut text = head("", Quantity::ALL.iter().map(short));
+    let short = |q: Quantity| q.name().replace("of the ", "").replace("of a ", "");
+    let mut text = head("", Quantity::all().map(short));
     for (i, name) in by.rows().iter().enumerate() {
         let off = |q| shown(ledger.of(tier, q).by[by as usize][i], tier.is_single());
-        text.push_str(&table_row(name, Quantity::ALL.map(off)));
+        text.push_str(&table_row(name, Quantity::all().map(off)));
     }
     text
 }

@@ -58,24 +58,35 @@ impl ExactAxes {
         Self { directions, normals }
     }
 
-    /// The components of every plane of the outputs, in their order.
+    /// What the bearings of a shaft must give, by the moments of the joints.
+    pub(crate) fn support(&self, moments: &[Span], shaft: usize) -> Span {
+        let moment = |joint: usize| *moments.get(joint).unwrap_or(&[Wide::ZERO; 3]);
+        let before = moment(shaft.wrapping_sub(1)).map(|x| -x);
+        self.across(plus(moment(shaft), before), shaft)
+    }
+
+    /// The bending moment that a joint's moment gives a shaft.
+    pub(crate) fn bending(&self, moment: Span, shaft: usize) -> Wide {
+        let across = self.across(moment, shaft);
+        dot(across, across).sqrt()
+    }
+
+    /// What of a vector is across a shaft.
+    fn across(&self, v: Span, shaft: usize) -> Span {
+        let u = self.directions[shaft];
+        plus(v, scaled(u, -dot(v, u)))
+    }
+
+    /// The components of every plane of torque, moment, support moment and both bending moments.
     pub(crate) fn loads(&self, transmitted: Transmitted) -> Vec<Vec<Wide>> {
         let (n, Transmitted { torques, moments, .. }) = (self.normals.len(), transmitted);
-        let across = |v: Span, u: Span| plus(v, scaled(u, -dot(v, u)));
-        let length = |v: Span| dot(v, v).sqrt();
-        let (none, u) = ([Wide::ZERO; 3], &self.directions);
-        let moment = |j: usize| *moments.get(j).unwrap_or(&none);
-        let support = |i: usize| {
-            let before = moment(i.wrapping_sub(1)).map(|x| -x);
-            across(plus(moment(i), before), u[i]).to_vec()
-        };
         torques
             .into_iter()
             .map(|torque| vec![torque])
             .chain(moments.iter().map(|m| m.to_vec()))
-            .chain((0..=n).map(support))
-            .chain((0..n).map(|j| vec![length(across(moments[j], u[j]))]))
-            .chain((0..n).map(|j| vec![length(across(moments[j], u[j + 1]))]))
+            .chain((0..=n).map(|shaft| self.support(&moments, shaft).to_vec()))
+            .chain((0..n).map(|j| vec![self.bending(moments[j], j)]))
+            .chain((0..n).map(|j| vec![self.bending(moments[j], j + 1)]))
             .collect()
     }
 }

@@ -53,6 +53,14 @@ impl<T: Real> Cross<T> {
         }
     }
 
+    /// The cross by sine and cosine of the bend, for sine and cosine of the joint's input angle and for
+    /// what is no vector.
+    pub(crate) fn of_bend(sine: T, cosine: T) -> Self {
+        let [zero, one] = [0.0, 1.0].map(T::from_f64);
+        let (matrix, none) = ([one, zero, zero, one], [zero; 3]);
+        Self { matrix, sine, cosine, inward: none, outward: none, normal: none }
+    }
+
     /// The cross for sine and cosine of the joint's input angle.
     #[inline(always)]
     pub(crate) fn by_own_pins(self) -> Self {

@@ -159,6 +159,23 @@ impl<T: Real> Pose<T> {
         }
     }
 
+    /// The pose of a joint by sine and cosine of its bend, for sine and cosine of its own input angle
+    /// and for what is no vector.
+    pub(crate) fn of_bend(sine: T, cosine: T) -> Self {
+        let [zero, one] = [0.0, 1.0].map(T::from_f64);
+        let none = [zero; 3];
+        Self {
+            matrix: [one, zero, zero, one],
+            sine,
+            cosine,
+            tangent: sine / cosine,
+            shaft_axis: none,
+            in_plane: none,
+            plane_normal: none,
+            out_plane: none,
+        }
+    }
+
     /// The pose of a joint as built: unit vectors, whose factors [`JointAsBuilt::moments`] gives.
     ///
     /// [`JointAsBuilt::moments`]: crate::mechanics::as_built::JointAsBuilt::moments

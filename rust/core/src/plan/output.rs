@@ -52,6 +52,16 @@ pub(crate) enum OfCross {
     Pin,
 }
 
+/// What is true of some outputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trait {
+    /// Only ideal joints have it.
+    Ideal,
+    /// It is a magnitude, which has kinks where a torque reverses or a pin is in the bend plane or
+    /// normal to it.
+    Kinks,
+}
+
 /// The properties of an output.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
@@ -64,16 +74,17 @@ pub struct Row {
     /// The names of the components; a scalar has one component with an empty name.
     pub components: &'static [&'static str],
     pub(crate) needs: Needs,
+    pub(crate) traits: &'static [Trait],
 }
 
 const SCALAR: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 
 /// The table: each row has a description, a variant, a name, the part described, a unit, the
-/// components and the needs.
+/// components, the needs, and what else is true of it.
 macro_rules! outputs {
     ($($(#[$meaning:meta])* $output:ident: $name:literal, $per:ident, $unit:literal,
-        $components:ident, $needs:expr;)*) => {
+        $components:ident, $needs:expr, [$($trait:ident),*];)*) => {
         /// A quantity that can be requested.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Output {$($(#[$meaning])* $output,)*}
@@ -94,6 +105,7 @@ macro_rules! outputs {
                         unit: $unit,
                         components: $components,
                         needs: $needs,
+                        traits: &[$(Trait::$trait),*],
                     },)*
                 }
             }
@@ -103,44 +115,69 @@ macro_rules! outputs {
 
 outputs! {
     /// Rotation of a shaft, continuous and mean-synchronous with the drive.
-    Angle: "angle", Shaft, "rad", SCALAR, Needs::Motion(None);
+    Angle: "angle", Shaft, "rad", SCALAR, Needs::Motion(None), [];
     /// Angle of a shaft minus the drive angle, mean zero.
-    AngleError: "angle_error", Shaft, "rad", SCALAR, Needs::Motion(Some(0.0));
+    AngleError: "angle_error", Shaft, "rad", SCALAR, Needs::Motion(Some(0.0)), [];
     /// Speed of a shaft over the speed of the drive, `ω_i/ω_0`.
-    SpeedRatio: "speed_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(1.0));
+    SpeedRatio: "speed_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(1.0)), [];
     /// `d²(angle)/dα²`.
-    AccelerationRatio: "acceleration_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0));
+    AccelerationRatio: "acceleration_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [];
     /// `d³(angle)/dα³`.
-    JerkRatio: "jerk_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0));
+    JerkRatio: "jerk_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [];
     /// Torsional moment entering a shaft.
-    Torque: "torque", Shaft, "N m", SCALAR, Needs::Power;
+    Torque: "torque", Shaft, "N m", SCALAR, Needs::Power, [];
     /// Moment vector that the bearings exert on a shaft.
-    SupportMoment: "support_moment", Shaft, "N m", VECTOR, Needs::Support;
+    SupportMoment: "support_moment", Shaft, "N m", VECTOR, Needs::Support, [];
     /// Moment vector that a joint exerts on its driven shaft.
-    Moment: "moment", Joint, "N m", VECTOR, Needs::Torsion;
+    Moment: "moment", Joint, "N m", VECTOR, Needs::Torsion, [];
     /// Magnitude of the bending moment in a joint's driving shaft.
-    BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion;
+    BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion, [Kinks];
     /// Magnitude of the bending moment in a joint's driven shaft.
-    BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion;
+    BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion, [Kinks];
     /// Magnitude of the moment vector, which the pins bear in both yokes.
-    PinMoment: "pin_moment", Joint, "N m", SCALAR, Needs::Torsion;
+    PinMoment: "pin_moment", Joint, "N m", SCALAR, Needs::Torsion, [Ideal, Kinks];
     /// Force that a joint exerts on its driven shaft.
-    JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force;
+    JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force, [];
     /// Force that a bearing exerts on its shaft.
-    BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force;
+    BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force, [];
     /// Signed tilt `ψ₁` of the cross against the driving shaft.
-    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt);
+    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [];
     /// Signed tilt `ψ₂` of the cross against the driven shaft.
-    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt);
+    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [];
     /// Rate of the cross in the driving yoke per radian of the drive.
-    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing);
+    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal];
     /// Rate of the cross in the driven yoke per radian of the drive.
-    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing);
+    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal];
     /// Unit vector along the pin of the driving yoke.
-    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin);
+    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal];
     /// Unit vector along the pin of the driven yoke.
-    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin);
+    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal];
 }
+
+/// The outputs that are formulas of one sample of a joint, each with its formula: magnitudes of moments
+/// in [`crate::mechanics::moment::Pose`], the others in [`crate::mechanics::cross::Cross`]. Each macro
+/// passes its list to another one.
+macro_rules! magnitudes {
+    ($to:ident) => {
+        $to! { BendingDriving: bending_driving, BendingDriven: bending_driven, PinMoment: pin_moment }
+    };
+}
+macro_rules! tilts {
+    ($to:ident) => {
+        $to! { TiltDriving: tilt_driving, TiltDriven: tilt_driven }
+    };
+}
+macro_rules! swings {
+    ($to:ident) => {
+        $to! { SwingDriving: swing_driving, SwingDriven: swing_driven }
+    };
+}
+macro_rules! pins {
+    ($to:ident) => {
+        $to! { DrivingPin: driving_pin, DrivenPin: driven_pin }
+    };
+}
+pub(crate) use {magnitudes, pins, swings, tilts};
 
 impl Output {
     /// The output with this name.
@@ -159,8 +196,7 @@ impl Output {
 
     /// Whether only ideal joints have it.
     pub fn is_ideal(self) -> bool {
-        self == Self::PinMoment
-            || matches!(self.row().needs, Needs::Cross(OfCross::Swing | OfCross::Pin))
+        self.row().traits.contains(&Trait::Ideal)
     }
 
     /// Whether half a turn, after which ideal joints look the same but for the sense of their pins,
@@ -171,15 +207,21 @@ impl Output {
         follows_pin || matches!(self.row().needs, Needs::Cross(_))
     }
 
-    /// Whether it is a magnitude, which has kinks where a torque reverses or a pin is in the bend
-    /// plane or normal to it.
+    /// Whether it has kinks.
     pub(crate) fn has_kinks(self) -> bool {
-        matches!(self, Self::BendingDriving | Self::BendingDriven | Self::PinMoment)
+        self.row().traits.contains(&Trait::Kinks)
     }
 
     /// Whether the output is a vector.
     pub(crate) fn is_vector(self) -> bool {
         self.components() > 1
+    }
+
+    /// What to call it in texts: `bending, driving side`.
+    pub(crate) fn label(self) -> String {
+        let name = self.row().name;
+        let sides = name.replace("_driving", ", driving side").replace("_driven", ", driven side");
+        sides.replace('_', " ")
     }
 
     /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.

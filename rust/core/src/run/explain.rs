@@ -220,12 +220,18 @@ impl Plan {
                     (step.planes.get(Output::Moment).is_some(), of_moment),
                     (step.needs_support(), of_support),
                     (step.needs_force && self.as_built, "forces"),
-                    (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
-                    (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
-                    (step.planes.get(Output::PinMoment).is_some(), "moment of the pins"),
                 ];
-                let names: Vec<&str> =
-                    parts.iter().filter(|(computed, _)| *computed).map(|(_, name)| *name).collect();
+                let is_magnitude = |output: &Output| {
+                    output.row().needs == Needs::Torsion
+                        && !output.is_vector()
+                        && step.planes.get(*output).is_some()
+                };
+                let parts = parts.iter().filter(|(computed, _)| *computed);
+                let magnitudes = Output::ALL.into_iter().filter(is_magnitude);
+                let names: Vec<String> = parts
+                    .map(|(_, name)| (*name).into())
+                    .chain(magnitudes.map(Output::label))
+                    .collect();
                 steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
             }
         }

@@ -11,7 +11,7 @@ use crate::number::storage::{Column, View, ViewMut, views_mut};
 use crate::number::strips::{At, OneByOne, Same, Strips};
 use crate::number::{Number, Precision};
 use crate::plan::load::{LoadStep, Station};
-use crate::plan::output::Output;
+use crate::plan::output::{self, Output};
 use crate::plan::request::{Axes, End};
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built;
@@ -405,15 +405,14 @@ fn run_magnitudes<T: Number, W: Float>(
     torsion: View<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {
-    if let Some(plane) = step.planes.get(Output::BendingDriving) {
-        map::formula_of(Pose::bending_driving, at, torsion, pins, outputs.plane(plane));
+    macro_rules! each {
+        ($($output:ident: $formula:ident),*) => {$(
+            if let Some(plane) = step.planes.get(Output::$output) {
+                map::formula_of(Pose::$formula, at, torsion, pins, outputs.plane(plane));
+            }
+        )*};
     }
-    if let Some(plane) = step.planes.get(Output::BendingDriven) {
-        map::formula_of(Pose::bending_driven, at, torsion, pins, outputs.plane(plane));
-    }
-    if let Some(plane) = step.planes.get(Output::PinMoment) {
-        map::formula_of(Pose::pin_moment, at, torsion, pins, outputs.plane(plane));
-    }
+    output::magnitudes!(each);
 }
 
 const AXES: [usize; 3] = [0, 1, 2];

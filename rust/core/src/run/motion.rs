@@ -12,7 +12,7 @@ use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
-use crate::plan::output::{Needs, Output};
+use crate::plan::output::{self, Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
 use crate::run::angle_sink::{AngleSink, ArrayAngle, SteppedAngle, SweepAngle};
@@ -253,28 +253,32 @@ fn run_cross<T: Number, W: Float>(
     ratio: &Column<T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {
-    if let Some(plane) = step.planes.get(Output::TiltDriving) {
-        map::formula(Cross::tilt_driving, at, pins, outputs.plane(plane));
+    macro_rules! tilts {
+        ($($output:ident: $formula:ident),*) => {$(
+            if let Some(plane) = step.planes.get(Output::$output) {
+                map::formula(Cross::$formula, at, pins, outputs.plane(plane));
+            }
+        )*};
     }
-    if let Some(plane) = step.planes.get(Output::TiltDriven) {
-        map::formula(Cross::tilt_driven, at, pins, outputs.plane(plane));
+    macro_rules! swings {
+        ($($output:ident: $formula:ident),*) => {$(
+            if let Some(plane) = step.planes.get(Output::$output) {
+                let ratio = ratio.view(pins.len());
+                map::formula_of(Cross::$formula, at, ratio, pins, outputs.plane(plane));
+            }
+        )*};
     }
-    if let Some(plane) = step.planes.get(Output::SwingDriving) {
-        let ratio = ratio.view(pins.len());
-        map::formula_of(Cross::swing_driving, at, ratio, pins, outputs.plane(plane));
+    macro_rules! pins_in_space {
+        ($($output:ident: $formula:ident),*) => {$(
+            if let Some(plane) = step.planes.get(Output::$output) {
+                let out = outputs.several([plane, plane + 1, plane + 2]);
+                map::formula(Cross::$formula, at, pins, out);
+            }
+        )*};
     }
-    if let Some(plane) = step.planes.get(Output::SwingDriven) {
-        let ratio = ratio.view(pins.len());
-        map::formula_of(Cross::swing_driven, at, ratio, pins, outputs.plane(plane));
-    }
-    if let Some(plane) = step.planes.get(Output::DrivingPin) {
-        let out = outputs.several([plane, plane + 1, plane + 2]);
-        map::formula(Cross::driving_pin, at, pins, out);
-    }
-    if let Some(plane) = step.planes.get(Output::DrivenPin) {
-        let out = outputs.several([plane, plane + 1, plane + 2]);
-        map::formula(Cross::driven_pin, at, pins, out);
-    }
+    output::tilts!(tilts);
+    output::swings!(swings);
+    output::pins!(pins_in_space);
 }
 
 /// The angle of a shaft in a later period, from the errors that the first period stored in `slot`.

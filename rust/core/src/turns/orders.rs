@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 
 use crate::error::{Error, Result};
 use crate::mechanics::chain::Equivalent;
+use crate::number::DoubleDouble;
 use crate::number::elementary::{hypot, ln, ln_1p};
 use crate::number::trig;
 use crate::run::execution::Execution;
@@ -176,21 +177,23 @@ impl Search<'_> {
                 continue;
             }
             let kept = |order: usize| whole || plane.reverses == (order % 2 == 1);
-            // Over every second sample and over all.
+            // Over every second sample and over all. A million equal terms round in the same sense.
             let sum = |order: usize| -> [[f64; 2]; 2] {
-                let mut sums = [[0.0; 2]; 2];
+                let mut sums = [[DoubleDouble::default(); 2]; 2];
                 if kept(order) {
                     for (i, &value) in values.iter().enumerate() {
                         let (sine, cosine) = turn[i * order % (2 * samples)];
-                        let part = [value * cosine, -value * sine];
-                        for sum in &mut sums[usize::from(i % 2 == 1)..] {
-                            sum[0] += part[0];
-                            sum[1] += part[1];
+                        for (sum, part) in sums[i % 2].iter_mut().zip([cosine, -sine]) {
+                            let DoubleDouble { high, low } =
+                                DoubleDouble::two_sum(sum.high, value * part);
+                            *sum = DoubleDouble { high, low: sum.low + low };
                         }
                     }
                 }
                 let scale = if order == 0 { 1.0 } else { 2.0 } / count as f64;
-                [sums[0].map(|x| 2.0 * x * scale), sums[1].map(|x| x * scale)]
+                let [second, other] = sums.map(|sum| sum.map(DoubleDouble::value));
+                let all = [second[0] + other[0], second[1] + other[1]];
+                [second.map(|x| 2.0 * x * scale), all.map(|x| x * scale)]
             };
             let mut apart = 0.0_f64;
             let mut note = |[half, all]: [[f64; 2]; 2]| {

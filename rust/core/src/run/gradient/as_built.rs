@@ -288,16 +288,14 @@ impl<'a> SampleAsBuilt<'a> {
                 };
                 Dual::atan2(y, x)
             }
-            // [`Output::is_ideal`].
-            Output::PinMoment
-            | Output::SwingDriving
-            | Output::SwingDriven
-            | Output::DrivingPin
-            | Output::DrivenPin => zero,
             Output::BendingDriving | Output::BendingDriven => {
                 let [in_plane, out_plane, normal] = self.unit_moments(item);
                 let across = if output == Output::BendingDriving { in_plane } else { out_plane };
                 self.torsion(item).abs() * (across.square() + normal.square()).sqrt()
+            }
+            _ => {
+                debug_assert!(output.is_ideal(), "{output:?} has no formula here");
+                zero
             }
         };
         [scalar, zero, zero]

@@ -5,6 +5,7 @@ use nalgebra::Complex;
 
 use crate::mechanics::geometry::Vector;
 use crate::plan::forces::ForceStep;
+use crate::plan::output::{Needs, OfCross};
 use crate::plan::{Axes, Output};
 use crate::run::gradient::columns::{self, COLUMN, ChunkColumn};
 use crate::run::gradient::line::{LineConstants, Sums};
@@ -58,10 +59,8 @@ impl Differentiated<'_> {
     /// whether they pay.
     pub(super) fn has_loops(&self, wanted: Wanted) -> bool {
         let pays = self.only_motion() || self.samples >= MIN_LOOPED;
-        let has_pins = self
-            .outputs
-            .iter()
-            .any(|(output, _)| matches!(output, Output::DrivingPin | Output::DrivenPin));
+        let has_pins =
+            self.outputs.iter().any(|(output, _)| output.row().needs == Needs::Cross(OfCross::Pin));
         pays && !has_pins && !wanted.angle && self.axes == Axes::Space && !self.driven
     }
 

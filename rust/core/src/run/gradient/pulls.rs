@@ -3,6 +3,7 @@
 
 use crate::number::atan::Atan;
 use crate::plan::forces::ForceOf;
+use crate::plan::output::Needs;
 use crate::plan::{End, Output};
 use crate::run::gradient::columns::{
     Vectors, ZEROS, across, add, add_cross, dot, each, sum_by_axis, sum_of_crosses, sum_of_dots,
@@ -51,7 +52,7 @@ impl LoadChunk<'_> {
             Output::TiltDriving | Output::TiltDriven => {
                 self.pull_tilt(output, item, weights, buffers, sums);
             }
-            Output::SwingDriving | Output::SwingDriven => {
+            _ if matches!(output.row().needs, Needs::Cross(_)) => {
                 self.pull_swing(output, item, weights, buffers, sums);
             }
             _ => self.pull_magnitude(output, item, weights, buffers, sums),
@@ -119,7 +120,7 @@ impl LoadChunk<'_> {
                     pulled,
                     #[inline(always)]
                     |i, [by_ratio, turn]| {
-                        let (value, by_bend, by_turn) = $formula([e, sigma], sine[i], cosine[i]);
+                        let [value, by_bend, by_turn] = $formula(sine[i], cosine[i]);
                         let scale = weights[i] * ratio[i];
                         let changes =
                             [weights[i].mul_add(value, by_ratio), scale.mul_add(by_turn, turn)];
@@ -128,10 +129,10 @@ impl LoadChunk<'_> {
                 )
             };
         }
-        let [value, bend] = if output == Output::SwingDriving {
-            by!(sample::swing_driving)
-        } else {
-            by!(sample::swing_driven)
+        let [value, bend] = match output {
+            Output::SwingDriving => by!(|s, c| sample::swing_driving([e, sigma], s, c)),
+            Output::SwingDriven => by!(|s, c| sample::swing_driven([e, sigma], s, c)),
+            _ => by!(|s, c| sample::by_formula(output, [sigma, e], [s, c])),
         };
         sums.value += value;
         sums.bends[item] += bend;
@@ -151,18 +152,7 @@ impl LoadChunk<'_> {
         let ([sine, cosine], weights) = (&pins[item], &weights[0]);
         let (torsion, ratio) = (&torsion[item], &rates[item][0]);
         let pulled = [&mut by_power[item + 1], &mut by_rates[item][0], &mut by_turn[item]];
-        let [value, bend] = if output == Output::PinMoment {
-            each(
-                self.level,
-                pulled,
-                #[inline(always)]
-                |i, old| {
-                    let (value, by_bend, by_turn) =
-                        sample::pin_moment([e, tangent], sine[i], cosine[i]);
-                    loaded([weights[i], torsion[i], ratio[i]], old, [value, by_bend, by_turn])
-                },
-            )
-        } else if output == Output::BendingDriving {
+        let [value, bend] = if output == Output::BendingDriving {
             each(
                 self.level,
                 pulled,
@@ -173,7 +163,7 @@ impl LoadChunk<'_> {
                     loaded([weights[i], torsion[i], ratio[i]], old, of)
                 },
             )
-        } else {
+        } else if output == Output::BendingDriven {
             each(
                 self.level,
                 pulled,
@@ -186,6 +176,26 @@ impl LoadChunk<'_> {
                     let by_turn = e * (twice - s * sample::sign(c) * stretch);
                     let by_bend = c.abs() * e.mul_add(stretch, bent);
                     let of = [sigma * c.abs() * stretch, by_bend, by_turn];
+                    loaded([weights[i], torsion[i], ratio[i]], old, of)
+                },
+            )
+        } else if output == Output::PinMoment {
+            each(
+                self.level,
+                pulled,
+                #[inline(always)]
+                |i, old| {
+                    let of = sample::pin_moment([e, tangent], sine[i], cosine[i]);
+                    loaded([weights[i], torsion[i], ratio[i]], old, of)
+                },
+            )
+        } else {
+            each(
+                self.level,
+                pulled,
+                #[inline(always)]
+                |i, old| {
+                    let of = sample::by_formula(output, [sigma, e], [sine[i], cosine[i]]);
                     loaded([weights[i], torsion[i], ratio[i]], old, of)
                 },
             )

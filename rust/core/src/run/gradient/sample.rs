@@ -11,13 +11,20 @@
 
 use nalgebra::Complex;
 
+use crate::mechanics::cross::Cross;
 use crate::mechanics::geometry::Vector;
+use crate::mechanics::moment::Pose;
+use crate::number::dual::Dual;
 use crate::number::elementary::{atan, atan2, hypot, norm};
 use crate::number::trig;
 use crate::plan::forces::ForceStep;
+use crate::plan::output::{self, Needs, OfCross};
 use crate::plan::{Axes, End, Output};
 use crate::run::gradient::forces::{self, Supports};
 use crate::run::gradient::line::{LineConstants, PoseConstants, ShaftConstants, Sums};
+
+/// Smaller sines of bends count as this one where a derivative is divided by them.
+const SMALLEST_SINE: f64 = 1e-150;
 
 /// The load of one sample.
 #[derive(Clone)]
@@ -237,13 +244,6 @@ impl<'a> LineAt<'a> {
                 sums.value += weight.dot(&self.support(item).0);
                 self.pull_support(item, weight, pull, sums);
             }
-            Output::BendingDriving
-            | Output::BendingDriven
-            | Output::PinMoment
-            | Output::TiltDriving
-            | Output::TiltDriven
-            | Output::SwingDriving
-            | Output::SwingDriven => self.pull_scalar(output, item, weight.x, pull, sums),
             Output::DrivingPin | Output::DrivenPin => {
                 self.pull_pin(output, item, weight, pull, sums);
             }
@@ -255,6 +255,7 @@ impl<'a> LineAt<'a> {
                     forces::pull(&mut pull.forces, force, weight);
                 }
             }
+            _ => self.pull_scalar(output, item, weight.x, pull, sums),
         }
     }
 
@@ -272,31 +273,32 @@ impl<'a> LineAt<'a> {
         let (s, c) = self.pins[item];
         // The value over what it is proportional to, its derivative by the bend, and that by the
         // input angle over tan β.
-        let (value, by_bend, by_turn) = match output {
+        let [value, by_bend, by_turn] = match output {
             Output::TiltDriving => {
                 let norm = (sigma * s).mul_add(sigma * s, e * e);
-                (atan(tangent * s), s / norm, c * e * e / norm)
+                [atan(tangent * s), s / norm, c * e * e / norm]
             }
             Output::TiltDriven => {
                 let root = hypot(e * c, s);
-                (atan2(sigma * c, root), e * c / root, -e * s / root)
+                [atan2(sigma * c, root), e * c / root, -e * s / root]
             }
-            Output::SwingDriving => swing_driving([e, sigma], s, c),
-            Output::SwingDriven => swing_driven([e, sigma], s, c),
-            Output::PinMoment => pin_moment([e, tangent], s, c),
-            Output::BendingDriving => (tangent * s.abs(), s.abs() / (e * e), c * sign(s)),
-            _ => {
+            Output::BendingDriving => [tangent * s.abs(), s.abs() / (e * e), c * sign(s)],
+            Output::BendingDriven => {
                 let stretch = (tangent * s).mul_add(tangent * s, 1.0).sqrt();
                 let by_bend =
                     c.abs() * e.mul_add(stretch, sigma * s * s * tangent / (e * e * stretch));
                 let by_turn =
                     e * (c.abs() * tangent * tangent * s * c / stretch - s * sign(c) * stretch);
-                (sigma * c.abs() * stretch, by_bend, by_turn)
+                [sigma * c.abs() * stretch, by_bend, by_turn]
             }
+            Output::SwingDriving => swing_driving([e, sigma], s, c),
+            Output::SwingDriven => swing_driven([e, sigma], s, c),
+            Output::PinMoment => pin_moment([e, tangent], s, c),
+            _ => by_formula(output, [sigma, e], [s, c]),
         };
-        let scale = match output {
-            Output::TiltDriving | Output::TiltDriven => weight,
-            Output::SwingDriving | Output::SwingDriven => {
+        let scale = match output.row().needs {
+            Needs::Cross(OfCross::Tilt) => weight,
+            Needs::Cross(_) => {
                 pull.ratio[item] += weight * value;
                 weight * self.shafts[item].ratio
             }
@@ -545,37 +547,94 @@ impl<'a> LineAt<'a> {
     }
 }
 
+/// An output over the torsion or speed ratio to which it is proportional, its derivative by the bend,
+/// and that by the input angle over `tan β`: by its formula in dual numbers.
+#[inline(always)]
+pub(super) fn by_formula(output: Output, bend: [f64; 2], [s, c]: [f64; 2]) -> [f64; 3] {
+    // What vanishes with the bend changes with the input angle by a part of it.
+    let [sine, cosine] = [bend[0].max(SMALLEST_SINE), bend[1]];
+    let each = cosine / sine;
+    let one = Dual::constant(1.0);
+    let [s, c] = [Dual { value: s, by: [0.0, c * each] }, Dual { value: c, by: [0.0, -s * each] }];
+    let [sine, cosine] =
+        [Dual { value: sine, by: [cosine, 0.0] }, Dual { value: cosine, by: [-sine, 0.0] }];
+    macro_rules! magnitude {
+        ($($output:ident: $formula:ident),*) => {
+            match output {
+                $(Output::$output => Some(Pose::of_bend(sine, cosine).$formula(one, s, c)),)*
+                _ => None,
+            }
+        };
+    }
+    macro_rules! swing {
+        ($($output:ident: $formula:ident),*) => {
+            match output {
+                $(Output::$output => Some(Cross::of_bend(sine, cosine).$formula(one, s, c)),)*
+                _ => None,
+            }
+        };
+    }
+    let found = output::magnitudes!(magnitude).or_else(|| output::swings!(swing));
+    let Dual { value, by } = found.expect("every other output has its own derivatives");
+    [value, by[0], by[1]]
+}
+
 /// `cos β sin β c/(s² + c² cos² β)`, its derivative by the bend, and that by the input angle over
 /// `tan β`.
 #[inline(always)]
-pub(super) fn swing_driving([e, sigma]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+pub(super) fn swing_driving([e, sigma]: [f64; 2], s: f64, c: f64) -> [f64; 3] {
     let (s2, ec) = (s * s, e * c);
     let inverse = ec.mul_add(ec, s2).recip();
     let by_bend = ec.mul_add(ec, (e - sigma) * (e + sigma) * s2) * c;
     let by_turn = -(e * e) * s * (sigma * c).mul_add(sigma * c, 1.0);
-    (sigma * ec * inverse, by_bend * (inverse * inverse), by_turn * (inverse * inverse))
+    [sigma * ec * inverse, by_bend * (inverse * inverse), by_turn * (inverse * inverse)]
 }
 
 /// The same of `−sin β s/√(s² + c² cos² β)`.
 #[inline(always)]
-pub(super) fn swing_driven([e, sigma]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+pub(super) fn swing_driven([e, sigma]: [f64; 2], s: f64, c: f64) -> [f64; 3] {
     let (s2, ec) = (s * s, e * c);
     let inverse = ec.mul_add(ec, s2).recip();
     let root = inverse.sqrt();
-    (-sigma * s * root, -e * s * (inverse * root), -(e * e) * ec * (inverse * root))
+    [-sigma * s * root, -e * s * (inverse * root), -(e * e) * ec * (inverse * root)]
 }
 
 /// The same of `√(1 + s² tan² β)`.
 #[inline(always)]
-pub(super) fn pin_moment([e, tangent]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+pub(super) fn pin_moment([e, tangent]: [f64; 2], s: f64, c: f64) -> [f64; 3] {
     let bent = tangent * s;
     let value = bent.mul_add(bent, 1.0).sqrt();
     let by_turn = bent / value;
-    (value, by_turn * s / (e * e), by_turn * c)
+    [value, by_turn * s / (e * e), by_turn * c]
 }
 
 /// The sign, 0 for 0: where a magnitude vanishes it has no derivative.
 #[inline(always)]
 pub(super) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { 1_f64.copysign(x) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_by_dual_numbers_are_those_that_are_written_out() {
+        for (bend, angle) in [(0.4_f64, 0.9_f64), (1.5, -2.0), (0.0, 0.7)] {
+            let ([sigma, e], [s, c]) = ([bend.sin(), bend.cos()], [angle.sin(), angle.cos()]);
+            let tangent = sigma / e;
+            for (output, known) in [
+                (Output::SwingDriving, swing_driving([e, sigma], s, c)),
+                (Output::SwingDriven, swing_driven([e, sigma], s, c)),
+                (Output::PinMoment, pin_moment([e, tangent], s, c)),
+                (Output::BendingDriving, [tangent * s.abs(), s.abs() / (e * e), c * sign(s)]),
+            ] {
+                let found = by_formula(output, [sigma, e], [s, c]);
+                for (found, known) in found.iter().zip(known) {
+                    let close = 1e-13 * (1.0 + known.abs());
+                    assert!((found - known).abs() <= close, "{output:?} {found} {known}");
+                }
+            }
+        }
+    }
 }
