@@ -193,7 +193,8 @@ def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     orbit, ends = system.orbit(drive, 1), [1, 2]
     assert orbit.found
     slow = torsion.System(reference.from_bends(bends.tolist()), **own)
-    # Up to a constant of each shaft.
+    # Beside the orbit by a constant, which Newton's method corrects: the library takes the means of
+    # the rigid pieces between springs.
     zeros = np.array([torsion.zero_of(slow, shaft) for shaft in ends])
     angles, speeds = orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]
     start = np.concatenate([angles + zeros, speeds])
