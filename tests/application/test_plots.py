@@ -39,6 +39,7 @@ from cardan.plots.key_figures import key_figures
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
 from cardan.plots.style import degree_ticks, text_width
+from cardan.reference import vectors
 from cardan.reference.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
@@ -1084,7 +1085,7 @@ def test_yoke_pins_are_those_of_the_vector_picture() -> None:
     shafts = reference.from_points(POINTS, phases=[0.3, -0.7])
     for angle in (0.0, 1.0, 4.0):
         pins = plots.yoke_pins(TRUCK, angle)
-        for joint, (driving, driven) in zip(reference._joints(shafts, angle), pins, strict=True):
+        for joint, (driving, driven) in zip(vectors._joints(shafts, angle), pins, strict=True):
             np.testing.assert_allclose(driving, joint.a, atol=1e-14)
             np.testing.assert_allclose(driven, joint.b, atol=1e-14)
     with pytest.raises(ValueError, match="shows one driveline"):
@@ -1106,7 +1107,7 @@ def test_yokes_end_at_their_pins(angle: float) -> None:
     assert (axes.get_aspect(), axes.get_adjustable()) == (1.0, "datalim")
     flat = View.of(TRUCK.directions).axes[:2].T
     sizes = []
-    joints = reference._joints(reference.from_points(POINTS, phases=[0.3, -0.7]), angle)
+    joints = vectors._joints(reference.from_points(POINTS, phases=[0.3, -0.7]), angle)
     for number, joint in enumerate(joints):
         centre = np.array(POINTS[number + 1]) @ flat
         pins = lines_named(axes, f"pin {number}")
