@@ -98,8 +98,7 @@ TWINS = {
     "TorsionalSystem": {
         "compliant": "torsion.System.compliant",
         "natural_frequencies critical_speeds": "torsion.natural_frequencies",
-        "steady orbit stability": "torsion.orbit",
-        "coexisting": "torsion.coexisting",
+        "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
         "dampings line load_torque shape": SHAPE,
     },
@@ -422,12 +421,13 @@ def test_steering_and_excitations(seed: int) -> None:
     line = Driveline.from_bends(bends, *between)
     shafts = reference.from_bends(bends.tolist(), *between.tolist())
     centre = float(rng.uniform(-4.0, 4.0))
-    found, known = line.steering(centre), design.steering(shafts, centre)
-    assert found.ratio == pytest.approx(known.ratio, rel=1e-13)
-    assert found.slope == pytest.approx(known.slope, abs=1e-10)
+    found = line.steering(centre)
+    ratio, slope, *turns = design.steering(shafts, centre)
+    assert found.ratio == pytest.approx(ratio, rel=1e-13)
+    assert found.slope == pytest.approx(slope, abs=1e-10)
     # Where a ratio is largest it is flat, which leaves half of the digits.
-    turns = (found.turn_to_quick - known.turn_to_quick, found.turn_to_slow - known.turn_to_slow)
-    assert max(abs(math.remainder(float(off), math.pi)) for off in turns) < 1e-6
+    for got, turn in zip((found.turn_to_quick, found.turn_to_slow), turns, strict=True):
+        assert abs(math.remainder(float(got) - turn, math.pi)) < 1e-6
     _, quick = evaluation.largest(lambda a: reference.motion(shafts, a, offset=0.0).speed_ratio)
     values = {f.figure: float(f.value) for f in line.check(1.0).findings}
     bend = math.degrees(math.acos(1.0 / quick))
@@ -442,10 +442,10 @@ def test_splines(shaft: int) -> None:
     found = line.with_bearings(bearings).spline_force(shaft, -400.0, 0.12, 0.02)
     known = design.spline(POINTS, shaft, 0.12 * 400.0 / 0.02, bearings)
     bare = design.spline(POINTS, shaft, 0.12 * 400.0 / 0.02)
-    same(found.bearing_force, known.bearing_force, 1e-12)
-    for by in (known, bare):
-        same(found.upstream, by.upstream, 1e-12)
-        same(found.downstream, by.downstream, 1e-12)
+    same(found.bearing_force, known[2], 1e-12)
+    for upstream, downstream, _ in (known, bare):
+        same(found.upstream, upstream, 1e-12)
+        same(found.downstream, downstream, 1e-12)
 
 
 @each
@@ -483,9 +483,9 @@ def test_tubes(outer: float, wall: float, length: float) -> None:
     found = cardan.tube(outer, wall, length=length)
     known = design.tube(outer, wall, length, 7.93e10, 2.06e11, 7850.0)
     for name in ("stiffness", "inertia", "mass"):
-        assert getattr(found, name) == pytest.approx(getattr(known, name), rel=1e-7), name
-    assert found.critical_speed == pytest.approx(known.critical_speed, rel=1e-6)
-    assert found.shear_stress(1.0) == pytest.approx(known.shear_per_torque, rel=1e-7)
+        assert getattr(found, name) == pytest.approx(known[name], rel=1e-7), name
+    assert found.critical_speed == pytest.approx(known["critical_speed"], rel=3e-6)
+    assert found.shear_stress(1.0) == pytest.approx(known["shear_per_torque"], rel=1e-7)
 
 
 # --- torsion -------------------------------------------------------------------------------------
@@ -527,17 +527,17 @@ def test_periodic_motions_and_their_stability(
     assert list(fast.compliant) == slow.compliant
     # What so many steps leave of the steepest.
     steps, close = 160, 8e-6
-    known = torsion.orbit(slow, speed, steps=steps)
+    _, known_multipliers, known = torsion.orbit(slow, speed, steps=steps)
     found = fast.orbit(speed, steps)
     for name in ("speed", "acceleration", "torque", "drive_torque"):
-        same(getattr(found, name), np.roll(getattr(known.motion, name), 1, axis=-1), close, name)
-    # Up to a constant of each shaft.
-    off = found.angle_error - np.roll(known.motion.angle_error, 1, axis=-1)
+        same(getattr(found, name), np.roll(getattr(known, name), 1, axis=-1), close, name)
+    # Up to a constant: the library takes the means of the rigid pieces between springs.
+    off = found.angle_error - np.roll(known.angle_error, 1, axis=-1)
     same(off - off[..., :1], 0.0, close)
     multipliers = fast.stability(speed).multipliers
-    same(np.poly(multipliers), np.poly(known.multipliers), close)
+    same(np.poly(multipliers), np.poly(known_multipliers), close)
     steady = fast.steady(speed, [2, 4])
-    torque = known.motion.torque
+    torque = known.torque
     size = np.max(np.abs(torque))
     same(steady.torque_mean, torque.mean(axis=-1), close)
     assert steady.torque_min == pytest.approx(torque.min(axis=-1), abs=1e-2 * size)
@@ -546,7 +546,7 @@ def test_periodic_motions_and_their_stability(
     for k, order in enumerate((2, 4)):
         turned = np.exp(-1j * order * angles)
         same(steady.torque_orders[..., k], 2.0 * np.mean(torque * turned, axis=-1), close)
-        by_ends = 2.0 * np.mean(known.motion.speed * turned, axis=-1)
+        by_ends = 2.0 * np.mean(known.speed * turned, axis=-1)
         same(steady.speed_orders[..., k], by_ends, close)
 
 
@@ -571,7 +571,7 @@ def test_motions_in_time() -> None:
     found = fast.transient(times, speed=lambda t: 80.0 + 500.0 * t, start="steady")
     for name in ("speed", "torque"):
         same(getattr(found, name)[..., 1:], getattr(known, name), 1e-6, name)
-    # Up to a constant of each shaft.
+    # Up to a constant: the library takes the means of the rigid pieces between springs.
     off = found.angle_error[..., 1:] - known.angle_error
     same(off - off[..., :1], 0.0, 1e-7)
 
@@ -590,7 +590,10 @@ def test_motions_that_exist_side_by_side() -> None:
     found = cardan.TorsionalSystem(line, **own).coexisting(speed)
     slow = torsion.System(reference.from_bends(line.bends.tolist()), **own)
     aside = np.array([[0.0, 0.0], [0.0, 2.0 * speed], [-1.0, 2.0 * speed], [1.0, 2.0 * speed]])
-    known = torsion.coexisting(slow, speed, [*(torsion.rigid(slow, speed) + aside)], steps=120)
-    peaks = sorted(float(orbit.motion.torque.max()) for orbit in known)
-    assert found.count == len(known) == 3
-    assert found.torque_max[0, :3] == pytest.approx(peaks, rel=3e-4)
+    peaks: list[float] = []
+    for start in torsion.rigid(slow, speed) + aside:
+        largest = float(torsion.orbit(slow, speed, start, steps=120)[2].torque.max())
+        if not any(largest == pytest.approx(other, rel=1e-6) for other in peaks):
+            peaks.append(largest)
+    assert found.count == len(peaks) == 3
+    assert found.torque_max[0, :3] == pytest.approx(sorted(peaks), rel=3e-4)

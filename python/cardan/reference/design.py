@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.reference.evaluation import harmonics, largest, slopes
+from cardan.reference.evaluation import falling, harmonics, largest, slopes
 from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
@@ -78,13 +78,13 @@ def from_double_joint(total: float, length: float, pivot: float) -> Shafts:
         length: distance between the two joints.
         pivot: distance of the pivot from joint 0, along the driving shaft.
     """
-    low, high = 0.0, total
-    first = total / 2.0
-    while low < first < high:
+
+    def short(first: float) -> float:
+        """How far the end of the link is from the driven shaft, which leaves the pivot."""
         x, y = length * math.cos(first) - pivot, length * math.sin(first)
-        above = math.cos(total) * y - math.sin(total) * x > 0.0
-        low, high = (low, first) if above else (first, high)
-        first = (low + high) / 2.0
+        return math.sin(total) * x - math.cos(total) * y
+
+    first = falling(short, 0.0, total)
     return from_bends([first, total - first])
 
 
@@ -105,25 +105,10 @@ def lengths(points: Sequence[Sequence[float]]) -> list[float]:
 # --- motion --------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Steering:
-    """A steering column about straight ahead.
+def steering(shafts: Shafts, centre: float) -> tuple[float, float, float, float]:
+    """Return what a steering column does straight ahead: its speed ratio and the slope of that.
 
-    Attributes:
-        ratio: speed ratio straight ahead.
-        slope: its derivative by the drive angle.
-        turn_to_quick: least turn of the drive to where the ratio is largest.
-        turn_to_slow: least turn to where it is smallest.
-    """
-
-    ratio: float
-    slope: float
-    turn_to_quick: float
-    turn_to_slow: float
-
-
-def steering(shafts: Shafts, centre: float) -> Steering:
-    """Return the speed ratio straight ahead, its slope by differences, and the turns to symmetry.
+    Behind them come the least turns of the drive to where the ratio is largest and smallest.
 
     Args:
         shafts: the driveline.
@@ -133,11 +118,10 @@ def steering(shafts: Shafts, centre: float) -> Steering:
     def ratio(angle: float) -> float:
         return motion(shafts, angle, offset=0.0).speed_ratio
 
-    quick, _ = largest(ratio)
-    slow, _ = largest(lambda angle: -ratio(angle))
     (slope,) = slopes(lambda x: ratio(*x), [centre])
-    turns = (math.remainder(place - centre, math.pi) for place in (quick, slow))
-    return Steering(ratio(centre), float(slope), *turns)
+    quick, slow = largest(ratio)[0], largest(lambda angle: -ratio(angle))[0]
+    to_quick, to_slow = (math.remainder(place - centre, math.pi) for place in (quick, slow))
+    return ratio(centre), float(slope), to_quick, to_slow
 
 
 def excitations(shafts: Shafts) -> tuple[float, float, float]:
@@ -242,28 +226,16 @@ def _lead_at(shafts: Shafts, angle: float, shaft: int = -1) -> float:
 # --- splines -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Spline:
-    """A loaded spline that slides while its shaft becomes longer, in N.
-
-    Attributes:
-        upstream: force on what holds the shaft upstream.
-        downstream: force on what holds it downstream.
-        bearing_force: of each bearing, on its shaft.
-    """
-
-    upstream: Array
-    downstream: Array
-    bearing_force: Array
-
-
 def spline(
     points: Sequence[Sequence[float]],
     shaft: int,
     axial: float,
     bearings: Sequence[tuple[int, float]] = (),
-) -> Spline:
-    """Return the forces about a sliding shaft, by the equilibrium of all bodies in space.
+) -> tuple[Array, Array, Array]:
+    """Return the forces of a loaded spline that slides while its shaft becomes longer [N].
+
+    They are that on what holds the shaft upstream, that on what holds it downstream, and that of
+    each bearing on its shaft, by the equilibrium of all bodies in space.
 
     Bodies are the two halves of the shaft, which stay in line, and the shafts before and behind.
     Each of these has two bearings, which give forces across it, and a thrust. The friction pulls
@@ -314,29 +286,10 @@ def spline(
     parts = np.split(found, np.cumsum([len(vs) for _, vs, _, _ in places])[:-1])
     forces = [part @ vs for part, (_, vs, _, _) in zip(parts, places, strict=True)]
     rest = [forces[given[i]] if i in given else np.zeros(3) for i in range(len(bearings))]
-    return Spline(-forces[0], -forces[1], np.array(rest).reshape(-1, 3))
+    return -forces[0], -forces[1], np.array(rest).reshape(-1, 3)
 
 
 # --- tubes ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Tube:
-    """A round shaft.
-
-    Attributes:
-        stiffness: its torque over its twist [N m/rad].
-        inertia: about its axis [kg m²].
-        mass: in kg.
-        critical_speed: first bending frequency, pinned at both ends [rad/s].
-        shear_per_torque: largest shear stress over the torque [1/m³].
-    """
-
-    stiffness: float
-    inertia: float
-    mass: float
-    critical_speed: float
-    shear_per_torque: float
 
 
 def tube(
@@ -346,11 +299,11 @@ def tube(
     shear_modulus: float,
     elastic_modulus: float,
     density: float,
-    *,
-    rings: int = 4000,
-    elements: int = 24,
-) -> Tube:
-    """Return the figures of a round shaft that is divided into rings and into beam elements.
+) -> dict[str, float]:
+    """Return the figures of a round shaft that is divided into rings and into pieces of its length.
+
+    They are its torsional stiffness [N m/rad], inertia about its axis [kg m²], mass [kg], critical
+    speed [rad/s] and largest shear stress over the torque [1/m³].
 
     Args:
         outer_diameter: in m.
@@ -359,36 +312,23 @@ def tube(
         shear_modulus: in Pa.
         elastic_modulus: in Pa.
         density: in kg/m³.
-        rings: of the section, whose shear grows with the radius.
-        elements: of the length, with cubic shapes and the mass that goes with them.
     """
+    rings, pieces = 4000, 600
     step = wall / rings
     radii = outer_diameter / 2.0 - wall + (np.arange(rings) + 0.5) * step
     areas = 2.0 * math.pi * radii * step
-    polar = float(np.sum(areas * radii**2))
-    section = float(np.sum(areas))
+    polar, section = float(np.sum(areas * radii**2)), float(np.sum(areas))
     # A twist of 1 shears a ring by its radius over the length.
     torque = shear_modulus * polar / length
-    largest_shear = shear_modulus * outer_diameter / 2.0 / length
-    h = length / elements
-    bending = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
-    moving = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
-    units = np.outer([1, h, 1, h], [1, h, 1, h])
-    # Of the whole polar moment, half is that about a diameter.
-    stiffness = elastic_modulus * polar / 2.0 / h**3 * bending * units
-    mass = density * section * h / 420.0 * moving * units
-    size = 2 * elements + 2
-    whole = np.zeros((2, size, size))
-    for i in range(elements):
-        part = slice(2 * i, 2 * i + 4)
-        whole[:, part, part] += stiffness, mass
-    # The ends cannot move but can turn.
-    free = np.ix_([0, 1], *2 * [[i for i in range(size) if i not in (0, size - 2)]])
-    squares = np.linalg.eigvals(np.linalg.solve(*whole[free][::-1]))
-    return Tube(
-        torque,
-        density * length * polar,
-        density * length * section,
-        math.sqrt(float(np.min(squares.real))),
-        largest_shear / torque,
-    )
+    # A beam that is pinned at both ends bends back with E I times the fourth differences of its
+    # deflection, of which half the polar moment is the I, and its mass resists.
+    size = pieces - 1
+    curvature = 2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
+    least = float(np.linalg.eigvalsh(curvature)[0]) * (pieces / length) ** 2
+    return {
+        "stiffness": torque,
+        "inertia": density * length * polar,
+        "mass": density * length * section,
+        "critical_speed": least * math.sqrt(elastic_modulus * polar / 2.0 / (density * section)),
+        "shear_per_torque": shear_modulus * outer_diameter / 2.0 / length / torque,
+    }

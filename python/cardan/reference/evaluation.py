@@ -95,11 +95,18 @@ def sweep(start: float, stop: float, count: int) -> list[float]:
 
 
 def drive_angle(shafts: Shafts, driven: float, shaft: int = -1) -> float:
-    """Return the drive angle at which a shaft has this angle, by halving the turn around it."""
-    low, high = driven - math.pi, driven + math.pi
+    """Return the drive angle at which a shaft has this angle."""
+
+    def missing(angle: float) -> float:
+        return driven - motion(shafts, angle, shaft, offset=_offset(shafts, shaft)).angle
+
+    return falling(missing, driven - math.pi, driven + math.pi)
+
+
+def falling(value: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a value, positive at first, becomes negative, by halving the range."""
     while low < (middle := (low + high) / 2.0) < high:
-        ahead = motion(shafts, middle, shaft, offset=_offset(shafts, shaft)).angle > driven
-        low, high = (low, middle) if ahead else (middle, high)
+        low, high = (middle, high) if value(middle) > 0.0 else (low, middle)
     return middle
 
 

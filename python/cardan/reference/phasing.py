@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, product
 
 from cardan.arrays.errors import ArgumentValueError
-from cardan.reference.evaluation import slopes
+from cardan.reference.evaluation import falling, slopes
 from cardan.reference.vectors import (
     ShaftMotion,
     Shafts,
@@ -111,14 +111,14 @@ def equivalent(shafts: Shafts, shaft: int = -1) -> EquivalentJoint:
     places = [step * i for i in range(_LOOKS)]
     ratios = [at(angle).speed_ratio for angle in places]
     fastest, slowest = (places[ratios.index(of(ratios))] for of in (max, min))
-    fastest = _falling(lambda x: at(x).acceleration_ratio, fastest - step, fastest + step)
-    slowest = _falling(lambda x: -at(x).acceleration_ratio, slowest - step, slowest + step)
+    fastest = falling(lambda x: at(x).acceleration_ratio, fastest - step, fastest + step)
+    slowest = falling(lambda x: -at(x).acceleration_ratio, slowest - step, slowest + step)
     slowest += math.pi * math.ceil((fastest - slowest) / math.pi)
     # From the fastest place to the slowest the shaft gains until its speed is the drive's, and
     # from there to the next fastest place it loses.
-    first = _falling(lambda x: at(x).speed_ratio - 1.0, fastest, slowest)
-    last = _falling(lambda x: 1.0 - at(x).speed_ratio, slowest, fastest + math.pi)
-    steepest = _falling(lambda x: -at(x).jerk_ratio, fastest, slowest)
+    first = falling(lambda x: at(x).speed_ratio - 1.0, fastest, slowest)
+    last = falling(lambda x: 1.0 - at(x).speed_ratio, slowest, fastest + math.pi)
+    steepest = falling(lambda x: -at(x).jerk_ratio, fastest, slowest)
     least, most = at(slowest).speed_ratio, at(fastest).speed_ratio
     return EquivalentJoint(
         bend=_bend(lambda one: _spread(one) - (most - least)),
@@ -131,13 +131,6 @@ def equivalent(shafts: Shafts, shaft: int = -1) -> EquivalentJoint:
     )
 
 
-def _falling(value: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a value, positive at first, becomes negative, by halving the range."""
-    while low < (middle := (low + high) / 2.0) < high:
-        low, high = (middle, high) if value(middle) > 0.0 else (low, middle)
-    return middle
-
-
 def _spread(one: Shafts) -> float:
     """Return the largest less the smallest speed ratio of one joint (Thoma 1920, Hauptlagen)."""
     most, least = (motion(one, x, offset=0.0).speed_ratio for x in (0.0, math.pi / 2))
@@ -146,7 +139,7 @@ def _spread(one: Shafts) -> float:
 
 def _bend(excess: Callable[[Shafts], float]) -> float:
     """Return the bend of the one joint at which a value that grows with the bend is zero."""
-    return _falling(lambda bend: -excess(from_bends([bend])), 0.0, math.nextafter(math.pi / 2, 0))
+    return falling(lambda bend: -excess(from_bends([bend])), 0.0, math.nextafter(math.pi / 2, 0))
 
 
 def _turn(angle: float) -> float:

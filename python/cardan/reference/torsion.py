@@ -233,26 +233,14 @@ def half_turn(system: System, speed: float, state: Array, steps: int) -> list[Ar
     )
 
 
-@dataclass(frozen=True)
-class Orbit:
-    """A periodic motion.
-
-    Attributes:
-        start: its state at the drive angle 0.
-        multipliers: by which deviations from it grow over half a turn.
-        motion: what it does after each step.
-    """
-
-    start: Array
-    multipliers: NDArray[np.complexfloating[Any]]
-    motion: Motion
-
-
-def orbit(system: System, speed: float, start: Array | None = None, *, steps: int = 240) -> Orbit:
+def orbit(
+    system: System, speed: float, start: Array | None = None, *, steps: int = 240
+) -> tuple[Array, NDArray[np.complexfloating[Any]], Motion]:
     """Return the periodic motion near a start, by Newton's method.
 
     The start is moved until half a turn of the drive brings the state back. How the end depends on
-    the start comes from motions that begin beside it; the eigenvalues of that are the multipliers.
+    the start comes from motions that begin beside it; the eigenvalues of that are the multipliers
+    by which deviations grow. From other starts the method may find other periodic motions.
 
     Args:
         system: the system.
@@ -260,50 +248,30 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
         start: a state at the drive angle 0; by default that of rigid shafts.
         steps: of half a turn; the error falls with their fourth power.
 
+    Returns:
+        the state at the drive angle 0, the multipliers, and the motion after each step.
+
     Raises:
         ArithmeticError: no periodic motion is found.
     """
     at = rigid(system, speed) if start is None else start
     m = len(system.compliant)
-    scale = np.repeat([1.0, speed], m)
-    turn = np.repeat([math.pi, 0.0], m)
-    h = 1e-5 * np.diag(scale)
+    scale, turn = np.repeat([1.0, speed], m), np.repeat([math.pi, 0.0], m)
+    h = 1e-5
     for _ in range(40):
-        beside = at[:, np.newaxis] + np.hstack([np.zeros((2 * m, 1)), h, -h])
-        states = half_turn(system, speed, beside, steps)
-        missed = states[-1][:, 0] - turn - at
-        ends = states[-1][:, 1:] / scale[:, np.newaxis]
-        matrix = (ends[:, : 2 * m] - ends[:, 2 * m :]) / 2e-5
-        if np.max(np.abs(missed / scale)) < 1e-10:
+        aside = h * np.diag(scale)
+        beside = at[:, np.newaxis] + np.hstack([np.zeros((2 * m, 1)), aside, -aside])
+        states = np.array(half_turn(system, speed, beside, steps))
+        missed = (states[-1, :, 0] - turn - at) / scale
+        above, below = np.split(states[-1, :, 1:] / scale[:, np.newaxis], 2, axis=1)
+        matrix = (above - below) / (2.0 * h)
+        if np.max(np.abs(missed)) < 1e-10:
             angles = np.arange(1, steps + 1) * math.pi / steps
-            path = np.array([state[:, 0] for state in states]).T
-            return Orbit(at, np.linalg.eigvals(matrix), motion(system, angles, speed, path))
-        step = np.linalg.solve(np.eye(2 * m) - matrix, missed / scale)
+            own = motion(system, angles, speed, states[..., 0].T)
+            return at, np.linalg.eigvals(matrix), own
+        step = np.linalg.solve(np.eye(2 * m) - matrix, missed)
         at = at + scale * step / max(1.0, float(np.max(np.abs(step))))
     raise ArithmeticError("no periodic motion is found")
-
-
-def coexisting(
-    system: System, speed: float, starts: Sequence[Array], *, steps: int = 240
-) -> list[Orbit]:
-    """Return the different periodic motions that are found from many starts.
-
-    Args:
-        system: the system.
-        speed: of the drive [rad/s].
-        starts: states at the drive angle 0.
-        steps: of half a turn.
-    """
-    found: list[Orbit] = []
-    for start in starts:
-        try:
-            own = orbit(system, speed, start, steps=steps)
-        except ArithmeticError:
-            continue
-        scale = np.repeat([1.0, speed], len(system.compliant))
-        if all(np.max(np.abs(own.start - other.start) / scale) > 1e-6 for other in found):
-            found.append(own)
-    return found
 
 
 def transient(
