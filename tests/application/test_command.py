@@ -739,7 +739,7 @@ def test_missing_extra(
 
 def test_without_click() -> None:
     """As after an installation without extras."""
-    script = "import sys; sys.modules['click'] = None; from cardan.command import main; main()"
+    script = "import sys; sys.modules['click'] = None; from cardan.app.command import main; main()"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "cardan: the command needs click: pip install 'cardan[app]'\n"

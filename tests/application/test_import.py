@@ -47,7 +47,7 @@ def loaded(code: str) -> set[str]:
 def loaded_by_command(*arguments: str | Path) -> set[str]:
     """The modules that are there after a run of the command."""
     argv = ["cardan", *map(str, arguments)]
-    return loaded(f"from cardan.command import main; sys.argv = {argv!r}; main()")
+    return loaded(f"from cardan.app.command import main; sys.argv = {argv!r}; main()")
 
 
 def test_the_library_alone_is_imported() -> None:
@@ -95,6 +95,7 @@ def test_the_command_says_what_it_is_without_the_library(arguments: list[str]) -
     assert {name for name in modules if name.startswith("cardan")} == {
         "cardan",
         "cardan._core",
+        "cardan.app",
         "cardan.app.command",
         "cardan.app.command.commands",
         "cardan.app.command.terminal",
@@ -105,7 +106,7 @@ def test_the_command_says_what_it_is_without_the_library(arguments: list[str]) -
 def test_names_of_subcommands_are_completed_without_them() -> None:
     words = {"_CARDAN_COMPLETE": "bash_complete", "COMP_WORDS": "cardan ch", "COMP_CWORD": "1"}
     modules = loaded(
-        f"import os; os.environ.update({words}); from cardan.command import main; main()"
+        f"import os; os.environ.update({words}); from cardan.app.command import main; main()"
     )
     assert "click.shell_completion" in modules
     assert "cardan.app.command.check" not in modules

@@ -397,7 +397,7 @@ def test_settings_of_the_caller_stay(tmp_path: Path) -> None:
 
 def test_pyplot_stays_out(tmp_path: Path) -> None:
     script = (
-        "import sys; from cardan.scene import Scene; from cardan.plots import write_picture\n"
+        "import sys; from cardan import Scene; from cardan.app.plots import write_picture\n"
         "assert 'matplotlib' not in sys.modules\n"
         "result = Scene.parse('[driveline]\\nbends_deg = [8.5]').run()\n"
         f"write_picture(result, {str(tmp_path / 'a.png')!r})\n"

@@ -703,7 +703,7 @@ def test_without_jinja2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(ImportError, match=r"needs jinja2: pip install 'cardan\[app\]'"):
         write_report(scene(Z_SHAFT), tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
-    script = "import sys, cardan.command, cardan.report; assert 'jinja2' not in sys.modules"
+    script = "import sys, cardan.app.command, cardan.app.report; assert 'jinja2' not in sys.modules"
     subprocess.run([sys.executable, "-c", script], check=True)
 
 

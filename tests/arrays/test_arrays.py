@@ -429,7 +429,9 @@ def test_the_result_is_a_mapping_with_attributes() -> None:
     assert len(got) == 2
     assert got["angle"] is got.angle
     assert "angle" in dir(got)
-    assert repr(got) == "Result(speed_ratio: (60,), angle: (60,))"
+    assert repr(got) == (
+        "Result(speed_ratio: (60,) 0.955042 to 1.04722, angle: (60,) -2.98759 to 8.98717 rad)"
+    )
     with pytest.raises(AttributeError, match="holds no 'torque'"):
         _ = got.torque
     with pytest.raises(KeyError):

@@ -209,8 +209,8 @@ def test_a_number_is_no_load() -> None:
 
 
 def test_completion_shows_public_names() -> None:
-    adapters = {"jax", "scipy", "torch"}
-    assert set(dir(cardan)) - set(vars(cardan)["__all__"]) == {"scene", *adapters}
+    modules = {"files", "jax", "scene", "scipy", "torch"}
+    assert set(dir(cardan)) - set(vars(cardan)["__all__"]) == modules
 
 
 # --- several reductions ------------------------------------------------------------------------

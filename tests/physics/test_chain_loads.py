@@ -16,11 +16,14 @@ import numpy as np
 import pytest
 
 import tiers
-from cardan import Driveline, Load, Result, Sweep
+from cardan import OUTPUTS, Driveline, Load, Result, Sweep
 from oracle import LIMIT_TABLE, OUTPUT_LIMITS, Doubles, Exact, ExactJoint, ExactTurn, mp
 from vectors import ExactLoads, Frames
 
-LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in LIMIT_TABLE["chain"].items()}
+# Vectors in axes that turn with their shaft are judged by the stress tool.
+LIMITS: dict[str, float] = {
+    name: row["tolerance_0"] for name, row in LIMIT_TABLE["chain"].items() if name in OUTPUTS
+}
 NAMES = tuple(LIMITS)
 RIGHT = math.pi / 2
 

@@ -328,7 +328,9 @@ def test_drivelines_do_not_change() -> None:
     assert again.directions.tolist() == line.directions.tolist()
     assert again != line
     assert len({line, again}) == 2
-    assert repr(line) == "<Driveline of 2 joints, bent by 5.72958, 11.4592 deg>"
+    assert repr(line) == (
+        "<Driveline of 2 joints: bends 5.72958 11.4592 deg, twists 0 deg, phases 28.6479 deg>"
+    )
     assert repr(Driveline.from_bends([[0.1], [0.2]])) == "<Driveline batch (2,) of 1 joint>"
     with pytest.raises(TypeError, match="from_bends"):
         Driveline()

@@ -350,4 +350,7 @@ def test_over_the_driven_angle() -> None:
     plan = LINE.plan(NAMES, load=LOAD_OF_FOUR, axes="shaft", angle_of="driven")
     result = plan(ANGLES)
     again = LINE.evaluate(result.drive_angle, NAMES, load=LOAD_OF_FOUR, axes="shaft")
-    assert result == again
+    # The drive angles of the plan have an error term, which those of the result lack.
+    for name in NAMES:
+        size = np.abs(again[name]).max()
+        np.testing.assert_allclose(result[name], again[name], rtol=0.0, atol=1e-14 * size)

@@ -80,7 +80,7 @@ TWINS = {
         "wind_up": "design.wind_up",
         "catalogue_bend": SOURCES,
         "order_tolerances tolerances": SEARCH,
-        "approx_equal bearings concatenate has_points n_bearings n_joints ndim plan reshape "
+        "plot approx_equal bearings concatenate has_points n_bearings n_joints ndim plan reshape "
         "shape size with_bearings": SHAPE,
     },
     "Transmission": {
