@@ -51,21 +51,29 @@ _MOST_SHOWN = 8
 
 
 class Driveline:
-    """Shafts joined by universal joints, or a batch of such drivelines of equal length.
+    """Shafts joined by universal joints, or a batch of drivelines with as many joints each.
 
-    Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
-    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Of dask
-    arrays all but the last make a ``cardan.interop.lazy.LazyDriveline``, to be evaluated in pieces
-    and anywhere. Drivelines are immutable: their arrays are read-only, and ``with_phases`` makes a
-    new one.
+    A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft 0 drives. Angles
+    are in radians and quantities in SI units, unless a name or keyword says otherwise. Make one
+    with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
+    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines are immutable: their
+    arrays are read-only, and ``with_phases`` makes a new one. ``cardan.OUTPUTS`` lists what
+    ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are what it takes besides angles,
+    and ``cardan.optimise`` searches the best layout. Of dask arrays, all constructors but the last
+    make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated in pieces and anywhere.
 
-    Geometry: ``u_i`` is the unit vector along shaft ``i`` in the direction of power flow, the bend
-    of joint ``j`` the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
+    Let ``u_i`` be the unit vector along shaft ``i`` in the direction of power flow. The bend of
+    joint ``j`` is the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
     x u_{j+1})``. The twist of an intermediate shaft is the angle about it from one normal to the
-    next, its phase the angle from its input-side to its output-side pin; phase 0 means both yokes
-    in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
-    shafts 0 and 1. All rotations are right-handed about ``u_i``:
-    clockwise, looking from the drive towards the output.
+    next. Its phase is the angle from its input-side to its output-side pin; phase 0 means both
+    yokes in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
+    shafts 0 and 1. All rotations are right-handed about ``u_i``: clockwise, looking from the drive
+    towards the output.
+
+    >>> import cardan
+    >>> line = cardan.Driveline.from_bends([10, 20], phases=90, degrees=True)
+    >>> line.evaluate([0.0, 0.5], "speed_ratio").speed_ratio.round(6)
+    array([1.080594, 1.040492])
     """
 
     __slots__ = ("_geometry", "_lines", "_n_joints", "_plans", "_shape")
@@ -309,7 +317,7 @@ def _overview() -> str:
         own: Any = getattr(member, "__func__", getattr(member, "fget", member))
         if not name.startswith("_") and callable(own):
             room = sys.modules[own.__module__.rpartition(".")[0]]
-            title = "Attributes." if room.__name__ == "cardan" else _first_line(room)
+            title = "Pictures and attributes." if room.__name__ == "cardan" else _first_line(room)
             groups.setdefault(title, []).append(f"    {name:<20}  {_first_line(own)}")
     return "\n\n".join("\n".join((title[:-1] + ":", *lines)) for title, lines in groups.items())
 

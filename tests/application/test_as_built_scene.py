@@ -15,10 +15,11 @@ from click.testing import CliRunner, Result
 from cardan import Driveline
 from cardan.app.command import commands
 from cardan.app.figures.as_built import ORDERS, as_built_orders
-from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.run import run_data
 from cardan.app.figures.summary import SummaryRow, summary
 from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, SceneError
 from cardan.app.words.as_built import BY_DRAWING
@@ -111,7 +112,7 @@ def test_answers_have_the_orders(radians: bool) -> None:
     error = first["as_built"]["angle_error_rad" if radians else "angle_error_deg"]
     exact = BUILT.harmonics([1], outputs="angle_error").angle_error[0]
     assert error == pytest.approx(exact if radians else np.degrees(exact), rel=1e-9)
-    checked = check_data(scene, check_scene(scene))
+    checked = check_data(scene, verdict(scene))
     ANSWERS.validate(checked)
     assert len(checked["as_built"]) == len(ORDERS)
 
@@ -315,6 +316,6 @@ def test_the_state_with_the_largest_order_1_is_told() -> None:
     orders = built.harmonics(ORDERS, outputs="angle_error").angle_error
     np.testing.assert_allclose(found.angle_error[0], orders, rtol=1e-9, atol=1e-12)
     assert found.state == "high"
-    data = check_data(scene, check_scene(scene))
+    data = check_data(scene, verdict(scene))
     ANSWERS.validate(data)
     assert data["as_built"][0]["state"] == "high"

@@ -15,13 +15,14 @@ from matplotlib import pyplot
 from cardan import Driveline, Load
 from cardan.app.command import commands
 from cardan.app.figures.forces import force_figures
-from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.run import run_data
 from cardan.app.figures.scene_forces import scene_force_paths, scene_forces
 from cardan.app.figures.schema import answers_schema
 from cardan.app.figures.states import forces_of
 from cardan.app.figures.summary import summary
 from cardan.app.figures.tolerances import tolerance_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.plots import plot_force_hodograph, plot_hodograph
 from cardan.app.report import write_report
 from cardan.app.report.forces import force_views
@@ -118,7 +119,7 @@ def test_words_and_answers_have_order_1(tmp_path: Path) -> None:
     assert ideal is not None
     assert "order 1" not in forces_text(ideal)
     scene = Scene.parse(DRAWN)
-    assert "order_1_N" not in json.dumps(check_data(scene, check_scene(scene)))
+    assert "order_1_N" not in json.dumps(check_data(scene, verdict(scene)))
     page = tmp_path / "page.html"
     write_report(Scene.parse(TEXT), page)
     words = page.read_text(encoding="utf-8")

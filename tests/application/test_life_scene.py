@@ -18,9 +18,10 @@ import cardan
 from cardan.app.command import commands
 from cardan.app.figures.life import LifeFigures, life_figures, needed_life
 from cardan.app.figures.life_answer import life_data
-from cardan.app.figures.limits import check_data, check_scene, passes
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.schema import answers_schema
 from cardan.app.figures.tubes import tube_figures, tubes_data
+from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from cardan.app.words.life import life_sentences, life_text, tube_lines, tube_sentences
@@ -175,8 +176,8 @@ def test_limits_of_a_type_are_judged() -> None:
     assert "Joint 1 is bent by 18°; its type permits 15°." in list(life_sentences(found))
     fast = figures(f"{SCENE}{limits}[life]\nspeed_rpm = [10, 1501]\n")
     assert [joint.speed_bend.passes for joint in fast.joints] == [False, False]
-    assert not passes(Scene.parse(f"{SCENE}{limits}"))
-    assert passes(Scene.parse(SCENE))
+    assert verdict(Scene.parse(f"{SCENE}{limits}")).beyond
+    assert not verdict(Scene.parse(SCENE)).beyond
 
 
 def test_a_driveline_that_turns_backwards_is_judged_by_the_size_of_its_speed() -> None:
@@ -306,10 +307,10 @@ def test_tubes_are_those_of_the_library() -> None:
     assert found.stress == pytest.approx(own.shear_stress(found.torque))
     assert (found.stress_passes, found.margin_passes) == (False, False)
     assert len(list(tube_sentences([found]))) == 2
-    assert not passes(scene)
+    assert verdict(scene).beyond
     mild = f"{SCENE}{TUBE}permitted_stress_MPa = 13\nleast_margin = 4\n"
     assert tube_figures(Scene.parse(mild))[0].passes
-    assert passes(Scene.parse(mild))
+    assert not verdict(Scene.parse(mild)).beyond
     assert list(tube_sentences(tube_figures(Scene.parse(mild)))) == []
     turning = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))[0]
     assert turning.torque is turning.stress is None
@@ -380,7 +381,7 @@ def test_the_example_answers(tmp_path: Path) -> None:
     answer = json.loads(command("check", CONVEYOR, "--json").output)
     ANSWERS.validate(answer)
     assert answer["advice"][-1] == advice
-    ANSWERS.validate(check_data(scene, check_scene(scene)))
+    ANSWERS.validate(check_data(scene, verdict(scene)))
 
 
 def test_the_page_has_the_life(tmp_path: Path, answered: Answers) -> None:

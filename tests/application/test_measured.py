@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cardan import Driveline, Load
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_scene
 from cardan.app.figures.summary import drive_angles
+from cardan.app.figures.verdict import check_scene
 from cardan.app.scene import Scene, stream
 from cardan.app.scene.curves import columns, write_curves
 from cardan.app.scene.motion import Integral, derivatives

@@ -15,9 +15,9 @@ from click.testing import CliRunner
 
 from cardan import Driveline
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_scene
 from cardan.app.figures.states import forces_of
 from cardan.app.figures.steering import steering_data, steering_figures
+from cardan.app.figures.verdict import check_scene
 from cardan.app.plots import plot_states, write_picture
 from cardan.app.report import write_report
 from cardan.app.report.charts import FRAME, chart

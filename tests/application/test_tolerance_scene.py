@@ -15,10 +15,11 @@ from click.testing import CliRunner, Result
 
 import cardan
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.schema import answers_schema
 from cardan.app.figures.tolerance_answers import tolerances_data
 from cardan.app.figures.tolerances import ToleranceFigures, permitted_tolerances, tolerance_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -163,7 +164,7 @@ def test_the_answer_fits_its_schema(tmp_path: Path) -> None:
     result = command("tolerances", WORKSHOP, "--json")
     assert result.exit_code == 0
     assert json.loads(result.stdout) == data
-    checked = check_data(scene(TEXT), check_scene(scene(TEXT)))
+    checked = check_data(scene(TEXT), verdict(scene(TEXT)))
     ANSWERS.validate(checked)
     assert checked["tolerances"]["figures"] == data["figures"]
     small = TEXT.replace("[10, 10]", "[1, 1]").replace("bends_deg = 0.1 ", "bends_deg = 0.01 ")

@@ -13,10 +13,11 @@ from click.testing import CliRunner
 
 from cardan import Driveline, Load
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.schema import answers_schema
 from cardan.app.figures.tolerance_answers import tolerances_data
 from cardan.app.figures.tolerances import ToleranceFigure, tolerance_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from cardan.app.words.tolerances import tolerances_text, verdict_texts
@@ -162,7 +163,7 @@ def test_answers_check_report_and_picture(tmp_path: Path) -> None:
     assert [state["state"] for state in entry["states"]] == ["low", "rest", "high"]
     assert entry["worst"] == max(state["worst"] for state in entry["states"])
     assert entry["worst_in"] == "low"
-    checked = check_data(given, check_scene(given))
+    checked = check_data(given, verdict(given))
     ANSWERS.validate(checked)
     assert checked["tolerances"]["figures"] == data["figures"]
     path = tmp_path / "truck.toml"

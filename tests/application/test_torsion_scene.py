@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data, check_scene
+from cardan.app.figures.limits import check_data
 from cardan.app.figures.schema import answers_schema
 from cardan.app.figures.torsion import TorsionFigures, torsion_figures
 from cardan.app.figures.torsion_answer import torsion_data
 from cardan.app.figures.torsion_modes import torsion_basics
+from cardan.app.figures.verdict import verdict
 from cardan.app.scene import Scene
 from cardan.app.scene.torsion import TorsionCase
 from cardan.app.words.torsion import torsion_advice, torsion_sentences, torsion_text
@@ -417,13 +418,13 @@ def test_check_advises() -> None:
         "Whittaker-Hill equation, one compliant shaft)"
     ) in flat
     scene = Scene.load(RIG)
-    data = check_data(scene, check_scene(scene))
+    data = check_data(scene, verdict(scene))
     ANSWERS.validate(data)
     assert data["torsion"]["bend_rules"][0]["exceeded"] is True
     assert [part["inside"] for part in data["torsion"]["critical_speeds"]] == [True, True, True]
     # Advice is no limit: a driveline within the limits passes with it.
     quiet = Scene.parse(JOINT.replace("[20]", "[2]"))
-    assert check_data(quiet, check_scene(quiet))["passes"] is True
+    assert check_data(quiet, verdict(quiet))["passes"] is True
 
 
 def test_check_is_silent_where_nothing_is_wrong() -> None:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import click
-import numpy as np
 
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import (
@@ -19,13 +18,7 @@ from cardan.app.figures.as_built import as_built_orders
 from cardan.app.figures.backlash import scene_backlash
 from cardan.app.figures.drive_speed import drive_speed
 from cardan.app.figures.life import life_figures
-from cardan.app.figures.limits import (
-    ball_joint_check_data,
-    check_data,
-    check_scene,
-    parts_beyond,
-    passes,
-)
+from cardan.app.figures.limits import ball_joint_check_data, check_data
 from cardan.app.figures.slides import scene_slides
 from cardan.app.figures.slip import slip_figures
 from cardan.app.figures.states import forces_of, verdicts
@@ -33,6 +26,7 @@ from cardan.app.figures.steering import steering_figures
 from cardan.app.figures.tolerances import tolerance_figures
 from cardan.app.figures.torsion_modes import torsion_basics
 from cardan.app.figures.tubes import tube_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.scene import load_scene
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
@@ -43,7 +37,7 @@ from cardan.app.words.ball_joint import ball_joint_text
 from cardan.app.words.drive_speed import drive_speed_text
 from cardan.app.words.forces import forces_text
 from cardan.app.words.life import life_remedies, life_verdict_text, tubes_text
-from cardan.app.words.limits import check_text
+from cardan.app.words.limits import check_text, verdict_lines
 from cardan.app.words.slides import slides_text
 from cardan.app.words.slip import slip_text
 from cardan.app.words.states import verdicts_text
@@ -64,10 +58,10 @@ def command(scene: Path, as_json: bool) -> int:
     by the last shaft and by the shafts between two joints is printed as well.
 
     A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond.
-    The exit status is 0 for within and tolerable, and 1 for beyond. Splines, steering, joints,
-    tubes and ball joints that exceed what the scene permits count as beyond; they are listed below
-    the verdict. In a study every driveline counts, and each figure is the worst of them, with its
-    place.
+    The first line is the verdict on everything together, and the exit status is 0 for within and
+    tolerable, and 1 for beyond. Splines, steering, joints, tubes and ball joints that exceed what
+    the scene permits count as beyond; the verdict names them. In a study every driveline counts,
+    and each figure is the worst of them, with its place.
 
     \b
     Examples:
@@ -76,26 +70,24 @@ def command(scene: Path, as_json: bool) -> int:
     """
     loaded = load_scene(scene)
     if isinstance(loaded, BallJointScene):
-        say(
-            as_json_text(ball_joint_check_data(loaded))
-            if as_json
-            else ball_joint_text(loaded.ball_joint)
-        )
-        return 0 if passes(loaded) else 1
+        alone = verdict(loaded)
+        lines = [*verdict_lines(alone), "", ball_joint_text(loaded.ball_joint)]
+        say(as_json_text(ball_joint_check_data(loaded)) if as_json else "\n".join(lines))
+        return 0 if alone.passes else 1
     with progress_bar() as progress:
-        found = check_scene(loaded, progress)
+        judged = verdict(loaded, progress)
     advised = scene_advice(loaded)
     sentences = [*(remedies(advised) if advised else []), *_life_remedies(loaded)]
     say(
-        as_json_text(check_data(loaded, found, sentences))
+        as_json_text(check_data(loaded, judged, sentences))
         if as_json
-        else check_text(found, sentences, parts_beyond(loaded))
+        else check_text(judged, sentences)
     )
-    if loaded.states and not as_json:
-        say(f"\n{verdicts_text(verdicts(loaded, found))}")
+    if loaded.states and judged.motion is not None and not as_json:
+        say(f"\n{verdicts_text(verdicts(loaded, judged.motion))}")
     for words in () if as_json else _further(loaded):
         say(f"\n{words}")
-    return 0 if np.all(found.passes) and passes(loaded) else 1
+    return 0 if judged.passes else 1
 
 
 def _life_remedies(scene: Scene) -> list[str]:

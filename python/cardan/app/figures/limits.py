@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,13 +15,11 @@ from cardan.app.figures.backlash import BACKLASH_SCHEMA, backlash_data, scene_ba
 from cardan.app.figures.ball_joint import (
     BALL_JOINT_SCHEMA,
     ball_joint_data,
-    ball_joint_figures,
 )
 from cardan.app.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.app.figures.extremes import finite_or_none
 from cardan.app.figures.life import life_figures
 from cardan.app.figures.life_answer import LIFE_PART, life_part
-from cardan.app.figures.rounding import alike
 from cardan.app.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.app.figures.slides import SLIDES_SCHEMA, scene_slides, slides_data
 from cardan.app.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
@@ -33,15 +30,11 @@ from cardan.app.figures.tolerances import tolerance_figures
 from cardan.app.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_data
 from cardan.app.figures.torsion_modes import torsion_basics
 from cardan.app.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data
-from cardan.app.files.progress import Progress
+from cardan.app.figures.verdict import Verdict, verdict
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.study import Study
 from cardan.app.scene.units import RPM
-from cardan.arrays import FloatArray
-from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
-from cardan.driveline import Driveline
 
 _ENDINGS = {"deg": "deg", "rad/s²": "rad_s2"}
 
@@ -53,83 +46,16 @@ _PRACTICE = {
 }
 
 
-def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
-    """Check the driveline of a scene, or all of its study or states, and say where the worst lies.
-
-    ``progress`` is called after each block of the study with the rows done and all rows.
-    """
-    if scene.states:
-        return check_states(scene, scene.drivelines())
-    if scene.study is None or not scene.study.axes:
-        known = scene.without_missing()
-        # Bends that were recorded go with the speeds of their samples; of fixed ones the largest
-        # speed is the worst.
-        if known.line.shape and known.speed_recorded and known.load_case is not None:
-            return known.line.check(known.load_case.speed, scene.limits)
-        return known.line.check(scene.speed or None, scene.limits)
-    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
-    blocks = []
-    rows = math.prod(scene.study.shape)
-    for first, line, load in scene.study.blocks():
-        # Of a recorded speed the largest counts.
-        speed = scene.speed if scene.speed_recorded else load.speed if load and turns else None
-        blocks.append(line.check(speed, scene.limits).findings)
-        if progress:
-            progress(first + line.shape[0], rows)
-    findings = []
-    for parts in zip(*blocks, strict=True):
-        value = _joined([part.value for part in parts])
-        at_unit_speed = None
-        if parts[0].at_unit_speed is not None:
-            at_unit_speed = _joined([part.at_unit_speed for part in parts])
-        worst_at = {} if parts[0].needs_speed else _worst_at(scene.study, value)
-        findings.append(
-            replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
-        )
-    return Check(tuple(findings), scene.limits)
-
-
-def check_states(scene: Scene, lines: Driveline) -> Check:
-    """Check the drivelines ``(states,)`` of the states of a scene, each at its own speed."""
-    states = scene.states
-    assert states
-    loads = [states.load(i) for i in range(states.count)]
-    speeds = np.array([scene.speed if load is None else load.speed for load in loads])
-    # Of a recorded speed the largest counts.
-    speed = scene.speed if scene.speed_recorded else speeds
-    found = lines.check(speed if np.any(speed) else None, scene.limits)
-    findings = []
-    for finding in found.findings:
-        value = np.broadcast_to(finding.value, (states.count,))
-        worst = "" if finding.needs_speed else states.names[int(np.argmax(value))]
-        findings.append(replace(finding, value=value, worst_in=worst))
-    return Check(tuple(findings), scene.limits)
-
-
-def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
-    return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
-
-
-def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
-    """The keys of a study on which its largest value depends, and their values there."""
-    grid = value.reshape(study.shape)
-    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
-    found = {}
-    for number, axis in enumerate(study.axes):
-        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
-        if not alike(float(np.min(along)), float(np.max(along))):
-            found[axis.key] = float(axis.values[place[number]])
-    return found
-
-
-def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[str, Any]:
+def check_data(scene: Scene, judged: Verdict, advice: Sequence[str] = ()) -> dict[str, Any]:
     """Return a check as plain data for JSON, as ``CHECK_SCHEMA`` describes it.
 
     Args:
         scene: the scene that was checked.
-        found: its check.
+        judged: the verdict on it, with its check.
         advice: what would bring it within the limits, a sentence each.
     """
+    found = judged.motion
+    assert found is not None
     by_figure = {finding.figure: finding for finding in found.findings}
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
     if built := as_built_orders(scene):
@@ -162,8 +88,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     return answer(
         "check",
         scene.title,
-        **_verdict(found.ranks),
-        passes=bool(np.all(found.passes)) and passes(scene),
+        **_counts(found.ranks),
+        **_overall(judged),
         preset=found.limits.preset,
         catalogue={
             **_verdict(found.catalogue.ranks),
@@ -175,41 +101,27 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     )
 
 
-def passes(scene: Scene | BallJointScene) -> bool:
-    """Whether what a scene has besides its driveline is within what the scene allows."""
-    return not parts_beyond(scene)
-
-
-def parts_beyond(scene: Scene | BallJointScene) -> list[str]:
-    """Return what a scene has besides its driveline that is beyond what the scene allows."""
-    beyond = []
-    if isinstance(scene, Scene):
-        slip, steered, life = slip_figures(scene), steering_figures(scene), life_figures(scene)
-        judged = {
-            "the spline": slip is None or slip.passes,
-            "the symmetry of the steering": steered is None or steered.passes,
-            "the life of the joints": life is None or life.passes,
-            **{f"the tube of shaft {tube.shaft}": tube.passes for tube in tube_figures(scene)},
-        }
-        beyond = [name for name, is_within in judged.items() if not is_within]
-    if scene.ball_joint and not ball_joint_figures(scene.ball_joint).passes:
-        beyond.append("the ball joint")
-    return beyond
-
-
 def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:
     """Return the check of a ball joint alone as plain data for JSON."""
     data = ball_joint_data(scene.ball_joint)
-    return answer("check", scene.title, passes=passes(scene), ball_joint=data)
+    return answer("check", scene.title, **_overall(verdict(scene)), ball_joint=data)
+
+
+def _overall(judged: Verdict) -> dict[str, Any]:
+    return {"verdict": judged.word, "passes": judged.passes, "beyond": judged.beyond}
 
 
 def _verdict(ranks: NDArray[np.int_]) -> dict[str, Any]:
     """The worst verdict, and how many drivelines have which."""
+    return {"verdict": VERDICTS[int(np.max(ranks, initial=0))], **_counts(ranks)}
+
+
+def _counts(ranks: NDArray[np.int_]) -> dict[str, Any]:
     counts = {
         name.replace(" ", "_"): int(np.count_nonzero(ranks == rank))
         for rank, name in enumerate(VERDICTS)
     }
-    return {"verdict": VERDICTS[int(np.max(ranks, initial=0))], "drivelines": counts}
+    return {"drivelines": counts}
 
 
 def _entry(finding: Finding) -> dict[str, Any]:
@@ -240,12 +152,13 @@ def _entry(finding: Finding) -> dict[str, Any]:
 
 _NUMBER = {"type": ["number", "null"]}
 _KEY = {"key": {"type": "string"}, "value": {"type": "number"}}
-_JUDGED = {
-    "verdict": {"enum": list(VERDICTS)},
+_VERDICT = {"enum": list(VERDICTS)}
+_COUNTS = {
     "drivelines": record(
         {name.replace(" ", "_"): {"type": "integer", "minimum": 0} for name in VERDICTS}
     ),
 }
+_JUDGED = {"verdict": _VERDICT, **_COUNTS}
 
 
 def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
@@ -273,7 +186,7 @@ CHECK_SCHEMA = answers_with(
     "check",
     "what cardan check prints with --json",
     {
-        **_JUDGED,
+        **_COUNTS,
         "preset": {"type": ["string", "null"]},
         "catalogue": record(
             {
@@ -287,7 +200,15 @@ CHECK_SCHEMA = answers_with(
         "advice": {"type": "array", "items": {"type": "string"}},
     },
     {"ball_joint": BALL_JOINT_SCHEMA},
-    needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
+    needed={
+        "verdict": {**_VERDICT, "description": "the worst of all that has a limit"},
+        "passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"},
+        "beyond": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "what is beyond its limits besides the motion of the driveline",
+        },
+    },
     optional={
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "as_built": AS_BUILT_SCHEMA,

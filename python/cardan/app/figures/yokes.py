@@ -18,8 +18,8 @@ from cardan.app.figures.advice import (
 )
 from cardan.app.figures.answers import answer, answer_schema, record
 from cardan.app.figures.catalogue import CATALOGUE_SCHEMA, root_rule
-from cardan.app.figures.limits import check_states
 from cardan.app.figures.rounding import equivalent_bend_deg
+from cardan.app.figures.verdict import check_states
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.driveline import Driveline

@@ -11,7 +11,8 @@ from cardan.app.figures.drive_speed import drive_speed
 from cardan.app.figures.slip import slip_figures
 from cardan.app.figures.states import forces_of
 from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.report.limits import groups, shown, verdict_of
+from cardan.app.figures.verdict import Verdict
+from cardan.app.report.limits import groups, shown, verdict_data, verdict_of
 from cardan.app.report.motion import deviates, turn_motion
 from cardan.app.report.samples import Samples
 from cardan.app.scene.scene import Scene
@@ -43,17 +44,20 @@ _SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the 
 
 
 def answer(
-    scene: Scene, samples: Samples, found: Check, yokes: dict[str, Any] | None
+    scene: Scene, samples: Samples, judged: Verdict, yokes: dict[str, Any] | None
 ) -> dict[str, Any]:
     """Return the three answers as plain data for ``answer.html``.
 
     Args:
         scene: the scene.
         samples: the same evaluated for the page.
-        found: its check, as ``check_scene`` makes it.
+        judged: the verdict on it, with its check.
         yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
     """
+    found = judged.motion
+    assert found is not None
     return {
+        "verdict": verdict_data(judged),
         "smooth": _smooth(scene, found),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,

@@ -14,6 +14,7 @@ from cardan.app.figures.ball_joint import (
     pressure_curve,
     section,
 )
+from cardan.app.figures.verdict import verdict
 from cardan.app.report.charts import chart
 from cardan.app.report.limits import shown
 from cardan.app.report.samples import Curve, Panel
@@ -56,6 +57,7 @@ def page_data(scene: BallJointScene) -> dict[str, Any]:
         "title": scene.title or Path(scene.name).name,
         "name": Path(scene.name).name,
         "ball_joint": ball_joint(scene.ball_joint),
+        "verdict": verdict(scene).word,
     }
 
 

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from cardan.app.figures.names import key_name
+from cardan.app.figures.verdict import Verdict
 from cardan.app.report.charts import number
 from cardan.app.report.tables import Table
+from cardan.app.words.limits import verdict_lines
 from cardan.app.words.summary import figure_text
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding
@@ -32,6 +34,15 @@ def verdict_of(found: Check | Finding) -> str:
 def shown(verdict: str) -> str:
     """Return the class of the page by which a verdict has its colour."""
     return _SHOWN[verdict][0]
+
+
+def verdict_data(judged: Verdict) -> dict[str, Any]:
+    """Return the verdict on a scene for the top of its page."""
+    return {
+        "word": judged.word,
+        "class": shown(judged.word),
+        "words": " ".join(verdict_lines(judged)),
+    }
 
 
 def groups(found: Check) -> list[dict[str, Any]]:

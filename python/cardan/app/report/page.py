@@ -14,13 +14,13 @@ import numpy as np
 
 from cardan import __version__
 from cardan.app.figures.life import life_figures
-from cardan.app.figures.limits import check_scene
 from cardan.app.figures.slides import scene_slides
 from cardan.app.figures.slip import slip_figures
 from cardan.app.figures.steering import steering_figures
 from cardan.app.figures.tolerances import tolerance_figures
 from cardan.app.figures.torsion import torsion_figures
 from cardan.app.figures.tubes import tube_figures
+from cardan.app.figures.verdict import verdict
 from cardan.app.figures.yokes import yoke_settings
 from cardan.app.files.progress import Progress
 from cardan.app.report import tables
@@ -55,7 +55,9 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         return _ball_joint_page(scene)
     template = environment().get_template("page.html")
     result = scene.run(progress)
-    samples, found = evaluated(scene), check_scene(scene)
+    samples, judged = evaluated(scene), verdict(scene)
+    found = judged.motion
+    assert found is not None
     # Of one joint there is nothing to set, and for recorded bends no setting.
     fixed = scene.line.n_joints > 1 and not scene.line.shape
     fixed = fixed and not (scene.states and scene.states.set_phases)
@@ -68,7 +70,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     moved = scene_slides(scene)
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
-        answer(scene, samples, found, yokes),
+        answer(scene, samples, judged, yokes),
         version=__version__,
         style=_part("page.css"),
         script=_part("page.js"),
