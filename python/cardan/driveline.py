@@ -56,11 +56,12 @@ class Driveline:
     A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft 0 drives. Angles
     are in radians and quantities in SI units, unless a name or keyword says otherwise. Make one
     with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
-    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines are immutable: their
-    arrays are read-only, and ``with_phases`` makes a new one. ``cardan.OUTPUTS`` lists what
-    ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are what it takes besides angles,
-    and ``cardan.optimise`` searches the best layout. Of dask arrays, all constructors but the last
-    make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated in pieces and anywhere.
+    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines
+    are immutable: their arrays are read-only, and ``with_phases`` makes a new one.
+    ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are
+    what it takes besides angles, and ``cardan.optimise`` searches the best layout. Of dask arrays,
+    all constructors but the last make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated
+    in pieces and anywhere.
 
     Let ``u_i`` be the unit vector along shaft ``i`` in the direction of power flow. The bend of
     joint ``j`` is the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j

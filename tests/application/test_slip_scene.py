@@ -51,6 +51,40 @@ def test_lengths_over_the_study() -> None:
     assert (found.verdict, found.passes, found.others) == ("within", True, ())
 
 
+def test_values_at_their_limits_are_within() -> None:
+    scene = Scene.parse("""
+[driveline]
+points_mm = [[0, 0, 0], [0.3, 0, 0], [807.3, 0, 0], [1000, 0, 0]]
+[slip]
+shaft = 1
+travel_mm = 7.3
+engaged_mm = 40
+least_engaged_mm = 32.7
+[states]
+points_mm.2.x = [807.3, 814.6]
+""")
+    found = slip_figures(scene)
+    assert found is not None
+    assert found.travel.value != 7.3, "the rounding that a limit forgives"
+    assert found.verdict == "within"
+
+
+def test_a_spline_that_comes_apart_is_beyond_whatever_limit_is_given() -> None:
+    apart = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, 0, 0], [2000, 0, 0]]
+[slip]
+shaft = 1
+engaged_mm = 40
+[states]
+points_mm.2.x = [1500, 1550]
+"""
+    found = slip_figures(Scene.parse(apart))
+    assert found is not None
+    assert found.engaged.value == pytest.approx(-10.0)
+    assert (found.engaged.verdict, found.passes) == ("beyond", False)
+
+
 def test_metres_are_the_same() -> None:
     metres = replaced(
         TEXT,

@@ -16,13 +16,29 @@ from cardan.design.limits import Limit
 VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
 """From the best to the worst."""
 
-# A bend that is entered as 3 deg comes back with a rounding error; limits have two digits.
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
+"""What counts as rounding, of a limit or of the size of what is judged.
+
+A bend that is entered as 3 deg comes back with a rounding error, and limits have two digits.
+"""
 
 # Less than this is what rounding leaves of joints that cancel each other.
 _NEGLIGIBLE = {"deg": 3e-6, "rad/s²": 3e-4}
 
 _RPM = math.tau / 60.0
+
+
+def is_within(value: float, limit: float, *, most: bool = True, size: float = 0.0) -> bool:
+    """Return whether a value is on the right side of a limit, but for rounding.
+
+    Args:
+        value: the value; NaN is on neither side.
+        limit: the limit.
+        most: whether it is the most that the value may be, or the least.
+        size: of what is judged, for limits near 0.
+    """
+    rounding = ROUNDING * max(abs(limit), size)
+    return value <= limit + rounding if most else value >= limit - rounding
 
 
 def non_uniformity(bend_deg: float) -> float:
@@ -67,7 +83,7 @@ class Finding:
         if self.limit is None or self.needs_speed:
             return np.zeros(value.shape, dtype=int)
         limit, maximum = (
-            bound * (1.0 + _ROUNDING) for bound in (self.limit.limit, self.limit.maximum)
+            bound * (1.0 + ROUNDING) for bound in (self.limit.limit, self.limit.maximum)
         )
         above = 1 + (value > limit) + 2 * (value > maximum)
         return np.asarray(np.where(np.isnan(value), VERDICTS.index("unknown"), above))

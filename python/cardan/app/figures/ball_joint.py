@@ -15,6 +15,7 @@ from cardan.app.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.app.scene.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
+from cardan.design.judged import is_within
 
 # A ball that is sized reaches the allowable pressure itself, and the pressure at the rim of a
 # hemisphere is 0, to rounding.
@@ -130,7 +131,7 @@ def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
 def _part(material: Material, peak: float) -> Part:
     verdict: LimitVerdict = "not judged"
     if material.allowable_pressure is not None:
-        bears = peak <= (1.0 + _ROUNDING) * material.allowable_pressure
+        bears = is_within(peak, material.allowable_pressure)
         verdict = "within" if bears else "beyond"
     approach = None if material.compliance is None else material.compliance * peak
     return Part(material, verdict, approach)

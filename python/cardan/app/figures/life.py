@@ -13,6 +13,7 @@ from cardan.app.scene.duty import DutyCycle
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sizes import JointSize
 from cardan.arrays import FloatArray
+from cardan.design.judged import is_within
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class AgainstLimit:
     @property
     def passes(self) -> bool:
         """Whether the value is within the limit."""
-        return self.limit is None or self.value <= self.limit
+        return self.limit is None or is_within(self.value, self.limit)
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ class LifeFigures:
     def reaches_target(self) -> bool:
         """Whether the joints reach the required life, or none is required."""
         target, first = self.duty.target, self.decisive
-        return target is None or first is None or _hours(first) >= target
+        return target is None or first is None or is_within(_hours(first), target, most=False)
 
     @property
     def passes(self) -> bool:
@@ -261,7 +262,12 @@ def _chosen(found: LifeFigures) -> SizeLife | None:
         if first is not None and found.passes:
             return None
         return next(
-            (one for one in found.sizes if one.fits and one.hours and one.hours >= target), None
+            (
+                one
+                for one in found.sizes
+                if one.fits and one.hours and is_within(one.hours, target, most=False)
+            ),
+            None,
         )
     if first is None:
         return None

@@ -17,6 +17,7 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.slip import Slip
 from cardan.app.scene.study import Study
 from cardan.arrays import FloatArray
+from cardan.design.judged import is_within
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
@@ -138,6 +139,8 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
         force = float(np.max(forces))
         supports = _supports(slip, forces, bends)
     shafts = scene.line.spline_force(slip.shaft, 0.0, 0.0, 1.0).bearings
+    engaged = _less(slip.engaged, longest.value - length)
+    apart = engaged is not None and engaged < 0.0 and slip.least_engaged is None
     travelled = np.max(lengths, axis=0) - np.min(lengths, axis=0)
     return SlipFigures(
         slip,
@@ -145,12 +148,13 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
         length,
         shortest,
         longest,
-        _limited(longest.value - shortest.value, slip.travel, most=True),
-        _limited(_less(slip.engaged, longest.value - length), slip.least_engaged, most=False),
+        _limited(longest.value - shortest.value, slip.travel, length, most=True),
+        # What has come apart is beyond, whatever limit is given.
+        _limited(engaged, 0.0 if apart else slip.least_engaged, length),
         _limited(
             _less(slip.push_in, length - shortest.value),
             None if slip.push_in is None else 0.0,
-            most=False,
+            length,
         ),
         torque,
         force,
@@ -216,10 +220,12 @@ def _peaks(lines: Driveline, load: Load | None, shaft: int, study: Study) -> Flo
     return np.asarray(found.torque)
 
 
-def _limited(value: float | None, limit: float | None, *, most: bool) -> Limited:
+def _limited(
+    value: float | None, limit: float | None, length: float, *, most: bool = False
+) -> Limited:
     if value is None or limit is None:
         return Limited(value, limit, "not judged")
-    within = value <= limit if most else value >= limit
+    within = is_within(value, limit, most=most, size=length)
     return Limited(value, limit, "within" if within else "beyond")
 
 

@@ -13,10 +13,8 @@ from cardan.app.figures.answers import ANGLE, one_of
 from cardan.app.figures.limit_verdict import LimitVerdict
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
+from cardan.design.judged import is_within
 from cardan.driveline import Driveline
-
-# Beyond its limit only by more than rounding.
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ class SteeringFigures:
         """Whether the worst is within the limit."""
         if self.limit_deg is None:
             return "not judged"
-        within = abs(self.worst.offset_deg) <= self.limit_deg * (1.0 + _ROUNDING)
+        within = is_within(abs(self.worst.offset_deg), self.limit_deg, size=90.0)
         return "within" if within else "beyond"
 
     @property

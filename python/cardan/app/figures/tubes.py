@@ -13,6 +13,7 @@ from cardan.app.figures.rounding import alike
 from cardan.app.figures.turn_extremes import peak
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.units import RPM
+from cardan.design.judged import is_within
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
@@ -58,14 +59,14 @@ class TubeFigures:
         """Whether the stress is permitted, or not judged."""
         if self.stress is None or self.permitted_stress is None:
             return True
-        return self.stress <= self.permitted_stress
+        return is_within(self.stress, self.permitted_stress)
 
     @property
     def margin_passes(self) -> bool:
         """Whether the margin of the critical speed suffices, or is not judged."""
         if self.margin is None or self.least_margin is None:
             return True
-        return self.margin >= self.least_margin
+        return is_within(self.margin, self.least_margin, most=False)
 
     @property
     def passes(self) -> bool:
