@@ -265,7 +265,8 @@ def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> N
     path.write_text(replaced(TEXT, ("radius_mm = 16", "radius_mm = 12")) + good)
     assert command("check", path).exit_code == 1
     data = json.loads(command("check", path, "--json").stdout)
-    assert (data["verdict"], data["passes"]) == ("within", False)
+    assert (data["verdict"], data["passes"]) == ("beyond", False)
+    assert data["beyond"] == ["the ball joint"]
 
 
 def test_the_picture_shows_the_pressure() -> None:

@@ -64,7 +64,9 @@ def verdict(scene: Scene | BallJointScene, progress: Progress | None = None) -> 
         passes = {
             "the spline": slip is None or slip.passes,
             "the symmetry of the steering": steered is None or steered.passes,
-            "the life of the joints": life is None or life.passes,
+            "the life of the joints": life is None or life.reaches_target,
+            "a bend for the type of its joint": life is None
+            or all(joint.passes for joint in life.joints),
             **{f"the tube of shaft {tube.shaft}": tube.passes for tube in tube_figures(scene)},
         }
         parts = {name: "within" if within else "beyond" for name, within in passes.items()}
