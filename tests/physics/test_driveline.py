@@ -470,3 +470,12 @@ def test_the_largest_angle_error_is_where_it_is_said_to_be() -> None:
         error = line.evaluate(place + turn, "angle_error").angle_error
         assert error == pytest.approx(joint.max_angle_error, rel=1e-9)
     assert np.isnan(Driveline.from_bends([0.0]).equivalent().max_angle_error_at)
+
+
+def test_help_begins_with_a_line_for_each_method() -> None:
+    assert Driveline.__mro__ == (Driveline, object)
+    lines = (Driveline.__doc__ or "").splitlines()
+    # Four screens of a terminal.
+    assert len(lines) <= 4 * 24
+    named = {line.split()[0] for line in lines if line.startswith("    ") and "  " in line.strip()}
+    assert {name for name in dir(Driveline) if not name.startswith("_")} <= named
