@@ -43,6 +43,7 @@ from cardan.design.limits import Limits
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
+from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 from cardan.tolerances import Tolerances
@@ -349,21 +350,19 @@ class Scene:
         Raises:
             ValueError: as for ``Driveline.evaluate``.
         """
-        line = self.line_as_built
-        return line.evaluate(self.angle, self.quantities, **self._arguments())
+        return self.line_as_built.evaluate(self.angle, self.quantities, **self._arguments())
 
-    def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
+    def plan(self) -> Plan:
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does.
 
         Raises:
             ValueError: as for ``Driveline.plan``.
         """
-        line: Any = self.line_as_built
-        return line.plan(self.quantities, **self._arguments())
+        return self.line_as_built.plan(self.quantities, **self._arguments())
 
     def explain(self) -> str:
         """Describe how the curves over the drive angle and the study are evaluated."""
-        curves: str = self.plan().explain(self.angle)
+        curves = self.plan().explain(self.angle)
         if self.states and self.study:
             return f"{curves}\n\neach of {self.states.count} states:\n{self.study.explain()}"
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves

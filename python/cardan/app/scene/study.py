@@ -226,8 +226,7 @@ class Study:
             text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
         if self.quantities:
             first, *others = self.reductions
-            plan: Any = self._as_built(line)
-            plan = plan.plan(
+            plan = self._as_built(line).plan(
                 self.quantities,
                 reduce=first,
                 load=load,
