@@ -34,6 +34,9 @@ const POINTS: usize = 17;
 /// A place of the first samples stays if the search finds only roundings more.
 const ROUNDING: f64 = 1e-15;
 
+/// The part of a magnitude that its rounding may be.
+const FLAT: f64 = 1e-12;
+
 /// Magnitudes that differ by a smaller part are equal.
 const ALIKE: f64 = 1e-9;
 
@@ -202,7 +205,9 @@ impl Search<'_> {
     }
 }
 
-/// The peaks of the samples that may be the largest.
+/// The peaks of the samples that may be the largest, with the nearest samples on both sides that are
+/// lower by more than rounding. Steps of two shafts nearly meet, and which of two such samples is
+/// larger does not tell on which side of them the peak is.
 fn peaks_of(
     group: usize,
     angles: &[f64],
@@ -211,14 +216,37 @@ fn peaks_of(
     period: f64,
 ) -> impl Iterator<Item = Candidate> {
     let count = angles.len();
-    (0..count).filter_map(move |i| {
-        let (before, after) = ((i + count - 1) % count, (i + 1) % count);
+    (0..count).filter(move |&i| sizes[i] >= NEAR * top).filter_map(move |i| {
         let size = sizes[i];
-        let is_peak = size >= sizes[before] && size >= sizes[after] && size >= NEAR * top;
-        is_peak.then(|| {
-            let left = if i == 0 { angles[before] - period } else { angles[before] };
-            let right = if after == 0 { angles[after] + period } else { angles[after] };
+        let low = (1.0 - FLAT) * size;
+        let is_apart = |&j: &usize| sizes[j] > size || sizes[j] < low;
+        let after = (1..count).map(|n| (i + n) % count).find(is_apart)?;
+        // The first of equal samples stands for all of them.
+        let stops = |j: &usize| sizes[*j] == size || is_apart(j);
+        let before = (1..count).map(|n| (i + count - n) % count).find(stops)?;
+        (sizes[before] < size && sizes[after] < size).then(|| {
+            let left = if before > i { angles[before] - period } else { angles[before] };
+            let right = if after < i { angles[after] + period } else { angles[after] };
             Candidate { group, ends: [left, right], place: angles[i], size }
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_that_nearly_meet_hide_no_peak_beside_them() {
+        for peak in [-0.003, 0.003] {
+            for rounding in [-1e-15, 0.0, 1e-15] {
+                let angles = [-1.0, -0.02, 0.0, 1e-16, 0.02, 1.0];
+                let mut sizes = angles.map(|angle: f64| 1.0 - (angle - peak).powi(2));
+                sizes[2] += rounding;
+                let found: Vec<Candidate> = peaks_of(0, &angles, &sizes, 1.0, PI).collect();
+                assert_eq!(found.len(), 1);
+                assert_eq!(found[0].ends, [-0.02, 0.02]);
+            }
+        }
+    }
 }
