@@ -234,7 +234,7 @@ impl TurnOracle<'_> {
                 }
                 // Each level has twice the digits of the one before.
                 let settled = |(now, before): (&[Wide; 2], &[Wide; 2])| {
-                    (now[0].high - 2.0 * before[0].high).abs() <= 1e-9 * now[1].high
+                    (now[0].high - 2.0 * before[0].high).abs() <= 1e-12 * now[1].high
                 };
                 if level > 1 && sums.iter().zip(&before).all(settled) {
                     means.resize(sums.len(), Wide::ZERO);
