@@ -1,11 +1,6 @@
 """Arrays as arguments: their coercion, and the libraries beside NumPy that make them."""
 
-from cardan.arrays.coercion import (
-    FloatArray,
-    as_float64,
-    common_shape,
-    scalar_or_array,
-)
+from cardan.arrays.coercion import FloatArray, as_float64, common_shape, scalar_or_array
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
 from cardan.arrays.ranges import not_negative, per_joint, positive
 

@@ -79,10 +79,7 @@ class ReducedQuantity:
         return np.asarray(each if each.ndim == len(line.shape) else np.max(each, axis=0))
 
     def derivatives(
-        self,
-        line: Driveline,
-        load: Load | None,
-        by: Iterable[_Kind],
+        self, line: Driveline, load: Load | None, by: Iterable[_Kind]
     ) -> dict[_Kind, FloatArray]:
         """Return the derivatives of ``of`` by parameters of each driveline.
 

@@ -52,12 +52,7 @@ class Plan:
         "request",
     )
 
-    def __init__(
-        self,
-        line: Driveline,
-        request: Request,
-        level: str | None = None,
-    ) -> None:
+    def __init__(self, line: Driveline, request: Request, level: str | None = None) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape
         names, shafts, joints, load, reduce, dtype, tolerance, workers, axes, _ = request
@@ -217,9 +212,7 @@ class Plan:
         return harmonics(self, orders)
 
     def derivatives(
-        self,
-        angle: ArrayLike | Sweep,
-        by: str | Iterable[str] = ("bends", "twists", "phases"),
+        self, angle: ArrayLike | Sweep, by: str | Iterable[str] = ("bends", "twists", "phases")
     ) -> Derivatives:
         """Return the derivatives of every output at every sample.
 

@@ -19,14 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import (
-    FloatArray,
-    as_float64,
-    common_shape,
-    not_negative,
-    per_joint,
-    positive,
-)
+from cardan.arrays import FloatArray, as_float64, common_shape, not_negative, per_joint, positive
 from cardan.arrays.errors import wrong_element
 from cardan.geometry.geometry import Geometry
 

@@ -29,10 +29,7 @@ _CELL_METHODS = {
     "peak": "maximum_absolute_value",
 }
 
-_UNITS = {
-    "rad": ("rad", "radian", "radians", "1"),
-    "deg": ("degree", "deg", "degrees"),
-}
+_UNITS = {"rad": ("rad", "radian", "radians", "1"), "deg": ("degree", "deg", "degrees")}
 
 _HINT = ", or evaluate with degrees=True"
 

@@ -182,11 +182,7 @@ def identify(
 
 
 def identify_two_joints(
-    drive_angle: ArrayLike,
-    intermediate: ArrayLike,
-    driven: ArrayLike,
-    *,
-    degrees: bool = False,
+    drive_angle: ArrayLike, intermediate: ArrayLike, driven: ArrayLike, *, degrees: bool = False
 ) -> TwoJoints:
     """Find both bends and the phase of a shaft with two joints from encoders at its three parts.
 

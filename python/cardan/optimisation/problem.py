@@ -174,8 +174,7 @@ def many_of(lines: object, count: int) -> Driveline:
         )
     if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
         raise ArgumentValueError(
-            "lines_of",
-            f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)",
+            "lines_of", f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
         )
     return lines
 

@@ -258,13 +258,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:
     """The shapes of the parameters of one driveline by group."""
     joints: dict[str, tuple[int, ...]] = dict.fromkeys(JOINT_GROUPS, (n,))
-    return {
-        "bends": (n,),
-        "twists": (n - 1,),
-        "phases": (n - 1,),
-        "points": (n + 2, 3),
-        **joints,
-    }
+    return {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3), **joints}
 
 
 def _tolerance(name: str, value: ArrayLike, own: tuple[int, ...], degrees: bool) -> FloatArray:

@@ -114,12 +114,7 @@ class Case:
     def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
         """The complex amplitude of an order of each sample."""
         return order_amplitudes(
-            self.line,
-            self.box.nominal,
-            deviations,
-            samples,
-            quantity.order,
-            self.shaft,
+            self.line, self.box.nominal, deviations, samples, quantity.order, self.shaft
         )
 
     def nominal(self, quantity: Quantity) -> float:

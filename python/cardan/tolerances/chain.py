@@ -168,11 +168,7 @@ def _dot(a: _Vector, b: _Vector) -> _Values:
 
 
 def _cross(a: _Vector, b: _Vector) -> _Vector:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def _perpendicular(shaft: FloatArray) -> _Vector:

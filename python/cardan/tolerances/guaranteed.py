@@ -102,12 +102,7 @@ def bound_parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArra
 
 
 def _moved(
-    grown: FloatArray,
-    changes: FloatArray,
-    corners: FloatArray,
-    turned: FloatArray,
-    *,
-    nearer: bool,
+    grown: FloatArray, changes: FloatArray, corners: FloatArray, turned: FloatArray, *, nearer: bool
 ) -> float:
     """How far the end of the polygon can move."""
     n = len(grown)

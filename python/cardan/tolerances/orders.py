@@ -15,12 +15,7 @@ if TYPE_CHECKING:
 
 
 def order_amplitudes(
-    line: Driveline,
-    nominal: Nominal,
-    deviations: Deviations,
-    samples: int,
-    order: int,
-    shaft: int,
+    line: Driveline, nominal: Nominal, deviations: Deviations, samples: int, order: int, shaft: int
 ) -> ComplexArray:
     """Return the complex amplitude of an order of the angle error of each sample, in rad.
 

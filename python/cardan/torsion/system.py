@@ -259,11 +259,7 @@ class TorsionalSystem:
         )
 
     def stability(
-        self,
-        speed: ArrayLike,
-        *,
-        tolerance: float = 1e-9,
-        workers: SupportsIndex | None = None,
+        self, speed: ArrayLike, *, tolerance: float = 1e-9, workers: SupportsIndex | None = None
     ) -> Stability:
         """Return the Floquet multipliers about the periodic orbit.
 

@@ -152,11 +152,7 @@ def _hours(
 
 
 def _of_run(
-    line: Driveline,
-    load: Load,
-    rated: FloatArray,
-    speed: FloatArray,
-    angle: FloatArray,
+    line: Driveline, load: Load, rated: FloatArray, speed: FloatArray, angle: FloatArray
 ) -> Life:
     """The life under a load that varies from sample to sample, by sums over the samples.
 

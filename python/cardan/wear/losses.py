@@ -225,8 +225,7 @@ def losses(
     given = {"friction": friction, "pin_radius": pin_radius, "arm": arm, "seal_torque": seal_torque}
     of_joints = {name: _of_joints(name, value, n) for name, value in given.items()}
     own = _Friction(
-        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
-        of_joints["seal_torque"],
+        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"], of_joints["seal_torque"]
     )
     rows = common_shape(
         driveline=line.shape,

@@ -57,10 +57,7 @@ def pins_at(line: Driveline, load: Load, joint: int, angle: ArrayLike) -> PinLoa
 
 
 def means_over_turn(
-    line: Driveline,
-    load: Load,
-    rows: tuple[int, ...],
-    wear: Literal["friction", "fatigue"],
+    line: Driveline, load: Load, rows: tuple[int, ...], wear: Literal["friction", "fatigue"]
 ) -> FloatArray:
     """Return means over a turn of the drive, exact to some 1e-14 of the largest.
 
