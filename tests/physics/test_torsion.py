@@ -346,7 +346,7 @@ GOOD: dict[str, Any] = {"inertias": np.full((3, 2), 0.1), "stiffnesses": [INF, 4
             {"stiffnesses": [[INF, 4000.0, INF], [INF, 4000.0, 5000.0]]},
             r"stiffnesses\[1, 2\] is 5000\.0; the same shafts must be compliant",
         ),
-        ({"stiffnesses": [4000.0, 1.0]}, r"stiffnesses has shape \(2,\); the last axis needs one"),
+        ({"stiffnesses": [4000.0, 1.0]}, r"stiffnesses has shape \(2,\); 3 shafts need"),
         ({"dampings": [0.0, -1.0, 0.0]}, r"dampings\[1\] is -1\.0; it must be finite and not neg"),
         ({"damping_ratios": [0.0, INF, 0.0]}, r"damping_ratios\[1\] is inf; it must be finite"),
         ({"dampings": 1.0, "damping_ratios": 0.1}, "dampings and damping_ratios are both given"),

@@ -1,8 +1,17 @@
 """Arrays as arguments: their coercion, and the libraries beside NumPy that make them."""
 
-from cardan.arrays.coercion import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.arrays.coercion import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    not_negative,
+    per_joint,
+    per_shaft,
+    positive,
+    scalar_or_array,
+)
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
-from cardan.arrays.ranges import not_negative, per_joint, positive
 
 __all__ = [
     "FloatArray",
@@ -11,9 +20,11 @@ __all__ = [
     "as_float64",
     "common_shape",
     "deferring",
+    "finite",
     "import_optional",
     "not_negative",
     "per_joint",
+    "per_shaft",
     "positive",
     "scalar_or_array",
 ]

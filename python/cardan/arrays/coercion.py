@@ -1,4 +1,8 @@
-"""Arguments as arrays of doubles: what is accepted, and in which words it is refused."""
+"""Arguments as arrays of doubles: what is accepted, and in which words it is refused.
+
+All functions raise a ``TypeError`` for what are no real numbers, and a ``ValueError`` for numbers
+that break their rule.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays.errors import ArgumentTypeError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +38,48 @@ def as_float64(name: str, value: ArrayLike) -> FloatArray:
         raise MemoryError(f"{name} has shape {array.shape}; there is no room for so many numbers")
     array = np.asarray(array, dtype=np.float64, order="C")
     return array if array.flags.aligned else array.copy()
+
+
+def finite(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are finite."""
+    array = as_float64(name, value)
+    check_elements(name, array, np.isfinite(array), "; it must be finite")
+    return array
+
+
+def positive(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are positive and finite."""
+    array = as_float64(name, value)
+    check_elements(
+        name, array, (array > 0.0) & (array < np.inf), "; it must be positive and finite"
+    )
+    return array
+
+
+def not_negative(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are finite and not negative."""
+    array = as_float64(name, value)
+    right = (array >= 0.0) & (array < np.inf)
+    check_elements(name, array, right, "; it must be finite and not negative")
+    return array
+
+
+def per_joint(name: str, array: FloatArray, n: int) -> FloatArray:
+    """Return one number for all joints, or one for each on the last axis, as ``(..., n)``."""
+    if array.ndim and array.shape[-1] not in (1, n):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
+        )
+    return np.broadcast_to(array, (*array.shape[:-1], n))
+
+
+def per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
+    """Return the array, which must have one number for each shaft on the last axis."""
+    if array.shape[-1:] != (shafts,):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; {shafts} shafts need (..., {shafts})"
+        )
+    return array
 
 
 def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:

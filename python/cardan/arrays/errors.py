@@ -84,21 +84,26 @@ def located(argument: str, place: Place) -> str:
     return f"{argument}[{', '.join(map(repr, place))}]" if place else argument
 
 
-def wrong_element(
-    argument: str, array: NDArray[Any], wrong: NDArray[np.bool_], rule: str
-) -> ArgumentValueError:
-    """Return the error for the first wrong element of an array.
+def check_elements(
+    argument: str, array: NDArray[Any], right: NDArray[np.bool_] | np.bool_, rule: str
+) -> None:
+    """Raise the error for the first wrong element of an array, if there is one.
 
     Args:
         argument: name of the argument.
         array: its values.
-        wrong: which of them are wrong, at least one.
+        right: which of them are right.
         rule: what follows the value: a unit, if any, and ``"; it must be finite"``.
+
+    Raises:
+        ArgumentValueError: a wrong element.
     """
-    place = tuple(int(i) for i in np.argwhere(wrong)[0])
+    if np.all(right):
+        return
+    place = tuple(int(i) for i in np.argwhere(~np.asarray(right))[0])
     unit, _, words = rule.partition("; ")
     problem, value = f"is {array[place]!s}{rule}", float(array[place])
-    return ArgumentValueError(argument, problem, place, value, unit.strip(), words)
+    raise ArgumentValueError(argument, problem, place, value, unit.strip(), words)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

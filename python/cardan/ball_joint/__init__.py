@@ -15,9 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError, wrong_element
-from cardan.ball_joint.contact import Contact, elliptic, fitting, loose, pressed
-from cardan.ball_joint.layers import layer_compliance
+from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.ball_joint.contact import (
+    Contact,
+    elliptic,
+    fitting,
+    layer_compliance,
+    loose,
+    pressed,
+)
 
 __all__ = ["BallJoint", "layer_compliance"]
 
@@ -61,10 +67,8 @@ class BallJoint:
     def __init__(self, radius: ArrayLike, half_angle: ArrayLike = math.pi / 2) -> None:
         """Make joints without clearance."""
         angle = as_float64("half_angle", half_angle)
-        wrong = ~((angle > 0.0) & (angle <= math.pi / 2))
-        if wrong.any():
-            rule = " rad; a half-angle must lie in (0, pi/2]"
-            raise wrong_element("half_angle", angle, wrong, rule)
+        right = (angle > 0.0) & (angle <= math.pi / 2)
+        check_elements("half_angle", angle, right, " rad; a half-angle must lie in (0, pi/2]")
         self._set(positive("radius", radius), angle, np.zeros(()), None)
 
     def with_clearance(self, clearance: ArrayLike, *, compliance: ArrayLike) -> Self:
@@ -84,10 +88,8 @@ class BallJoint:
                 positive and finite, shapes that do not broadcast.
         """
         gap = as_float64("clearance", clearance)
-        wrong = ~((gap >= 0.0) & (gap < np.inf))
-        if wrong.any():
-            rule = " m; a clearance must be finite and not negative"
-            raise wrong_element("clearance", gap, wrong, rule)
+        rule = " m; a clearance must be finite and not negative"
+        check_elements("clearance", gap, (gap >= 0.0) & (gap < np.inf), rule)
         joint = object.__new__(type(self))
         joint._set(
             as_float64("radius", self.radius),
@@ -378,8 +380,7 @@ def _not_negative(name: str, value: ArrayLike) -> FloatArray:
     """What is evaluated, unlike what makes a joint, may be NaN."""
     array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; it must be finite and not negative")
+    check_elements(name, array, ~wrong, "; it must be finite and not negative")
     return array
 
 
@@ -390,9 +391,7 @@ def _unit(name: str, value: ArrayLike) -> tuple[FloatArray, FloatArray]:
         raise ArgumentValueError(name, f"has shape {array.shape}; vectors need (..., 3)")
     length = _length(array)
     wrong = (length == 0.0) | np.isinf(length)
-    if wrong.any():
-        rule = "; it must be positive and finite"
-        raise wrong_element(f"length of {name}", length, wrong, rule)
+    check_elements(f"length of {name}", length, ~wrong, "; it must be positive and finite")
     return array / length[..., None], length
 
 

@@ -32,24 +32,15 @@ if TYPE_CHECKING:
 
 # Names of variables in the native module, in the order of its columns.
 _COLUMNS = {
-    "value": "value",
-    "bends": "bends",
-    "twists": "twists",
-    "phases": "phases",
-    "points": "points",
-    "angle": "angle",
-    "drive_torque": "torque",
-    "output_torque": "torque",
-    "inertias": "inertias",
-    "lengths": "lengths",
-    "positions": "positions",
-    "deviations": "deviations",
+    **{name: name for name in ("value", "bends", "twists", "phases", "points", "angle")},
+    **dict.fromkeys(("drive_torque", "output_torque"), "torque"),
+    **{name: name for name in ("inertias", "lengths", "positions", "deviations")},
 }
 
 _Stepped = tuple[FloatArray, int, int]
 
 
-class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
+class Derivatives(dict[str, Mapping[str, NDArray[np.float64]]]):
     """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
 
     Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
@@ -57,27 +48,9 @@ class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
     angle and by a torque have the output's shape.
     """
 
-    __slots__ = ("_by_output",)
-
-    def __init__(self, by_output: Mapping[str, Mapping[str, NDArray[np.float64]]]) -> None:
-        """Keep the arrays by output and variable."""
-        self._by_output = by_output
-
-    def __getitem__(self, output: str) -> Mapping[str, NDArray[np.float64]]:
-        """Return the derivatives of one output, by variable."""
-        return self._by_output[output]
-
-    def __iter__(self) -> Iterator[str]:
-        """Iterate over the outputs."""
-        return iter(self._by_output)
-
-    def __len__(self) -> int:
-        """Return the number of outputs."""
-        return len(self._by_output)
-
     def __repr__(self) -> str:
         """Show outputs and variables."""
-        by = next(iter(self._by_output.values()), {})
+        by = next(iter(self.values()), {})
         return f"<Derivatives of {', '.join(self)} by {', '.join(by)}>"
 
 
@@ -130,14 +103,6 @@ class Gradient:
                 return self._others[name]
             raise AttributeError(f"there is no derivative by {name}; it needs {needs}")
         raise AttributeError(f"Gradient has no attribute {name!r}")
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle the arrays."""
-        return dict(self.__dict__)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Unpickle the arrays."""
-        self.__dict__.update(state)
 
 
 class DerivativeSamples:
@@ -225,9 +190,7 @@ class DerivativeSamples:
         load = self.request.load
         if load is None:
             return None
-        inertias = [] if load.inertias is None else [*np.moveaxis(load.inertias, -1, 0)]
-        if inertias and len(inertias) != self.line.n_joints + 1:
-            raise ArgumentValueError("inertias", "need one value per shaft")
+        inertias: Any = () if load.inertias is None else np.moveaxis(load.inertias, -1, 0)
         arrays = (load.torque, load.speed, load.acceleration)
         of_shafts = [(i, self.spread(np.asarray(x))) for i, x in enumerate(inertias)]
         return (load.end, *map(self.spread, arrays), of_shafts)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, common_shape
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 from cardan.arrays.indices import item_indices
 from cardan.arrays.planes import PlanePlace
 from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
@@ -123,8 +123,7 @@ def _checked(orders: ArrayLike) -> NDArray[np.int64]:
         raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
     if order.ndim > 1:
         raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")
-    if np.any(order < 1):
-        raise wrong_element("orders", order, order < 1, "; an order is at least 1")
+    check_elements("orders", order, order >= 1, "; an order is at least 1")
     return order.astype(np.int64)
 
 

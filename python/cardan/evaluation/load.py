@@ -8,8 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, as_float64, per_shaft
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 
 _RAD_S_PER_RPM = np.pi / 30.0
 
@@ -93,11 +93,7 @@ class Load:
         """
         if self.inertias is None:
             return {}
-        if self.inertias.shape[-1] != joints + 1:
-            raise ArgumentValueError(
-                "inertias",
-                f"has shape {self.inertias.shape}; {joints + 1} shafts need (..., {joints + 1})",
-            )
+        per_shaft("inertias", self.inertias, joints + 1)
         columns = (np.array(self.inertias[..., shaft], order="C") for shaft in range(joints + 1))
         return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
 
@@ -166,6 +162,5 @@ def _checked_inertias(inertias: ArrayLike) -> FloatArray:
     array = as_float64("inertias", inertias)
     if array.ndim == 0:
         raise ArgumentValueError("inertias", "is one number; it needs one per shaft")
-    if np.any(array < 0.0):
-        raise wrong_element("inertias", array, array < 0.0, "; an inertia must not be negative")
+    check_elements("inertias", array, ~(array < 0.0), "; an inertia must not be negative")
     return array

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, threads
-from cardan.arrays.errors import wrong_element
+from cardan.arrays.errors import check_elements
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.request import Request
@@ -41,9 +41,8 @@ def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.i
         rows: shape of the drivelines and loads together.
         order: the orders.
     """
-    if np.any(order > _core.Plan.HIGHEST_ORDER):
-        limit = f"; an order of {name} is at most {_core.Plan.HIGHEST_ORDER}"
-        raise wrong_element("orders", order, order > _core.Plan.HIGHEST_ORDER, limit)
+    highest = _core.Plan.HIGHEST_ORDER
+    check_elements("orders", order, order <= highest, f"; an order of {name} is at most {highest}")
     request = plan.request._replace(names=name, dtype=None)
     own = plan._again(plan.line, request)
     _, items, vector = own.places[name]

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, not_negative, per_joint, positive
-from cardan.arrays.errors import wrong_element
+from cardan.arrays.errors import check_elements
 from cardan.geometry.geometry import Geometry
 
 if TYPE_CHECKING:
@@ -128,9 +128,7 @@ def angles_of_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> Floa
     """Return deviations in rad: one for all joints, or one for each on the last axis."""
     array = as_float64(name, value)
     right_angle, unit = (90.0, " deg") if degrees else (0.5 * np.pi, " rad")
-    wrong = ~(np.abs(array) < right_angle)
-    if wrong.any():
-        rule = f"{unit}; a deviation must lie within 90 deg"
-        raise wrong_element(name, array, wrong, rule)
+    rule = f"{unit}; a deviation must lie within 90 deg"
+    check_elements(name, array, np.abs(array) < right_angle, rule)
     array = per_joint(name, array, n)
     return np.radians(array) if degrees else array

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.geometry.geometry import Geometry, concatenated, per_shaft, spread
+from cardan.geometry.geometry import Geometry, between_joints, concatenated, spread
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -117,7 +117,7 @@ def with_phases(line: Driveline, phases: ArrayLike, *, degrees: bool = False) ->
     """
     own = line._geometry
     # A copy, since it may be the caller's own array.
-    new = np.array(per_shaft("phases", phases, own.n_joints, degrees))
+    new = np.array(between_joints("phases", phases, own.n_joints, degrees))
     shape = common_shape(driveline=own.shape, phases=new.shape[:-1])
     return line._of(own.batched(shape)._replace(phases=spread(new, shape, 1)))
 

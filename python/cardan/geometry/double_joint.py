@@ -13,13 +13,13 @@ of the joints.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -78,7 +78,7 @@ def double_joint_bends(
     bend, apart = as_float64("total", total), positive("length", length)
     turn = 180.0 if degrees else np.pi
     unit = " deg; it must lie in [0, 180) deg" if degrees else " rad; it must lie in [0, pi) rad"
-    _check("total", bend, (bend >= 0.0) & (bend < turn), unit)
+    check_elements("total", bend, (bend >= 0.0) & (bend < turn), unit)
     share = _share(apart, pivot, synchronous, degrees)
     shape = common_shape(total=bend.shape, length=apart.shape, pivot=share.shape)
     angle = np.broadcast_to(np.radians(bend) if degrees else bend, shape)
@@ -106,7 +106,7 @@ def _share(
         most = 120.0 if degrees else 2.0 * np.pi / 3.0
         unit = "deg" if degrees else "rad"
         rule = f" {unit}; it must lie in [0, {most:.6g}) {unit}, which puts the pivot between them"
-        _check("synchronous", bend, (bend >= 0.0) & (bend < most), rule)
+        check_elements("synchronous", bend, (bend >= 0.0) & (bend < most), rule)
         half = 0.5 * (np.radians(bend) if degrees else bend)
         return np.asarray(0.5 / np.cos(half))
     if pivot is None:
@@ -114,11 +114,7 @@ def _share(
     place = as_float64("pivot", pivot)
     common_shape(pivot=place.shape, length=apart.shape)
     share = place / apart
-    whole: Any = np.broadcast_to(place, share.shape)
-    _check("pivot", whole, (share > 0.0) & (share < 1.0), "; it must lie between the joints")
+    right = (share > 0.0) & (share < 1.0)
+    whole = np.broadcast_to(place, share.shape)
+    check_elements("pivot", whole, right, "; it must lie between the joints")
     return np.asarray(share)
-
-
-def _check(name: str, array: FloatArray, right: Any, rule: str) -> None:  # noqa: ANN401
-    if not np.all(right):
-        raise wrong_element(name, array, ~np.asarray(right), rule)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
+from cardan.arrays.errors import ArgumentValueError, Place, check_elements
 
 
 class Geometry(NamedTuple):
@@ -162,7 +162,7 @@ def spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
     return array if full == array.shape else np.ascontiguousarray(np.broadcast_to(array, full))
 
 
-def per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
+def between_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
     """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
     array = as_float64(name, value)
     between = max(n - 1, 0)
@@ -170,6 +170,5 @@ def per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
         array = np.full(between, array)
     if array.shape[-1] != between:
         raise ArgumentValueError(name, f"has shape {array.shape}; {n} joints need (..., {between})")
-    if not np.isfinite(array).all():
-        raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
+    check_elements(name, array, np.isfinite(array), "; it must be finite")
     return np.radians(array) if degrees else array

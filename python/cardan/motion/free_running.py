@@ -22,10 +22,11 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     not_negative,
+    per_shaft,
     scalar_or_array,
     threads,
 )
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.evaluation.load import Load
 
 if TYPE_CHECKING:
@@ -107,9 +108,7 @@ class FreeRunning:
             ValueError: a variation that is not positive, shapes that do not broadcast.
         """
         wanted = as_float64("variation", variation)
-        wrong = ~(wanted > 0.0)
-        if wrong.any():
-            raise wrong_element("variation", wanted, wrong, "; it must be positive")
+        check_elements("variation", wanted, wanted > 0.0, "; it must be positive")
         others = self.inertias.copy()
         others[..., 0] = 0.0
         others, exponents = _scaled(others)
@@ -157,11 +156,7 @@ def free_running(line: Driveline, inertias: ArrayLike) -> FreeRunning:
     """
     line._geometry.check_ideal("free running is computed")
     array = not_negative("inertias", inertias)
-    count = line.n_joints + 1
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise ArgumentValueError(
-            "inertias", f"has shape {array.shape}; {count} shafts need (..., {count})"
-        )
+    per_shaft("inertias", array, line.n_joints + 1)
     if not np.all(np.any(array > 0.0, axis=-1)):
         raise ArgumentValueError("inertias", "are all 0; at least one shaft needs an inertia")
     shape = common_shape(driveline=line.shape, inertias=array.shape[:-1])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
+from cardan.arrays.errors import ArgumentValueError, Place, check_elements
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.optimisation.arguments import (
@@ -202,8 +202,7 @@ def optimise(
         raise ArgumentValueError(
             "start", f"has shape {first.shape}; it must be one number per variable"
         )
-    if not np.all(np.isfinite(first)):
-        raise wrong_element("start", first, ~np.isfinite(first), "; it must be finite")
+    check_elements("start", first, np.isfinite(first), "; it must be finite")
     low, high = checked_bounds(bounds, first)
     half_turn = 180.0 if degrees else math.pi
     numbers = checked_phases(phases, len(first))

@@ -10,8 +10,8 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, as_float64, not_negative
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
@@ -138,9 +138,8 @@ def speeds_of(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
     array = as_float64("speed", speed)
     if array.shape not in ((), (n_states,)):
         raise ArgumentValueError("speed", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array != 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("speed", array, wrong, "; it must be finite and not 0")
+    right = (array != 0.0) & np.isfinite(array)
+    check_elements("speed", array, right, "; it must be finite and not 0")
     return array
 
 
@@ -150,12 +149,9 @@ def weights_of(weights: ArrayLike | None, over: str, n_states: int) -> FloatArra
         return np.full(n_states, 1.0 / n_states)
     if over != "rms":
         raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
-    array = as_float64("weights", weights)
+    array = not_negative("weights", weights)
     if array.shape != (n_states,):
         raise ArgumentValueError("weights", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array >= 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("weights", array, wrong, "; it must be finite and not negative")
     if not np.any(array > 0.0):
         raise ArgumentValueError("weights", "are all 0; at least one must be positive")
     return array / np.sum(array)

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
+from cardan.geometry.parameters import PARAMETERS, parameter_shape
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 JOINT_GROUPS = DEVIATIONS
 """The groups of deviations of the joints, in the order of ``Driveline.deviations``."""
 
-GROUPS = ("bends", "twists", "phases", "points", *JOINT_GROUPS)
+GROUPS = (*PARAMETERS, *JOINT_GROUPS)
 """The groups of parameters that can have tolerances."""
 
 # A normal deviation beyond so many tolerances, six standard deviations, does not occur.
@@ -257,43 +258,37 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
 
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:
     """The shapes of the parameters of one driveline by group."""
-    joints: dict[str, tuple[int, ...]] = dict.fromkeys(JOINT_GROUPS, (n,))
-    return {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3), **joints}
+    layout: dict[str, tuple[int, ...]] = {group: parameter_shape(group, n) for group in PARAMETERS}
+    return {**layout, **dict.fromkeys(JOINT_GROUPS, (n,))}
 
 
 def _tolerance(name: str, value: ArrayLike, own: tuple[int, ...], degrees: bool) -> FloatArray:
     array = as_float64(name, value)
-    wrong = ~((array >= 0.0) & np.isfinite(array))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; a tolerance must be finite and not negative")
-    if degrees:
-        array = np.radians(array)
-    if array.ndim == 0:
-        return np.full(own, array)
+    right = (array >= 0.0) & np.isfinite(array)
+    check_elements(name, array, right, "; a tolerance must be finite and not negative")
     if name == "points" and array.shape[-2:] == (own[0], 1):
         array = np.repeat(array, 3, axis=-1)
+    return _of_each(name, np.radians(array) if degrees else array, own)
+
+
+def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
+    """Half the pitch of each spline in rad."""
+    array = as_float64("teeth", teeth)
+    right = (array >= 1.0) & (array == np.floor(array)) & np.isfinite(array)
+    check_elements("teeth", array, right, "; it must be a whole number, at least 1")
+    return _of_each("teeth", np.asarray(np.pi / array), own)
+
+
+def _of_each(name: str, array: FloatArray, own: tuple[int, ...]) -> FloatArray:
+    """One number for all parameters of a group, or one for each on the last axes."""
+    if array.ndim == 0:
+        return np.full(own, array)
     if array.shape[-len(own) :] != own:
         wanted = ", ".join(map(str, own))
         raise ArgumentValueError(
             name, f"has shape {array.shape}; it must be one number or (..., {wanted})"
         )
     return array
-
-
-def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
-    """Half the pitch of each spline in rad."""
-    array = as_float64("teeth", teeth)
-    wrong = ~((array >= 1.0) & (array == np.floor(array)) & np.isfinite(array))
-    if wrong.any():
-        raise wrong_element("teeth", array, wrong, "; it must be a whole number, at least 1")
-    half = np.pi / array
-    if half.ndim == 0:
-        return np.full(own, half)
-    if half.shape[-1:] != own:
-        raise ArgumentValueError(
-            "teeth", f"has shape {half.shape}; it must be one number or (..., {own[0]})"
-        )
-    return np.asarray(half)
 
 
 def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, nearest
 from cardan.arrays.indices import Items, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.design.order_quantities import FIRST, order_quantity
@@ -345,9 +345,7 @@ def _limits(
 def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """The speed of each driveline of the batch."""
     value = as_float64("speed", speed)
-    wrong = ~np.isfinite(value)
-    if wrong.any():
-        raise wrong_element("speed", value, wrong, "; it must be finite, in rad/s")
+    check_elements("speed", value, np.isfinite(value), "; it must be finite, in rad/s")
     if common_shape(driveline=shape, speed=value.shape) != shape:
         raise ArgumentValueError("speed", f"has shape {value.shape}; the drivelines have {shape}")
     return np.broadcast_to(value, shape)

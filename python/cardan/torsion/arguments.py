@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import as_float64
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 
 # An orbit of more orders would need more points than the native module allows.
 _HIGHEST_ORDER = 256
@@ -30,10 +30,8 @@ def checked_orders(orders: ArrayLike) -> NDArray[np.int64]:
     given = np.atleast_1d(np.asarray(orders))
     if given.dtype.kind not in "iu" or given.ndim != 1:
         raise ArgumentTypeError("orders", "must be one integer or a list of integers")
-    wrong = (given < 1) | (given > _HIGHEST_ORDER)
-    if wrong.any():
-        rule = f"; an order must be from 1 to {_HIGHEST_ORDER}"
-        raise wrong_element("orders", given, wrong, rule)
+    right = (given >= 1) & (given <= _HIGHEST_ORDER)
+    check_elements("orders", given, right, f"; an order must be from 1 to {_HIGHEST_ORDER}")
     return given.astype(np.int64)
 
 
