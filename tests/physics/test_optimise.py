@@ -732,7 +732,7 @@ def test_bad_input(arguments: dict[str, Any], message: str) -> None:
     ("arguments", "message"),
     [
         ({"minimise": 3}, "minimise is 3; it must be a name or a function of a driveline"),
-        ({"starts": 2.5}, "starts is 2.5; it must be a whole number"),
+        ({"starts": 2.5}, "starts is 2.5; it must be an integer"),
         ({"lines_of": lambda x: x}, "lines_of returned ndarray; it must return a Driveline"),
     ],
 )

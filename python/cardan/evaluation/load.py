@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -104,24 +105,16 @@ class Load:
             shapes["inertias"] = self.inertias.shape[:-1]
         return shapes
 
+    def changed(self, change: Callable[[FloatArray, int], FloatArray]) -> Load:
+        """Return the load with each array changed, which is given with how many axes are shafts."""
+        values = {"speed": change(self.speed, 0), "acceleration": change(self.acceleration, 0)}
+        if self.inertias is not None:
+            values["inertias"] = change(self.inertias, 1)
+        return Load(**values, **{f"{self.end}_torque": change(self.torque, 0)})
+
     def at_any_angle(self) -> Load:
-        """Return the load of a batch of drivelines with an axis for the drive angles behind it.
-
-        Arrays of the shape of the batch get a last axis of length 1; inertias get one before their
-        last axis.
-        """
-
-        def column(values: FloatArray, core: int = 0) -> FloatArray:
-            return np.expand_dims(values, -1 - core) if values.ndim > core else values
-
-        torque: dict[str, Any] = {f"{self.end}_torque": column(self.torque)}
-        inertias = None if self.inertias is None else column(self.inertias, 1)
-        return Load(
-            speed=column(self.speed),
-            acceleration=column(self.acceleration),
-            inertias=inertias,
-            **torque,
-        )
+        """Return the load of a batch of drivelines with an axis for the drive angles behind it."""
+        return self.changed(lambda x, own: np.expand_dims(x, -1 - own) if x.ndim > own else x)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Unpickle, with copied arrays: what came in a message lies anywhere in it."""

@@ -113,17 +113,12 @@ def _of_rows(
         block: which of the rows, counted flat.
     """
     index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
-    load = request.load
-    if load is not None:
-        values: dict[str, Any] = {"inertias": load.inertias}
-        for name in ("torque", "speed", "acceleration"):
-            array = getattr(load, name)
-            taken = np.broadcast_to(array, rows).ravel()[block, np.newaxis]
-            values[name] = taken if array.ndim else array
-        if load.inertias is not None and load.inertias.ndim > 1:
-            each = load.inertias.shape[-1]
-            spread = np.broadcast_to(load.inertias, (*rows, each)).reshape(-1, each)
-            values["inertias"] = spread[block, np.newaxis]
-        values[f"{load.end}_torque"] = values.pop("torque")
-        load = Load(**values)
+
+    def taken(values: FloatArray, own: int) -> FloatArray:
+        if values.ndim <= own:
+            return values
+        core = values.shape[values.ndim - own :]
+        return np.broadcast_to(values, (*rows, *core)).reshape(-1, *core)[block, np.newaxis]
+
+    load = None if request.load is None else request.load.changed(taken)
     return line.reshape(-1)[index][:, np.newaxis], request._replace(load=load)

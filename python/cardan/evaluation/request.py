@@ -50,8 +50,8 @@ def checked_dtype(dtype: DTypeLike) -> np.dtype[Any]:
     raise ArgumentValueError("dtype", f"is {dtype!r}; it must be float64 or float32")
 
 
-def checked_choice(argument: str, value: Any, known: tuple[str, str]) -> str:  # noqa: ANN401
-    """Return one of two words."""
+def checked_choice(argument: str, value: Any, known: tuple[str, ...]) -> str:  # noqa: ANN401
+    """Return one of some words."""
     if not isinstance(value, str) or value not in known:
         wanted = " or ".join(map(repr, known))
         raise ArgumentValueError(argument, f"is {value!r}; it must be {wanted}")

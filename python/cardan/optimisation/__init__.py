@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError, Place, check_elements
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.optimisation.arguments import (
-    check_whole,
     checked_bounds,
     checked_phases,
-    index_of,
     kept_of,
     parameters_of,
     speeds_of,
@@ -209,7 +208,7 @@ def optimise(
     steps = steps_of(teeth, numbers)
     if over not in ("largest", "rms"):
         raise ArgumentValueError("over", f"is {over!r}; it must be 'largest' or 'rms'")
-    check_whole("starts", starts)
+    integer("starts", starts, 1)
     line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
     n_states = line.shape[-1]
     speeds = speeds_of(speed, n_states)
@@ -247,7 +246,7 @@ def optimise(
         near = first[i] + off - half_turn * np.round(off / half_turn)
         x[i] = near if low[i] <= near <= high[i] else x[i]
     if decimals is not None:
-        x = np.clip(np.round(x, index_of("decimals", decimals, ())) + 0.0, low, high)
+        x = np.clip(np.round(x, integer("decimals", decimals)) + 0.0, low, high)
     best = next(iter(candidates(problem, x[np.newaxis])), best)
     return _optimum(problem, begin, best, names)
 

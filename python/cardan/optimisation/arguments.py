@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Mapping, Sequence
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, not_negative
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
@@ -44,8 +44,8 @@ def checked_phases(phases: Sequence[int], count: int) -> list[int]:
     """Return the numbers of the variables that are phases."""
     numbers = []
     for i, given in enumerate(phases):
-        number = index_of("phases", given, (i,))
-        if not 0 <= number < count:
+        number = integer("phases", given, 0, (i,))
+        if number >= count:
             raise ArgumentValueError(
                 "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
             )
@@ -65,25 +65,8 @@ def steps_of(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[i
             "teeth", f"has length {len(listed)}; there are {len(phases)} phases"
         )
     for i, count in enumerate(listed):
-        check_whole("teeth", count, (i,) if isinstance(teeth, Sequence) else ())
+        integer("teeth", count, 1, (i,) if isinstance(teeth, Sequence) else ())
     return dict(zip(phases, listed, strict=True))
-
-
-def check_whole(argument: str, value: SupportsIndex, place: tuple[int, ...] = ()) -> None:
-    """Check that a value is a whole number of at least 1."""
-    number = index_of(argument, value, place)
-    if number < 1:
-        raise ArgumentValueError(argument, f"is {number}; it must be at least 1", place)
-
-
-def index_of(argument: str, value: SupportsIndex, place: tuple[int, ...]) -> int:
-    """Return a whole number."""
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise ArgumentTypeError(
-            argument, f"is {value!r}; it must be a whole number", place
-        ) from None
 
 
 def kept_of(

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.evaluation.request import checked_choice
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
 from cardan.geometry.parameters import PARAMETERS, parameter_shape
@@ -212,10 +213,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
     n, teeth, distribution = line.n_joints, sizes.teeth, sizes.distribution
     own = _shapes(n)
-    if distribution not in _FARTHEST:
-        raise ArgumentValueError(
-            "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
-        )
+    checked_choice("distribution", distribution, ("uniform", "normal"))
     arrays = {
         group: _tolerance(group, value, own[group], sizes.degrees and group != "points")
         for group, value in sizes.each.items()

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.design.quantities import Amplitude
 
 ComplexArray = NDArray[np.complex128]
 
@@ -116,6 +117,28 @@ def q_of(joints: Sequence[_Values], turns: Sequence[_Values]) -> ComplexArray:
     for k, turn in zip(reversed(joints[:-1]), reversed(turns[:-1]), strict=True):
         x = turn * ((x + k) / (1.0 + k * x))
     return np.asarray(-x)
+
+
+def amplitude(
+    kind: Amplitude, nominal: Nominal, deviations: Deviations, shaft: int
+) -> ComplexArray:
+    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names.
+
+    Args:
+        kind: which one.
+        nominal: the driveline as drawn.
+        deviations: by how much it deviates in each sample.
+        shaft: the shaft of ``"last"``, at least 1.
+    """
+    if kind == "coasting":
+        deviations, nominal = reversed_deviations(nominal, deviations), nominal.reversed()
+    joints, turns = joints_and_turns(nominal, deviations)
+    if kind == "last":
+        return q_of(joints[:shaft], turns[:shaft])
+    total: Any = 0j
+    for behind in range(1, nominal.n_joints):
+        total = total + q_of(joints[:behind], turns[:behind])
+    return np.asarray(total)
 
 
 def _turn(angle: _Values) -> _Values:

@@ -34,9 +34,8 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.design.quantities import Amplitude
-from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
-from cardan.tolerances.chain import Nominal
+from cardan.tolerances.chain import Nominal, amplitude
 
 
 def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:

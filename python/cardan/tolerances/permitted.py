@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from cardan.tolerances.case import Quantity
+from cardan.tolerances.case import Case, Quantity
 from cardan.tolerances.design import Design
 
 # Up to this factor, and until the limit is met this closely.
@@ -39,7 +39,7 @@ def permitted_factor(
             scaled.check()
         except ValueError:
             return math.inf
-        return float(getattr(scaled, bound)(quantity)) / limit - 1.0
+        return scaled.largest(getattr(Case, bound), quantity) / limit - 1.0
 
     return _root(excess)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, nearest
-from cardan.arrays.indices import Items, item_index
+from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.design.order_quantities import FIRST, order_quantity
 from cardan.design.quantities import (
@@ -215,6 +214,9 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         Case(box, each.lines[i], index, own_speed, own_load, drawn.workers)
         for i, (box, own_speed, own_load) in enumerate(own)
     ]
+    seed = drawn.seed
+    if seed is None:
+        seed = int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
     shape, designs, n_states = _designs(cases, each.shape, line, figures.states)
     return Tolerances(
         designs,
@@ -222,8 +224,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         quantities,
         several=several,
         limits=_limits(figures.limit, quantities, several, sizes.degrees),
-        samples=_whole("samples", drawn.samples, 1, "must be positive"),
-        seed=_seed(drawn.seed),
+        samples=integer("samples", drawn.samples, 1),
+        seed=integer("seed", seed, 0),
         distribution=sizes.distribution,
         workers=drawn.workers,
         n_states=n_states,
@@ -353,42 +355,14 @@ def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
 
 def _loads(load: Load | None, shape: tuple[int, ...]) -> list[Load | None]:
     """The load of each driveline of the batch."""
-    count = math.prod(shape)
-    if load is None:
-        return [None] * count
-    shapes = {"torque": load.torque.shape, "speed": load.speed.shape}
-    shapes["acceleration"] = load.acceleration.shape
-    if load.inertias is not None:
-        shapes["inertias"] = load.inertias.shape[:-1]
-    if not any(shapes.values()):
-        return [load] * count
-    if common_shape(driveline=shape, **shapes) != shape:
+    if load is None or not any(load.shapes().values()):
+        return [load] * math.prod(shape)
+    if common_shape(driveline=shape, **load.shapes()) != shape:
         raise ArgumentValueError("load", f"has values for more drivelines than {shape}")
 
-    def each(values: FloatArray, *core: int) -> FloatArray:
-        return np.broadcast_to(values, (*shape, *core)).reshape(count, *core)
+    def at(place: tuple[int, ...]) -> Load:
+        return load.changed(
+            lambda x, own: np.broadcast_to(x, (*shape, *x.shape[x.ndim - own :]))[place]
+        )
 
-    columns = {
-        f"{load.end}_torque": each(load.torque),
-        "speed": each(load.speed),
-        "acceleration": each(load.acceleration),
-    }
-    if load.inertias is not None:
-        columns["inertias"] = each(load.inertias, load.inertias.shape[-1])
-    return [Load(**{name: column[i] for name, column in columns.items()}) for i in range(count)]
-
-
-def _seed(seed: int | None) -> int:
-    """The seed, a fresh one if none is given."""
-    if seed is None:
-        return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
-    return _whole("seed", seed, 0, "must not be negative")
-
-
-def _whole(argument: str, value: SupportsIndex, least: int, rule: str) -> int:
-    if not hasattr(value, "__index__"):
-        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer")
-    number = operator.index(value)
-    if number < least:
-        raise ArgumentValueError(argument, f"is {number}; it {rule}")
-    return number
+    return [at(place) for place in np.ndindex(shape)]

@@ -100,6 +100,14 @@ class TorsionParameters:
         return replace(self, dampings=np.array(2.0 * given * springs / lowest))
 
 
+def checked_tolerance(tolerance: float) -> float:
+    """Return the permitted error of an orbit."""
+    value = float(as_float64("tolerance", tolerance))
+    if not 1e-12 <= value <= 1e-3:
+        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    return value
+
+
 def _full(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     # A copy: the caller may change the array.
     full = np.array(np.broadcast_to(array, shape))

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_joint
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, nearest
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.arrays.indices import checked_orders
 from cardan.motion.joint_axes import cross_axes, dot
 
 if TYPE_CHECKING:
@@ -75,12 +76,7 @@ class Slides:
             TypeError: orders that are not integers.
             ValueError: an order below 1 or above 100, an unknown slide.
         """
-        wanted = np.asarray(orders)
-        if wanted.dtype.kind not in "iu":
-            raise ArgumentTypeError("orders", f"has dtype {wanted.dtype}; orders are integers")
-        right = (wanted >= 1) & (wanted <= 100)
-        check_elements("orders", wanted, right, "; an order is an integer from 1 to 100")
-        number = _number("of", of)
+        wanted, number = checked_orders(orders, 100), _number("of", of)
         count, before = _FEWEST, np.zeros(())
         while True:
             spectrum = np.fft.rfft(self._turn(count)[number], axis=-1)
