@@ -1134,7 +1134,10 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
         ({"bends": 0.1, "of": ["torque", "torque"]}, "of[1] is 'torque' again; name each figure"),
         ({"bends": 0.1, "of": [3]}, "of[0] is 3; a figure is asked for by its name"),
         ({"bends": 0.1, "of": "torsional_excitation"}, "speed is missing; 'torsional_excitation'"),
-        ({"bends": 0.1, "of": "torque", "reduce": "min"}, "reduce is 'min'; it must be one of"),
+        (
+            {"bends": 0.1, "of": "torque", "reduce": "min"},
+            "reduce is 'min'; it must be 'peak', 'rms'",
+        ),
         ({"bends": 0.1, "limit": 0.0}, "limit['equivalent_bend'] is 0.0; it must be a positive"),
         ({"bends": 0.1, "limit": {"torque": 3.0}}, "limit names 'torque'; "),
         (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -104,6 +104,14 @@ def check_elements(
     unit, _, words = rule.partition("; ")
     problem, value = f"is {array[place]!s}{rule}", float(array[place])
     raise ArgumentValueError(argument, problem, place, value, unit.strip(), words)
+
+
+def check_choice(argument: str, value: object, known: Sequence[str]) -> None:
+    """Raise an ``ArgumentValueError`` unless a value is one of some words."""
+    if not isinstance(value, str) or value not in known:
+        *others, last = map(repr, known)
+        wanted = f"{', '.join(others)} or {last}"
+        raise ArgumentValueError(argument, f"is {value!r}; it must be {wanted}")
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -20,7 +20,7 @@ from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 from cardan.arrays.indices import item_indices
-from cardan.arrays.planes import PlanePlace, components_first
+from cardan.evaluation.layout import PlanePlace, components_first
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
@@ -251,18 +251,18 @@ def derivatives(plan: Plan, angle: ArrayLike | Sweep, by: str | Iterable[str]) -
     _check_load(plan.request.load, names)
     samples = DerivativeSamples(plan, angle)
     total = math.prod(samples.shape)
-    planes = sum((items or 1) * (3 if vector else 1) for _, items, vector in places.values())
+    planes = sum(place.planes for place in places.values())
     columns = [*_columns(names, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
     block = samples.in_order(flat.reshape(planes, *samples.plane_shape(), width), 1)
     ndim = len(samples.shape)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}
-    for output, (first, items, vector) in places.items():
-        own = block[first : first + (items or 1) * (3 if vector else 1)]
-        lead = (*(() if items is None else (items,)), *((3,) if vector else ()))
+    for output, place in places.items():
+        own = block[place.first : place.first + place.planes]
+        lead = place.shape(())
         whole = own.reshape((*lead, *own.shape[1:]))
-        if vector:
+        if place.vector:
             whole = np.moveaxis(whole, len(lead) - 1, len(lead) - 1 + ndim)
         found[output] = {}
         for name, start, shape in columns:
@@ -283,15 +283,12 @@ def _columns(names: Iterable[str], line: Driveline) -> Iterator[tuple[str, int, 
 def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Iterator[FloatArray]:
     full = checked_weights(weights, samples.places, samples.shape)
     for name, place in samples.places.items():
-        _, items, vector = place
-        count = (1 if items is None else items) * (3 if vector else 1)
         if name not in full:
-            zeros = np.zeros(samples.line_count * samples.count)
-            yield from (zeros for _ in range(count))
+            yield from [np.zeros(samples.line_count * samples.count)] * place.planes
             continue
-        planes = components_first(full[name], place).reshape(count, *samples.shape)
+        planes = components_first(full[name], place).reshape(place.planes, *samples.shape)
         moved = planes.transpose(0, *(axis + 1 for axis in samples._order))
-        yield from np.ascontiguousarray(moved).reshape(count, -1)
+        yield from np.ascontiguousarray(moved).reshape(place.planes, -1)
 
 
 def checked_weights(
@@ -320,8 +317,7 @@ def checked_weights(
                 "weights", f"is not an output of the plan; {nearest(name, places)}", (name,)
             )
         array = as_float64("weights", given)
-        _, items, vector = places[name]
-        wanted = (*(() if items is None else (items,)), *shape, *((3,) if vector else ()))
+        wanted = places[name].shape(shape)
         if array.shape == wanted:
             full[name] = array
             continue

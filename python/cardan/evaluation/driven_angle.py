@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.libraries import LIBRARIES
 from cardan.evaluation.plan import Plan
-from cardan.evaluation.request import Request, checked_choice
+from cardan.evaluation.request import Request
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 
@@ -114,7 +114,7 @@ def planned(line: Driveline, request: Request) -> Plan:
     line._geometry.check_ideal(
         'axes="shaft" and angle_of="driven" are', "use the axes of space and the drive angle"
     )
-    checked_choice("axes", axes, ("space", "shaft"))
-    checked_choice("angle_of", angle_of, ("drive", "driven"))
+    check_choice("axes", axes, ("space", "shaft"))
+    check_choice("angle_of", angle_of, ("drive", "driven"))
     plan = Plan(line, request)
     return DrivenPlan(plan) if angle_of == "driven" else plan

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import checked_orders, item_indices
-from cardan.arrays.planes import PlanePlace
+from cardan.evaluation.layout import PlanePlace
 from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
 
 if TYPE_CHECKING:

@@ -45,8 +45,8 @@ def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.i
     check_elements("orders", order, order <= highest, f"; an order of {name} is at most {highest}")
     request = plan.request._replace(names=name, dtype=None)
     own = plan._again(plan.line, request)
-    _, items, vector = own.places[name]
-    planes = (1 if items is None else items, 3 if vector else 1)
+    place = own.places[name]
+    planes = (1 if place.items is None else place.items, 3 if place.vector else 1)
     mean, error, flat = own._core.orders(
         rows,
         order.tolist(),
@@ -63,8 +63,7 @@ def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.i
     def shaped(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
         """Items before the rows, the components of a vector behind them."""
         whole = np.moveaxis(array.reshape(*rows, *planes, *last), len(rows), 0)
-        shape = (*(() if items is None else (items,)), *rows, *((3,) if vector else ()), *last)
-        return whole.reshape(shape)
+        return whole.reshape((*place.shape(rows), *last))
 
     return shaped(flat.view(np.complex128), len(order)), shaped(mean), shaped(error)
 

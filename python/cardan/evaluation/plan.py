@@ -13,10 +13,9 @@ from cardan import _core
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.arrays.planes import PlanePlace, components_first, planes_of, view
 from cardan.evaluation.derivatives import Derivatives, Gradient, derivatives, gradient
 from cardan.evaluation.harmonics import Harmonics, harmonics
-from cardan.evaluation.layout import layout_of
+from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
 from cardan.evaluation.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
@@ -362,11 +361,6 @@ class Plan:
             raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
         return shape[:-1]
 
-    def _shape(self, place: PlanePlace, rows: tuple[int, ...]) -> tuple[int, ...]:
-        _, items, vector = place
-        lead = () if items is None else (items,)
-        return lead + rows + ((3,) if vector else ())
-
     def _checked_out(
         self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
     ) -> dict[str, NDArray[Any]]:
@@ -386,7 +380,7 @@ class Plan:
                 raise ArgumentValueError(
                     "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
                 )
-            wanted = self._shape(self.places[name], rows)
+            wanted = self.places[name].shape(rows)
             if array.shape != wanted:
                 raise ArgumentValueError(
                     "out", f"has shape {array.shape}; it must be {wanted}", (name,)
@@ -426,11 +420,11 @@ class Plan:
         rows: tuple[int, ...],
     ) -> dict[str, NDArray[Any]]:
         arrays = {}
-        for (name, (_, items, vector)), own in zip(self.places.items(), planes, strict=True):
+        for (name, place), own in zip(self.places.items(), planes, strict=True):
             target = given.get(name)
             if target is None or not np.may_share_memory(target, own):
                 own = own.astype(self.dtype, copy=False)
-                array = view(planes_of(own, len(rows)), (0, items, vector))
+                array = view(planes_of(own, len(rows)), place._replace(first=0))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
-from cardan.arrays.planes import PlanePlace
 from cardan.evaluation.derivatives import Derivatives, Gradient, checked_weights
+from cardan.evaluation.layout import PlanePlace
 
 if TYPE_CHECKING:
     from cardan.evaluation.plan import Plan

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, deferring
-from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
 from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
 
 if TYPE_CHECKING:
@@ -248,9 +248,7 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
         "input": (level, first, first + second),
         "output": (-first - second, -second, level),
     }
-    if reference not in slopes:
-        known = ", ".join(map(repr, slopes))
-        raise ArgumentValueError("reference", f"is {reference!r}; it must be one of {known}")
+    check_choice("reference", reference, [*slopes])
     view = np.stack(slopes[reference], axis=-1)
     if np.any(np.abs(view) >= np.pi / 2):
         raise ArgumentValueError(name, f"adds up to 90 deg or more against the {reference} shaft")

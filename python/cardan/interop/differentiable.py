@@ -102,10 +102,7 @@ class Evaluation:
         samples = common_shape(**batches, angle=angle)
         names = self.outputs if isinstance(self.outputs, str) else tuple(self.outputs)
         places = layout_of(names, n, self.shafts, self.joints, None, len(self.bearings)).places
-        return {
-            name: (() if items is None else (items,)) + samples + ((3,) if vector else ())
-            for name, (_, items, vector) in places.items()
-        }
+        return {name: place.shape(samples) for name, place in places.items()}
 
     def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
         """Return the plan for these parameters."""

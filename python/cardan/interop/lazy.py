@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import item_index
-from cardan.arrays.planes import components_first, view
 from cardan.driveline import Driveline
-from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.composed_plans import PlanInDegrees
 from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.layout import components_first, view
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result

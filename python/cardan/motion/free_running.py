@@ -114,8 +114,9 @@ class FreeRunning:
         others, exponents = _scaled(others)
         shape = np.broadcast_shapes(self._line.shape, others.shape[:-1])
         full = common_shape(free_running=shape, variation=wanted.shape)
-        each = np.ascontiguousarray(np.broadcast_to(wanted, full)).ravel()
-        lines, flat = self._line._lines, _by_row(others, full)
+        flat = np.broadcast_to(others, (*full, others.shape[-1])).ravel()
+        each = np.broadcast_to(wanted, full).ravel()
+        lines = self._line._lines
         least = _core.least_drive_inertias(lines, full, flat, each, threads.at_most(None))
         # Beyond the largest double it is infinite.
         with np.errstate(over="ignore"):
@@ -161,17 +162,11 @@ def free_running(line: Driveline, inertias: ArrayLike) -> FreeRunning:
         raise ArgumentValueError("inertias", "are all 0; at least one shaft needs an inertia")
     shape = common_shape(driveline=line.shape, inertias=array.shape[:-1])
     scaled, _ = _scaled(array)
-    flat = _by_row(scaled, shape)
+    flat = np.broadcast_to(scaled, (*shape, scaled.shape[-1])).ravel()
     found = _core.free_drives(line._lines, shape, flat, threads.at_most(None))
     *speeds, root = (column.reshape(shape) for column in found)
     least, largest, variation = map(scalar_or_array, speeds)
     return FreeRunning(array.copy(), least, largest, variation, line, scaled, root)
-
-
-def _by_row(inertias: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """The inertias of every row of this shape, one after another."""
-    full = np.broadcast_to(inertias, (*shape, inertias.shape[-1]))
-    return np.ascontiguousarray(full).ravel()
 
 
 def _scaled(inertias: FloatArray) -> tuple[FloatArray, NDArray[np.int32]]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, check_elements
+from cardan.arrays.errors import ArgumentValueError, Place, check_choice, check_elements
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -206,8 +206,7 @@ def optimise(
     half_turn = 180.0 if degrees else math.pi
     numbers = checked_phases(phases, len(first))
     steps = steps_of(teeth, numbers)
-    if over not in ("largest", "rms"):
-        raise ArgumentValueError("over", f"is {over!r}; it must be 'largest' or 'rms'")
+    check_choice("over", over, ("largest", "rms"))
     integer("starts", starts, 1)
     line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
     n_states = line.shape[-1]

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentValueError, check_elements
-from cardan.evaluation.request import checked_choice
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
 from cardan.geometry.parameters import PARAMETERS, parameter_shape
@@ -213,7 +212,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
     n, teeth, distribution = line.n_joints, sizes.teeth, sizes.distribution
     own = _shapes(n)
-    checked_choice("distribution", distribution, ("uniform", "normal"))
+    check_choice("distribution", distribution, ("uniform", "normal"))
     arrays = {
         group: _tolerance(group, value, own[group], sizes.degrees and group != "points")
         for group, value in sizes.each.items()

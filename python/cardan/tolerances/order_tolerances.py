@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, not_negative
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import integer, item_index
 from cardan.design.order_quantities import farthest_signs, order_amplitude
 from cardan.evaluation.order_sums import ComplexArray
-from cardan.evaluation.request import checked_choice
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.as_built import DEVIATIONS, angles_of_joints
 from cardan.tolerances.worst import largest_of_corners
@@ -143,7 +142,7 @@ def order_tolerances(
     halves = np.stack([np.broadcast_to(half, (n,)) for half in given_halves], axis=-1)
     if line.shape:
         raise ArgumentValueError("driveline", f"has shape {line.shape}; it must be one driveline")
-    checked_choice("distribution", distribution, ("uniform", "normal"))
+    check_choice("distribution", distribution, ("uniform", "normal"))
     number = integer("order", order, 1)
     index = item_index("shaft", shaft, line.n_joints + 1)
     count = max(_FEWEST, 32 * number)

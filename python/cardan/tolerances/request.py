@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, nearest
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    nearest,
+)
 from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.design.order_quantities import FIRST, order_quantity
@@ -35,8 +41,6 @@ if TYPE_CHECKING:
 
 REDUCTIONS: tuple[Reduction, ...] = ("peak", "rms", "max", "mean")
 """The reductions of which the largest value is the worst."""
-
-_LISTED = ", ".join(map(repr, REDUCTIONS))
 
 
 def tolerances(
@@ -293,18 +297,16 @@ def _quantity(name: str, place: int, line: Driveline, figures: Figures) -> Quant
     found = reduced_quantity(name)
     if found is None and name in OUTPUTS:
         output = OUTPUTS[name]
-        if figures.reduce not in REDUCTIONS:
-            problem = f"is {figures.reduce!r}; it must be one of {_LISTED}"
-            raise ArgumentValueError("reduce", problem)
+        check_choice("reduce", figures.reduce, REDUCTIONS)
         items = {"shaft": figures.shafts, "joint": figures.joints}.get(output.per)
         found = ReducedQuantity(output, items, figures.reduce)
     elif found is None:
         known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
     elif found.reduction not in REDUCTIONS:
-        raise ArgumentValueError(
-            "of", f"is {name!r}; its reduction must be one of {_LISTED}", (place,)
-        )
+        known = ", ".join(map(repr, REDUCTIONS))
+        problem = f"is {name!r}; its reduction must be one of {known}"
+        raise ArgumentValueError("of", problem, (place,))
     else:
         found.check_item(line)
     return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
 from cardan.tolerances.case import Case, Quantity
@@ -323,11 +323,7 @@ class Tolerances:
             raise ArgumentValueError("limit", f"is missing; {name!r} has no default limit")
         if not any(place[0] == group for place in design.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
-        if bound not in ("worst", "linear", "guaranteed"):
-            raise ArgumentValueError(
-                "bound", f"is {bound!r}; it must be 'worst', 'linear' or 'guaranteed'"
-            )
-
+        check_choice("bound", bound, ("worst", "linear", "guaranteed"))
         return permitted_factor(design, quantity, self._limits[name], group, bound)
 
     nominal_deg = _in_degrees("nominal")

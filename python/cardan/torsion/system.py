@@ -99,7 +99,7 @@ class TorsionalSystem:
     def _native(self) -> _core.Torsion:
         shape = self._parameters.shape
         numbers = np.arange(math.prod(self._line.shape)).reshape(self._line.shape)
-        lines = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
+        lines = np.broadcast_to(numbers, shape).ravel()
         return _core.Torsion(self._line._lines, shape, lines, *self._parameters.flat())
 
     def __repr__(self) -> str:
@@ -406,9 +406,8 @@ class TorsionalSystem:
         speeds = as_float64("speed", speed)
         shape = common_shape(system=self.shape, speed=speeds.shape)
         numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
-        systems = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
-        full = np.broadcast_to(speeds, shape)
-        records, failures = of(systems, np.ascontiguousarray(full.ravel()), *options)
+        systems, full = np.broadcast_to(numbers, shape).ravel(), np.broadcast_to(speeds, shape)
+        records, failures = of(systems, full.ravel(), *options)
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_choice, check_elements
 from cardan.torsion.equations import Equations, TorsionalMotion
 
 IntegrationMethod: TypeAlias = Literal["DOP853", "RK45", "Radau", "BDF", "LSODA"]
@@ -100,8 +100,7 @@ def integrated(
         ValueError: times that do not increase, an unknown start or method.
     """
     times = _times(time)
-    if method not in METHODS:
-        raise ArgumentValueError("method", f"is {method!r}; it must be one of {METHODS}")
+    check_choice("method", method, METHODS)
     watched = [
         _Watched(equations, event, i)
         for i, event in enumerate([events] if callable(events) else events)
