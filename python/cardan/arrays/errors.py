@@ -87,16 +87,9 @@ def located(argument: str, place: Place) -> str:
 def check_elements(
     argument: str, array: NDArray[Any], right: NDArray[np.bool_] | np.bool_, rule: str
 ) -> None:
-    """Raise the error for the first wrong element of an array, if there is one.
+    """Raise the error for the first element of an array that is not right, if there is one.
 
-    Args:
-        argument: name of the argument.
-        array: its values.
-        right: which of them are right.
-        rule: what follows the value: a unit, if any, and ``"; it must be finite"``.
-
-    Raises:
-        ArgumentValueError: a wrong element.
+    The rule follows the value: a unit, if any, and ``"; it must be finite"``.
     """
     if np.all(right):
         return

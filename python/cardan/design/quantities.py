@@ -151,12 +151,7 @@ MOTION_QUANTITIES: Mapping[str, MotionQuantity] = MappingProxyType(
 
 
 def nearest_quantity(name: str, known: Iterable[str] = MOTION_QUANTITIES) -> str:
-    """Say which quantity is meant by a name, or which there are.
-
-    Args:
-        name: what was given.
-        known: the names that are possible, besides those of reduced outputs.
-    """
+    """Say which quantity is meant by a name, or which there are besides reduced outputs."""
     return (
         f"{nearest(name, known)} (an output has the number of its shaft, joint or bearing and its "
         "reduction, as 'support_moment_1_peak')"

@@ -65,14 +65,7 @@ class ReducedQuantity:
     def of(self, line: Driveline, load: Load | None, workers: int | None = None) -> FloatArray:
         """Return the number of each driveline, in the shape of the batch.
 
-        Args:
-            line: the drivelines.
-            load: for an output that needs one; its values broadcast to the batch.
-            workers: largest number of threads, as for ``Driveline.evaluate``.
-
-        Raises:
-            IndexError: a shaft, joint or bearing that does not exist.
-            ValueError: as of ``Driveline.evaluate``.
+        The values of a load broadcast to the batch.
         """
         self.check_item(line)
         values = self._plan(line, load, workers)(self._angles(line))[self.output.name]
@@ -87,16 +80,8 @@ class ReducedQuantity:
         """Return the derivatives of ``of`` by parameters of each driveline.
 
         An end of the samples changes as the sample at which it lies, and the largest of several
-        items as that item.
-
-        Args:
-            line: the drivelines.
-            load: as of ``of``.
-            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have, or the
-                deviations of joints as built.
-
-        Returns:
-            for each of them an array in the shape of the batch, followed by that of the parameters.
+        items as that item. The parameters are any of ``LAYOUT_VARIABLES`` that the drivelines
+        have, or the deviations of joints as built; their axes follow those of the batch.
         """
         plan, name, batch = self._plan(line, load), self.output.name, len(line.shape)
         values = np.asarray(plan(self._angles(line))[name])

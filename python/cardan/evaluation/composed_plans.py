@@ -25,12 +25,10 @@ class PlanInDegrees:
     """A plan called with degrees; the results that are angles come in degrees as well."""
 
     def __init__(self, plan: Callable[[Any, Any], Result], driven: bool = False) -> None:
-        """Keep the plan, or what else evaluates at angles in rad, and fills arrays.
+        """Keep what evaluates at angles in rad and fills arrays.
 
-        Args:
-            plan: evaluates.
-            driven: whether it takes angles of the last shaft, so that the drivelines of
-                a batch have different drive angles.
+        With ``driven`` it takes angles of the last shaft, for which each driveline of a batch has
+        drive angles of its own.
         """
         self._plan = plan
         self._driven = driven
@@ -79,12 +77,7 @@ class PlanOfReductions:
     """A plan for each of several reductions; the results are stacked along a new axis."""
 
     def __init__(self, line: Driveline, request: Request, reductions: Sequence[Reduction]) -> None:
-        """Make the plans.
-
-        Args:
-            line: the driveline.
-            request: what is asked of it, without a reduction.
-            reductions: names, at least one.
+        """Make the plans of a request without a reduction, one for each reduction.
 
         Raises:
             ValueError: no reduction, or a peak among other reductions of a vector.

@@ -42,17 +42,9 @@ class DrivenPlan(Plan):
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
     ) -> Result:
-        """Evaluate at angles of the last shaft.
+        """Evaluate at mean-synchronous angles of the last shaft, as the output ``angle`` has them.
 
-        The drive angles are stored, also if the outputs are reduced.
-
-        Args:
-            angle: mean-synchronous angles of the last shaft in rad, as the output ``angle`` has
-                them; otherwise as for any plan.
-            out: arrays to fill, by output name.
-
-        Raises:
-            TypeError, ValueError, MemoryError, RuntimeError: as of any plan.
+        The drive angles are stored, also if the outputs are reduced. Otherwise as for any plan.
         """
         if name := array_namespace_of(angle):
             if LIBRARIES[name].wraps and self.line.shape:

@@ -77,15 +77,7 @@ def layout_of(
     reduce: Reduction | None,
     bearings: int,
 ) -> Layout:
-    """Return the layout of outputs of a driveline with ``n`` joints.
-
-    Args:
-        names: names of outputs.
-        n: number of joints.
-        shafts: shafts for the outputs per shaft; the last by default.
-        joints: joints for the outputs per joint; all by default.
-        reduce: what rows of samples are reduced to.
-        bearings: number of bearings.
+    """Return the layout of outputs of a driveline with ``n`` joints, as ``Plan`` reads them.
 
     Raises:
         IndexError: a shaft or joint that does not exist.

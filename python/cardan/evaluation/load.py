@@ -136,15 +136,11 @@ def require_load(load: object) -> None:
 
 
 def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:
-    """Return a load whose shafts absorb these torques, of either sign.
+    """Return a load whose shafts absorb torques of either sign, ``(..., n + 1)``.
 
-    Shafts at rest that are accelerated absorb the power ``I a r**2``. An acceleration of 1 rad/s²
-    and inertias ``torque / r`` of either sign absorb what is given, whatever absorbs it in fact.
-
-    Args:
-        drive_torque: torque in N m put into shaft 0, ``(...)``.
-        torques: absorbed by each shaft in N m, ``(..., n + 1)``.
-        ratios: speed ratio ``r`` of each shaft, ``(..., n + 1)``.
+    Shafts at rest that are accelerated absorb the power ``I a r**2`` with their speed ratios ``r``.
+    An acceleration of 1 rad/s² and inertias ``torque / r`` of either sign absorb what is given,
+    whatever absorbs it in fact.
     """
     load = Load(drive_torque=drive_torque, acceleration=1.0)
     object.__setattr__(load, "inertias", np.asarray(torques / ratios))

@@ -33,14 +33,7 @@ _TERMS, _ROWS = 64, 1 << 12
 
 
 def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.int64]) -> OrderSums:
-    """Find the orders of one output of a plan.
-
-    Args:
-        plan: evaluates the output.
-        name: of the output.
-        rows: shape of the drivelines and loads together.
-        order: the orders.
-    """
+    """Find the orders of one output of a plan for drivelines and loads of the shape ``rows``."""
     highest = _core.Plan.HIGHEST_ORDER
     check_elements("orders", order, order <= highest, f"; an order of {name} is at most {highest}")
     request = plan.request._replace(names=name, dtype=None)
@@ -103,14 +96,7 @@ def _blocks(count: int, size: int) -> Iterator[slice]:
 def _of_rows(
     line: Driveline, request: Request, rows: tuple[int, ...], block: slice
 ) -> tuple[Driveline, Request]:
-    """Return drivelines and request of some of the rows, each an entry of the first of two axes.
-
-    Args:
-        line: drivelines that broadcast to ``rows`` with the load of the request.
-        request: what is asked of them.
-        rows: their shape together.
-        block: which of the rows, counted flat.
-    """
+    """Return drivelines and request of some of the rows, each an entry of the first of two axes."""
     index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
 
     def taken(values: FloatArray, own: int) -> FloatArray:

@@ -399,7 +399,6 @@ class Plan:
         """Planes to fill: of the arrays given where they lie plane by plane, else new ones."""
         planes = []
         for name, place in self.places.items():
-            _, items, vector = place
             # A subclass may have other rules of shapes.
             target = components_first(np.asarray(given[name]), place) if name in given else None
             if (
@@ -408,8 +407,7 @@ class Plan:
                 or not target.flags.carray
                 or any(np.may_share_memory(target, array) for array in self._load)
             ):
-                count = (1 if items is None else items) * (3 if vector else 1)
-                target = np.empty((count, *rows), self._word)
+                target = np.empty((place.planes, *rows), self._word)
             planes.append(target)
         return planes
 

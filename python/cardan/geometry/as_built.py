@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, not_negative, per_joint, positive
 from cardan.arrays.errors import check_elements
-from cardan.geometry.geometry import Geometry
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -68,9 +67,17 @@ def with_deviations(
     >>> leaning.harmonics([1, 2], outputs="angle_error").angle_error.round(6)
     array([0.000175, 0.007654])
     """
-    given = (driving_yoke, cross, driven_yoke)
-    own = _with_deviations(line._geometry, dict(zip(DEVIATIONS, given, strict=True)), degrees)
-    return line._of(own)
+    own, n = line._geometry, line.n_joints
+    given = dict(zip(DEVIATIONS, (driving_yoke, cross, driven_yoke), strict=True))
+    arrays = {name: angles_of_joints(name, value, n, degrees) for name, value in given.items()}
+    shapes = {name: array.shape[:-1] for name, array in arrays.items()}
+    shape = common_shape(driveline=own.shape, **shapes)
+    ideal = own._replace(deviations=np.empty((*own.shape, 0, 3))).batched(shape)
+    if not any(np.any(array != 0.0) for array in arrays.values()):
+        return line._of(ideal)
+    full = np.stack([np.broadcast_to(array, (*shape, n)) for array in arrays.values()], axis=-1)
+    _core.check_deviations(n, shape, ideal.bends.reshape(-1), full.reshape(-1))
+    return line._of(ideal._replace(deviations=full))
 
 
 def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
@@ -108,20 +115,6 @@ def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
     skew = np.broadcast_to(2.0 * play, (*shape, n))
     driving, cross, driven = np.moveaxis(own, -1, 0)
     return line.with_deviations(driving, np.stack([cross + skew, cross - skew]), driven)
-
-
-def _with_deviations(own: Geometry, given: dict[str, ArrayLike], degrees: bool) -> Geometry:
-    n = own.n_joints
-    arrays = {name: angles_of_joints(name, value, n, degrees) for name, value in given.items()}
-    shape = common_shape(
-        driveline=own.shape, **{name: array.shape[:-1] for name, array in arrays.items()}
-    )
-    ideal = own._replace(deviations=np.empty((*own.shape, 0, 3))).batched(shape)
-    if not any(np.any(array != 0.0) for array in arrays.values()):
-        return ideal
-    full = np.stack([np.broadcast_to(array, (*shape, n)) for array in arrays.values()], axis=-1)
-    _core.check_deviations(n, shape, ideal.bends.reshape(-1), full.reshape(-1))
-    return ideal._replace(deviations=full)
 
 
 def angles_of_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:

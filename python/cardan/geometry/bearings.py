@@ -53,12 +53,7 @@ def with_bearings(
 
 
 def in_metres(line: Driveline, unit: float) -> Driveline:
-    """Return the driveline with its lengths and positions in metres.
-
-    Args:
-        line: drivelines.
-        unit: the unit of their points, in metres.
-    """
+    """Return the driveline with its lengths and positions in metres, which are in a unit now."""
     own = line._geometry
     lengths, positions = own.lengths * unit, own.positions * unit
     return line._of(own._replace(lengths=lengths, positions=positions))

@@ -138,11 +138,7 @@ class Evaluation:
     ) -> tuple[dict[str, FloatArray], FloatArray]:
         """Return the derivatives of ``sum(weights * outputs)`` by parameters and by the angles.
 
-        Args:
-            parameters: arrays by name.
-            angle: drive angles.
-            weights: arrays by output.
-            by_angle: whether those by the angles are wanted; otherwise they are 0.
+        Without ``by_angle`` the latter are 0.
         """
         given, angles = _doubles(parameters), as_float64("angle", np.asarray(angle))
         plan = self.plan(given)

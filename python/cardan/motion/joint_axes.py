@@ -34,17 +34,7 @@ class CrossAxes(NamedTuple):
 
 
 def cross_axes(line: Driveline, joint: int, angle: ArrayLike) -> CrossAxes:
-    """Return the axes of a joint.
-
-    Args:
-        line: the driveline.
-        joint: which joint.
-        angle: drive angle in rad; broadcasts against the batch.
-
-    Raises:
-        TypeError: angles that are not real numbers.
-        ValueError: shapes that do not broadcast.
-    """
+    """Return the axes of a joint at drive angles in rad, which broadcast against the batch."""
     pins = line.evaluate(angle, ("driving_pin", "driven_pin"), joints=joint)
     p, q = pins.driving_pin, pins.driven_pin
     driving, driven, normal = (

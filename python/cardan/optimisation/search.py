@@ -89,16 +89,9 @@ def search(
     half_turn: float,
     seed: int,
 ) -> Candidate:
-    """Return the best candidate.
+    """Return the best candidate of searches from ``first`` and from points drawn from the spans.
 
-    Args:
-        problem: what to minimise.
-        first: the start.
-        spans: low and high end of the range from which starts are drawn, ``(2, m)``.
-        starts: from how many points to search.
-        steps: the teeth of variables that can only be changed by whole ones.
-        half_turn: after which such a variable repeats.
-        seed: of the random starts.
+    Variables with teeth, by number in ``steps``, change by whole ones and repeat after half a turn.
     """
     everywhere = np.ones(len(first.x), dtype=bool)
     found = [first]

@@ -72,11 +72,9 @@ class Case:
     def values(
         self, quantities: Mapping[str, Quantity], deviations: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return figures by name; each amplitude is computed once.
+        """Return figures by name for deviations ``(parameters, samples)``.
 
-        Args:
-            quantities: the figures.
-            deviations: of the parameters, ``(parameters, samples)``.
+        Each amplitude is found once.
         """
         by_place, samples = self.box.deviations(deviations), deviations.shape[1]
         moduli: dict[str, FloatArray] = {}

@@ -122,14 +122,7 @@ def q_of(joints: Sequence[_Values], turns: Sequence[_Values]) -> ComplexArray:
 def amplitude(
     kind: Amplitude, nominal: Nominal, deviations: Deviations, shaft: int
 ) -> ComplexArray:
-    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names.
-
-    Args:
-        kind: which one.
-        nominal: the driveline as drawn.
-        deviations: by how much it deviates in each sample.
-        shaft: the shaft of ``"last"``, at least 1.
-    """
+    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names."""
     if kind == "coasting":
         deviations, nominal = reversed_deviations(nominal, deviations), nominal.reversed()
     joints, turns = joints_and_turns(nominal, deviations)

@@ -39,13 +39,7 @@ from cardan.tolerances.chain import Nominal, amplitude
 
 
 def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
-    """Return a bound of the magnitude of an amplitude over the box.
-
-    Args:
-        kind: which amplitude.
-        box: the driveline with its tolerances.
-        shaft: the shaft of ``"last"``.
-    """
+    """Return a bound of the magnitude of an amplitude over the box."""
     grown, changes, corners, turned = bound_parts(box)
     if kind == "last":
         k = float(np.abs(amplitude(kind, box.nominal, {}, shaft)))

@@ -20,17 +20,9 @@ def permitted_factor(
 ) -> float:
     """Return the factor of the tolerances of one group at which a bound reaches the limit.
 
-    Args:
-        design: the driveline with its tolerances.
-        quantity: the figure.
-        limit: of the figure.
-        group: of parameters.
-        bound: ``"worst"``, ``"linear"`` or ``"guaranteed"``.
-
-    Returns:
-        the factor; NaN if the other tolerances alone exceed the limit, infinite without a factor.
-        If joints block before the limit is reached, it is the largest factor with which they turn,
-        or up to 0.1 % less.
+    It is NaN if the other tolerances alone exceed the limit, infinite without a factor. If joints
+    block before the limit is reached, it is the largest factor with which they turn, or up to 0.1 %
+    less.
     """
 
     def excess(factor: float) -> float:

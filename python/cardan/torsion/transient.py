@@ -91,14 +91,7 @@ def integrated(
     tolerance: float,
     method: IntegrationMethod,
 ) -> Transient:
-    """Return the motion from the first to the last time.
-
-    Raises:
-        ImportError: SciPy is missing.
-        RuntimeError: the integrator does not reach the last time.
-        TypeError: an event that is not a function.
-        ValueError: times that do not increase, an unknown start or method.
-    """
+    """Return the motion from the first to the last time, as ``TorsionalSystem.transient`` does."""
     times = _times(time)
     check_choice("method", method, METHODS)
     watched = [

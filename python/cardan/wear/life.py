@@ -138,11 +138,7 @@ def _hours(
 ) -> tuple[FloatArray, FloatArray]:
     """Lives in hours by the load of the pins and by the law, each ``(n, ...)``.
 
-    Args:
-        means: of each joint as ``means_over_turn`` has them for fatigue, ``(n, 5, ...)``.
-        bends: in rad.
-        rpm: speed.
-        rated: rating of each joint.
+    The means of each joint are those of ``means_over_turn`` for fatigue, ``(n, 5, ...)``.
     """
     shape = np.broadcast_shapes(means[:, 0].shape, bends.shape, rpm.shape, rated.shape)
     spread = np.broadcast_to(np.moveaxis(means, 1, -1), (*shape, 5))
