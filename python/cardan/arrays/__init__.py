@@ -10,6 +10,7 @@ from cardan.arrays.coercion import (
     per_shaft,
     positive,
     scalar_or_array,
+    shares_of,
 )
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
 
@@ -27,4 +28,5 @@ __all__ = [
     "per_shaft",
     "positive",
     "scalar_or_array",
+    "shares_of",
 ]

@@ -64,6 +64,20 @@ def not_negative(name: str, value: ArrayLike) -> FloatArray:
     return array
 
 
+def shares_of(weights: ArrayLike | None, states: int) -> FloatArray:
+    """Return the weights of states with sum 1, by default all alike."""
+    if weights is None:
+        return np.full(states, 1.0 / states)
+    array = not_negative("weights", weights)
+    if array.shape != (states,):
+        raise ArgumentValueError(
+            "weights", f"has shape {array.shape}; it must be ({states},), one per state"
+        )
+    if not np.any(array):
+        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
+    return np.asarray(array / np.sum(array))
+
+
 def per_joint(name: str, array: FloatArray, n: int) -> FloatArray:
     """Return one number for all joints, or one for each on the last axis, as ``(..., n)``."""
     if array.ndim and array.shape[-1] not in (1, n):

@@ -34,6 +34,8 @@ class BallJoint:
 
     Everything broadcasts, as NumPy's own functions do: the values of the joint against each other
     and against loads and angles. NaN in a load, an angle or a vector gives NaN at that place alone.
+    All methods refuse values that are not real numbers with a ``TypeError``; a negative load or
+    friction and shapes that do not broadcast with a ``ValueError``.
 
     Args:
         radius: radius of the ball in m.
@@ -158,10 +160,6 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).angle + np.zeros(self.shape) * force)
@@ -175,10 +173,6 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).peak(force, self.radius))
@@ -212,10 +206,6 @@ class BallJoint:
         Args:
             theta: angle in rad from the load, of either sign; an infinite one gives NaN.
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         angle, force = as_float64("theta", theta), self._force(load)
         common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
@@ -276,10 +266,6 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         def closed(sine: FloatArray, c: FloatArray) -> FloatArray:
@@ -300,10 +286,6 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         # The integral of k E(k) from 0 to s = sin(t) is s² (B(s) + E(s))/3, with Legendre's B, the

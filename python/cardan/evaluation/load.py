@@ -64,11 +64,11 @@ class Load:
             )
         if speed is not None and speed_rpm is not None:
             raise ArgumentValueError("speed", "and speed_rpm are both given; give one of them")
+        end = "output" if drive_torque is None else "drive"
+        torque = output_torque if drive_torque is None else drive_torque
         values = {
-            "end": "output" if drive_torque is None else "drive",
-            "torque": as_float64("drive_torque", drive_torque)
-            if drive_torque is not None
-            else as_float64("output_torque", output_torque if output_torque is not None else 0.0),
+            "end": end,
+            "torque": as_float64(f"{end}_torque", 0.0 if torque is None else torque),
             "speed": as_float64("speed", 0.0 if speed is None else speed)
             if speed_rpm is None
             else np.asarray(as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM),

@@ -321,10 +321,8 @@ class Plan:
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
         joints = f"{line.n_joints} joint{'s' if line.n_joints > 1 else ''}"
         if angle is None:
-            inertias = None if load is None else load.inertias
-            of_load = [array.shape for array in self._load]
-            of_inertias = [] if inertias is None else [inertias.shape[:-1]]
-            fixed = _broadcast(self.line.shape, *of_load, *of_inertias) or self.line.shape
+            of_load = () if load is None else load.shapes().values()
+            fixed = _broadcast(line.shape, *of_load) or line.shape
             shape = _broadcast(fixed, (2,)) or fixed
         else:
             own = angle.shape if isinstance(angle, Sweep) else np.shape(angle)

@@ -1,14 +1,13 @@
 """Double joints with a centring pivot: the bends of their two joints at every total bend.
 
 The two joints of the steering drive of an axle, or of a wide-angle shaft, are a short distance
-apart, and a pivot between them centres the piece that connects them. The pivot is fixed to the
-driving shaft and slides along the driven one. With the distance ``a`` of the joints, the distance
-``p`` of the pivot from joint 0 and the total bend ``t``, the law of sines in the triangle of joint
-0, pivot and joint 1 gives ``sin b_1 = (p/a) sin t`` and ``b_0 = t - b_1`` (derived here).
+apart, and a pivot between them centres the piece that connects them. The law of sines in the
+triangle of joint 0, pivot and joint 1 gives their bends.
 
-Both bends are equal, and the drive is synchronous, where ``p = a/(2 cos(t/2))``. One pivot cannot
-do that at every bend: one that is to be synchronous at a bend lies a little farther than the middle
-of the joints.
+Both bends are equal, and the drive is synchronous, where ``p = a/(2 cos(t/2))`` with the distances
+from joint 0 ``a`` of joint 1 and ``p`` of the pivot and the total bend ``t``. One pivot cannot do
+that at every bend: one that is to be synchronous at a bend lies a little farther than the middle of
+the joints.
 """
 
 from __future__ import annotations

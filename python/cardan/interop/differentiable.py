@@ -141,7 +141,7 @@ class Evaluation:
         Without ``by_angle`` the latter are 0.
         """
         given, angles = _doubles(parameters), as_float64("angle", np.asarray(angle))
-        plan = self.plan(given)
+        plan, weights = self.plan(given), _doubles(weights)
         gradient = plan.gradient(angles, weights)
         found = {
             name: summed_to(getattr(gradient, name), array.shape) for name, array in given.items()
@@ -151,7 +151,7 @@ class Evaluation:
         slopes = plan.derivatives(angles, by="angle")
         total: Any = 0.0
         for name, (_, items, vector) in plan.places.items():
-            part = np.asarray(weights[name]) * slopes[name]["angle"]
+            part = weights[name] * slopes[name]["angle"]
             part = part.sum(axis=-1) if vector else part
             total = total + (part if items is None else part.sum(axis=0))
         return found, summed_to(np.asarray(total), angles.shape)

@@ -71,11 +71,7 @@ class FreeRunning:
         """Return the acceleration of the drive over the square of its mean speed.
 
         Args:
-            angle: drive angle in rad; broadcasts against batch and inertias.
-
-        Raises:
-            TypeError: angles that are not real numbers.
-            ValueError: shapes that do not broadcast.
+            angle: as for ``speed_ratio``, like the errors.
         """
         inertia, torque = self._felt(angle, acceleration=1.0), self._felt(angle, speed=1.0)
         return scalar_or_array(-(self._root**2) * torque / inertia**2)

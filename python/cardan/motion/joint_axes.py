@@ -16,13 +16,8 @@ if TYPE_CHECKING:
 class CrossAxes(NamedTuple):
     """Unit vectors of one joint at some drive angles, each ``(..., 3)``.
 
-    Attributes:
-        driving: along the driving shaft.
-        driven: along the driven shaft.
-        driving_pin: along the pin in the driving yoke.
-        driven_pin: along the pin in the driven yoke.
-        across: across both pins, along the moment of a positive torque.
-        normal: of the bend plane.
+    ``across`` is across both pins, along the moment of a positive torque; ``normal`` is that of the
+    bend plane.
     """
 
     driving: FloatArray

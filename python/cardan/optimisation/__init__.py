@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, as_float64
+from cardan.arrays import FloatArray, as_float64, shares_of
 from cardan.arrays.errors import ArgumentValueError, Place, check_choice, check_elements
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
@@ -22,7 +22,6 @@ from cardan.optimisation.arguments import (
     parameters_of,
     speeds_of,
     steps_of,
-    weights_of,
 )
 from cardan.optimisation.local import MARGIN, TOLERANCE
 from cardan.optimisation.measures import QuantityLike, measure_of
@@ -216,7 +215,9 @@ def optimise(
     names = [str(i) for i in range(n_states)] if states is None else list(states)
     if len(names) != n_states:
         raise ArgumentValueError("states", f"has {len(names)} names; there are {n_states} states")
-    weight = weights_of(weights, over, n_states)
+    if weights is not None and over != "rms":
+        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
+    weight = shares_of(weights, n_states)
     spans = np.array([low, high])
     scale = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(first), 1.0))
     unbounded = [i for i in numbers if not np.isfinite(high[i] - low[i])]

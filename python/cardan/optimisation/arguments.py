@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, not_negative
+from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
@@ -124,17 +124,3 @@ def speeds_of(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
     right = (array != 0.0) & np.isfinite(array)
     check_elements("speed", array, right, "; it must be finite and not 0")
     return array
-
-
-def weights_of(weights: ArrayLike | None, over: str, n_states: int) -> FloatArray:
-    """Return the weights of the states, with sum 1."""
-    if weights is None:
-        return np.full(n_states, 1.0 / n_states)
-    if over != "rms":
-        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
-    array = not_negative("weights", weights)
-    if array.shape != (n_states,):
-        raise ArgumentValueError("weights", f"has shape {array.shape}; there are {n_states} states")
-    if not np.any(array > 0.0):
-        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
-    return array / np.sum(array)

@@ -34,14 +34,7 @@ _SETTINGS, _FOLLOWED = 1024, 6
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Variables and how good they are.
-
-    Attributes:
-        x: the variables.
-        vectors: of all measures.
-        size: the length that is minimised.
-        excess: by which factor, less 1, the worst limit is exceeded.
-    """
+    """Variables, the vectors of all measures, the length to minimise and the worst excess."""
 
     x: FloatArray
     vectors: Sequence[Vectors]

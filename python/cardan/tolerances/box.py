@@ -178,13 +178,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """The boxes of a batch of drivelines.
-
-    Attributes:
-        shape: of the batch, which that of the tolerances may extend.
-        lines: the drivelines, flat.
-        each: one box per driveline, in C order.
-    """
+    """The boxes of a batch of drivelines, flat; that of the tolerances may extend its shape."""
 
     shape: tuple[int, ...]
     lines: Driveline
@@ -193,14 +187,7 @@ class Boxes:
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The tolerances, as the arguments of ``tolerances`` of the same names have them.
-
-    Attributes:
-        each: by group of parameters, ``None`` where there is none.
-        teeth: of the splines.
-        distribution: within the tolerances.
-        degrees: whether tolerances and limits that are angles are in degrees.
-    """
+    """The tolerances by group, and the arguments of ``tolerances`` of the same names."""
 
     each: Mapping[str, ArrayLike | None]
     teeth: ArrayLike | None = None
@@ -210,36 +197,33 @@ class Sizes:
 
 def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
-    n, teeth, distribution = line.n_joints, sizes.teeth, sizes.distribution
-    own = _shapes(n)
-    check_choice("distribution", distribution, ("uniform", "normal"))
+    own = _shapes(line.n_joints)
+    check_choice("distribution", sizes.distribution, ("uniform", "normal"))
     arrays = {
         group: _tolerance(group, value, own[group], sizes.degrees and group != "points")
         for group, value in sizes.each.items()
         if value is not None
     }
-    half_tooth = None if teeth is None else _half_tooth(teeth, own["phases"])
-    if not arrays and half_tooth is None:
+    if sizes.teeth is not None:
+        own["teeth"] = own["phases"]
+        arrays["teeth"] = _half_tooth(sizes.teeth, own["teeth"])
+    if not arrays:
         raise ArgumentValueError(
             "tolerances", f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
         )
     _check_points(line, arrays)
     shapes = {group: array.shape[: -len(own[group])] for group, array in arrays.items()}
-    if half_tooth is not None:
-        shapes["teeth"] = half_tooth.shape[:-1]
     shape = common_shape(driveline=line.shape, **shapes)
     count = math.prod(shape)
     spread = {
         group: np.broadcast_to(array, (*shape, *own[group])).reshape(count, *own[group])
         for group, array in arrays.items()
     }
-    if half_tooth is not None:
-        half_tooth = np.broadcast_to(half_tooth, (*shape, n - 1)).reshape(count, n - 1)
     geometry = line._geometry.batched(shape)
     nominals = _nominals(geometry, "points" in arrays)
     each = []
     for i, nominal in enumerate(nominals):
-        tooth = {} if half_tooth is None else _positive("phases", half_tooth[i])
+        tooth = _positive("phases", spread["teeth"][i]) if "teeth" in spread else {}
         halves = {
             place: half
             for group in GROUPS
@@ -247,7 +231,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
             for place, half in _positive(group, spread[group][i]).items()
         }
         halves |= {place: halves.get(place, 0.0) + half for place, half in tooth.items()}
-        box = Box(nominal, halves, tooth, distribution == "normal")
+        box = Box(nominal, halves, tooth, sizes.distribution == "normal")
         box.check()
         each.append(box)
     return Boxes(shape, line._of(geometry.reshaped((count,))), tuple(each))

@@ -41,15 +41,9 @@ _MOST_OVER_A_TURN = 10
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One driveline, its tolerances, and what else its figures depend on.
+    """One driveline as drawn, the box of its tolerances, and what else its figures depend on.
 
-    Attributes:
-        box: the parameters and their tolerances.
-        line: the driveline as drawn, with its bearings.
-        shaft: the shaft of the figures.
-        speed: of the drive in rad/s.
-        load: for the outputs that need one.
-        workers: largest number of threads for outputs.
+    These are the shaft and the speed of the drive in rad/s, for outputs the load and the threads.
     """
 
     box: Box

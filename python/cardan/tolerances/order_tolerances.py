@@ -118,8 +118,7 @@ def order_tolerances(
         degrees: whether they are in degrees.
         order: of the drive's rotation.
         shaft: by default the last.
-        distribution: ``"uniform"`` within ± the tolerance, or ``"normal"`` with the tolerance
-            as three standard deviations.
+        distribution: as for ``tolerances``.
 
     Raises:
         IndexError: a shaft that does not exist.

@@ -5,9 +5,8 @@ the drive. The moment ``M`` of the joint presses each of two pins on its bearing
 the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
 times the rate. A seal or a preload adds a moment that does not depend on the load.
 
-For one joint and a constant torque at either end, the mean loss is ``mu (p/R) (2/pi) (artanh sin b
-+ tan b)`` of the power (derived here). Everything is exact to first order in the friction: the loss
-of one joint is not subtracted from the torque of the next.
+Everything is exact to first order in the friction: the loss of one joint is not subtracted from the
+torque of the next.
 """
 
 from __future__ import annotations
@@ -104,11 +103,7 @@ class Losses:
         inertias reverse the torque of the drive.
 
         Args:
-            angle: as for ``torque``.
-
-        Raises:
-            TypeError: as for ``torque``.
-            ValueError: as for ``torque``.
+            angle: as for ``torque``, like the errors.
         """
         drive = self._line.evaluate(angle, "torque", shafts=0, load=self._load).torque
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -126,14 +121,10 @@ class Losses:
         torque. The friction of other joints is left out.
 
         Args:
-            angle: as for ``torque``.
+            angle: as for ``torque``, like the errors.
 
         Returns:
             as it acts on the driven shaft of each joint, at rest in space, ``(n, ..., 3)``.
-
-        Raises:
-            TypeError: as for ``torque``.
-            ValueError: as for ``torque``.
         """
         return np.stack([self._added(joint, angle) for joint in range(self._line.n_joints)])
 
