@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
-from cardan.arrays.indices import item_indices
-from cardan.evaluation.layout import PlanePlace, components_first
+from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
@@ -158,11 +157,11 @@ class DerivativeSamples:
     def run(self, by: Sequence[str], weights: list[FloatArray] | None) -> FloatArray:
         """Call the native module; weights are one flat array per plane."""
         request, n = self.request, self.line.n_joints
-        shafts = [n] if request.shafts is None else item_indices("shafts", request.shafts, n + 1)
-        joints = (
-            [*range(n)] if request.joints is None else item_indices("joints", request.joints, n)
+        layout = layout_of(
+            request.names, n, request.shafts, request.joints, None, self.line.n_bearings
         )
-        items = {"shaft": shafts, "joint": joints, "bearing": [*range(self.line.n_bearings)]}
+        bearings = [*range(self.line.n_bearings)]
+        items = {"shaft": layout.shafts, "joint": layout.joints, "bearing": bearings}
         outputs = [(name, items[OUTPUTS[name].per]) for name in self.places]
         wanted = sorted({_COLUMNS[name] for name in by})
         return _core.differentiate(

@@ -44,8 +44,8 @@ def checked_phases(phases: Sequence[int], count: int) -> list[int]:
     """Return the numbers of the variables that are phases."""
     numbers = []
     for i, given in enumerate(phases):
-        number = integer("phases", given, 0, (i,))
-        if number >= count:
+        number = integer("phases", given, place=(i,))
+        if not 0 <= number < count:
             raise ArgumentValueError(
                 "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
             )

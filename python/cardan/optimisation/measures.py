@@ -78,9 +78,10 @@ def measure_of(
     load: Load | None,
     speed: FloatArray | None = None,
 ) -> Measure:
-    """Return the measure of a quantity that an argument names or a function of a driveline finds.
+    """Return the measure of a quantity, which ``argument`` names in errors.
 
-    Without a speed the excitations are over its square.
+    It is a name of ``MOTION_QUANTITIES`` or of a reduced output, or a function of a driveline.
+    Without a speed of the drive, one or ``(states,)``, excitations are over its square.
 
     Raises:
         TypeError: something else.

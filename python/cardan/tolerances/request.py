@@ -208,9 +208,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         layout |= sizes.teeth is not None
         _check_as_built(quantities, several, figures.motion_as_drawn and layout)
     for name, quantity in quantities.items():
-        if isinstance(quantity, ReducedQuantity):
-            continue
-        if quantity.needs_speed and figures.speed is None:
+        needs_speed = not isinstance(quantity, ReducedQuantity) and quantity.needs_speed
+        if needs_speed and figures.speed is None:
             raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
     speed = np.zeros(each.shape) if figures.speed is None else _speeds(figures.speed, each.shape)
     own = zip(each.each, speed.ravel().tolist(), _loads(figures.load, each.shape), strict=True)
@@ -237,11 +236,7 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
 
 
 def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn: bool) -> None:
-    """Refuse figures of ideal joints, unless those of the drawing are meant.
-
-    Raises:
-        ValueError: such a figure.
-    """
+    """Refuse figures of ideal joints, unless those of the drawing are meant."""
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
             raise ArgumentValueError(

@@ -412,14 +412,8 @@ class TorsionalSystem:
 
 
 def _restored(line: Driveline, parameters: TorsionParameters) -> TorsionalSystem:
-    return TorsionalSystem(
-        line,
-        inertias=parameters.inertias,
-        stiffnesses=parameters.stiffnesses,
-        dampings=parameters.dampings,
-        load_torque=parameters.load_torque,
-        load_damping=parameters.load_damping,
-    )
+    given = {name: value for name, value in vars(parameters).items() if name != "shape"}
+    return TorsionalSystem(line, **given)
 
 
 def _orders(orders: ArrayLike) -> NDArray[np.int64]:
