@@ -53,7 +53,7 @@ def with_bearings(
 
 
 def in_metres(line: Driveline, unit: float) -> Driveline:
-    """Return the driveline with its lengths and positions in metres; ``unit`` is the present one."""
+    """Return the driveline with its lengths and positions in metres, from a unit."""
     own = line._geometry
     lengths, positions = own.lengths * unit, own.positions * unit
     return line._of(own._replace(lengths=lengths, positions=positions))
