@@ -11,6 +11,7 @@ from cardan.arrays.coercion import (
     positive,
     scalar_or_array,
     shares_of,
+    together,
 )
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
 
@@ -29,4 +30,5 @@ __all__ = [
     "positive",
     "scalar_or_array",
     "shares_of",
+    "together",
 ]

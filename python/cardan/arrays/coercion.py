@@ -7,6 +7,7 @@ that break their rule.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -138,3 +139,20 @@ def common_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     except ValueError:
         listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise ValueError(f"shapes do not broadcast: {listed}") from None
+
+
+def together(
+    arrays: Mapping[str, tuple[FloatArray, int]], **others: tuple[int, ...]
+) -> tuple[tuple[int, ...], list[FloatArray]]:
+    """Broadcast arrays, of each of which so many last axes belong to one element of a batch.
+
+    Returns:
+        the shape of the batch, to which other shapes broadcast as well, and the arrays.
+    """
+    batches = {name: array.shape[: array.ndim - own] for name, (array, own) in arrays.items()}
+    shape = common_shape(**others, **batches)
+    full = []
+    for array, own in arrays.values():
+        wanted = (*shape, *array.shape[array.ndim - own :])
+        full.append(array if array.shape == wanted else np.broadcast_to(array, wanted))
+    return shape, full

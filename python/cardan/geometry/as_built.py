@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, not_negative, per_joint, positive
+from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, together
 from cardan.arrays.errors import check_elements
 
 if TYPE_CHECKING:
@@ -69,15 +69,14 @@ def with_deviations(
     """
     own, n = line._geometry, line.n_joints
     given = dict(zip(DEVIATIONS, (driving_yoke, cross, driven_yoke), strict=True))
-    arrays = {name: angles_of_joints(name, value, n, degrees) for name, value in given.items()}
-    shapes = {name: array.shape[:-1] for name, array in arrays.items()}
-    shape = common_shape(driveline=own.shape, **shapes)
+    arrays = {name: (angles_of_joints(name, x, n, degrees), 1) for name, x in given.items()}
+    shape, full = together(arrays, driveline=own.shape)
     ideal = own._replace(deviations=np.empty((*own.shape, 0, 3))).batched(shape)
-    if not any(np.any(array != 0.0) for array in arrays.values()):
+    deviations = np.stack(full, axis=-1)
+    if not np.any(deviations != 0.0):
         return line._of(ideal)
-    full = np.stack([np.broadcast_to(array, (*shape, n)) for array in arrays.values()], axis=-1)
-    _core.check_deviations(n, shape, ideal.bends.reshape(-1), full.reshape(-1))
-    return line._of(ideal._replace(deviations=full))
+    _core.check_deviations(n, shape, ideal.bends.reshape(-1), deviations.reshape(-1))
+    return line._of(ideal._replace(deviations=deviations))
 
 
 def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
@@ -110,9 +109,7 @@ def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
     n = line.n_joints
     play = per_joint("radial", not_negative("radial", radial), n)
     play = play / per_joint("arm", positive("arm", arm), n)
-    shape = common_shape(driveline=line.shape, play=play.shape[:-1])
-    own = np.broadcast_to(line.deviations, (*shape, n, 3))
-    skew = np.broadcast_to(2.0 * play, (*shape, n))
+    _, (own, skew) = together({"driveline": (line.deviations, 2), "play": (2.0 * play, 1)})
     driving, cross, driven = np.moveaxis(own, -1, 0)
     return line.with_deviations(driving, np.stack([cross + skew, cross - skew]), driven)
 

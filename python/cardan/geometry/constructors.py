@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, deferring
+from cardan.arrays import FloatArray, as_float64, common_shape, deferring, together
 from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
 from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
 
@@ -179,9 +179,8 @@ def _laid_out(
 
     With each array comes how many axes of it belong to one driveline.
     """
-    shape = common_shape(**{name: a.shape[: a.ndim - own] for name, (a, own) in arrays.items()})
-    full = [spread(array, shape, own) for array, own in arrays.values()]
-    flat = (array.reshape(-1) for array in full)
+    shape, full = together(arrays)
+    flat = (array.ravel() for array in full)
     try:
         bends, twists, directions, normals = lay_out(n, list(shape), *flat)
     except ArgumentValueError as error:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays import FloatArray, as_float64, together
 from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
@@ -212,12 +212,11 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
             "tolerances", f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
         )
     _check_points(line, arrays)
-    shapes = {group: array.shape[: -len(own[group])] for group, array in arrays.items()}
-    shape = common_shape(driveline=line.shape, **shapes)
+    given = {group: (array, len(own[group])) for group, array in arrays.items()}
+    shape, full = together(given, driveline=line.shape)
     count = math.prod(shape)
     spread = {
-        group: np.broadcast_to(array, (*shape, *own[group])).reshape(count, *own[group])
-        for group, array in arrays.items()
+        group: array.reshape(count, *own[group]) for group, array in zip(arrays, full, strict=True)
     }
     geometry = line._geometry.batched(shape)
     nominals = _nominals(geometry, "points" in arrays)

@@ -8,7 +8,15 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, finite, not_negative, per_shaft
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    not_negative,
+    per_shaft,
+    together,
+)
 from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.driveline import Driveline
 
@@ -53,26 +61,23 @@ class TorsionParameters:
         alike = compliant == compliant.reshape(-1, shafts)[:1].reshape(shafts)
         rule = "; the same shafts must be compliant in the whole batch"
         check_elements("stiffnesses", springs, alike, rule)
-        given = not_negative("dampings", 0.0 if dampings is None else dampings)
-        damping = _per_shaft("dampings", given, shafts)
+        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
+        damping = _per_shaft("dampings", viscosity, shafts)
         torque = finite("load_torque", load_torque)
         viscous = not_negative("load_damping", load_damping)
-        shape = common_shape(
-            driveline=line.shape,
-            inertias=ends.shape[:-2],
-            stiffnesses=springs.shape[:-1],
-            dampings=damping.shape[:-1],
-            load_torque=torque.shape,
-            load_damping=viscous.shape,
-        )
-        return cls(
-            shape,
-            _full(ends, (*shape, shafts, 2)),
-            _full(springs, (*shape, shafts)),
-            _full(damping, (*shape, shafts)),
-            _full(torque, shape),
-            _full(viscous, shape),
-        )
+        given = {
+            "inertias": (ends, 2),
+            "stiffnesses": (springs, 1),
+            "dampings": (damping, 1),
+            "load_torque": (torque, 0),
+            "load_damping": (viscous, 0),
+        }
+        shape, full = together(given, driveline=line.shape)
+        # Copies: the caller may change the arrays.
+        kept = [np.array(array) for array in full]
+        for array in kept:
+            array.flags.writeable = False
+        return cls(shape, *kept)
 
     @property
     def compliant(self) -> tuple[int, ...]:
@@ -106,13 +111,6 @@ def checked_tolerance(tolerance: float) -> float:
     if not 1e-12 <= value <= 1e-3:
         raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
     return value
-
-
-def _full(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    # A copy: the caller may change the array.
-    full = np.array(np.broadcast_to(array, shape))
-    full.flags.writeable = False
-    return full
 
 
 def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:

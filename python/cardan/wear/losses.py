@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import (
     FloatArray,
-    common_shape,
     not_negative,
     per_joint,
     positive,
     scalar_or_array,
+    together,
 )
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
@@ -200,13 +200,10 @@ def losses(
     of_joints = {}
     for name, value in given.items():
         checked = not_negative if name in ("friction", "seal_torque") else positive
-        of_joints[name] = per_joint(name, checked(name, value), n)
-    own = (
-        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
-        of_joints["seal_torque"],
-    )
-    shapes = {name: array.shape[:-1] for name, array in of_joints.items()}
-    rows = common_shape(driveline=line.shape, **load.shapes(), **shapes)
+        of_joints[name] = (per_joint(name, checked(name, value), n), 1)
+    rows, (mu, radius, reach, constant) = together(of_joints, driveline=line.shape, **load.shapes())
     drive, *of_pins = means_over_turn(line, load, rows, "friction")
-    share, constant = (np.moveaxis(np.broadcast_to(x, (*rows, n)), -1, 0) for x in own)
-    return Losses(share * of_pins[::2] + constant * of_pins[1::2], drive, line, load, own)
+    share = mu * radius / reach
+    of_load, always = np.moveaxis(share, -1, 0), np.moveaxis(constant, -1, 0)
+    lost = of_load * of_pins[::2] + always * of_pins[1::2]
+    return Losses(lost, drive, line, load, (share, constant))
