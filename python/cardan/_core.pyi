@@ -107,11 +107,7 @@ def free_drives(
     lines: Lines, shape: Sequence[int], inertias: _Flat, workers: int | None
 ) -> list[_Flat]: ...
 def least_drive_inertias(
-    lines: Lines,
-    shape: Sequence[int],
-    inertias: _Flat,
-    variations: _Flat,
-    workers: int | None,
+    lines: Lines, shape: Sequence[int], inertias: _Flat, variations: _Flat, workers: int | None
 ) -> _Flat: ...
 def pin_means(
     lines: Lines,
@@ -167,11 +163,7 @@ class Plan:
         workers: int | None,
     ) -> list[_Flat]: ...
     def drive_angles(
-        self,
-        shape: tuple[int, ...],
-        angle: _Spread | Sweep,
-        workers: int | None,
-        level: str | None,
+        self, shape: tuple[int, ...], angle: _Spread | Sweep, workers: int | None, level: str | None
     ) -> _Spread | None: ...
     def run(
         self,

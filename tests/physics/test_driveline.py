@@ -432,7 +432,7 @@ def test_drivelines_do_not_change() -> None:
         (
             lambda: Driveline.from_projected_bends([0, 0], [0, 0], reference="middle"),  # type: ignore[arg-type]
             ValueError,
-            "reference is 'middle'; it must be one of 'common', 'input', 'output'",
+            "reference is 'middle'; it must be 'common', 'input' or 'output'",
         ),
         (
             lambda: Driveline.from_bends([0.1]).harmonics([1, 0]),

@@ -695,7 +695,10 @@ def one_phase(x: NDArray[np.float64]) -> Driveline:
         ({"weights": [1.0]}, "weights go with over='rms'; the largest needs none"),
         ({"over": "rms", "weights": [-1.0]}, "weights[0] is -1.0; it must be finite and not"),
         ({"over": "rms", "weights": [0.0]}, "weights are all 0; at least one must be positive"),
-        ({"over": "rms", "weights": [1, 1]}, "weights has shape (2,); there are 1 states"),
+        (
+            {"over": "rms", "weights": [1, 1]},
+            "weights has shape (2,); it must be (1,)",
+        ),
         ({"keep": {"non_uniformity": 0}}, "keep['non_uniformity'] is 0; a limit must be a pos"),
         ({"keep": {"equivalent_bend": 2}}, "keep['equivalent_bend'] is 2; a limit must be a "),
         ({"phases": [1]}, "phases[0] is 1; there are 1 variables, counted from 0"),
@@ -732,7 +735,7 @@ def test_bad_input(arguments: dict[str, Any], message: str) -> None:
     ("arguments", "message"),
     [
         ({"minimise": 3}, "minimise is 3; it must be a name or a function of a driveline"),
-        ({"starts": 2.5}, "starts is 2.5; it must be a whole number"),
+        ({"starts": 2.5}, "starts is 2.5; it must be an integer"),
         ({"lines_of": lambda x: x}, "lines_of returned ndarray; it must return a Driveline"),
     ],
 )

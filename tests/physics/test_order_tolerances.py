@@ -74,7 +74,7 @@ def test_results_are_pickled() -> None:
     ("arguments", "message"),
     [
         ({"cross": -0.1}, "cross is -0.1"),
-        ({"cross": 0.1, "order": 0}, "order is 0; it must be positive"),
+        ({"cross": 0.1, "order": 0}, "order is 0; it must be at least 1"),
         ({"cross": 0.1, "distribution": "flat"}, "distribution is 'flat'"),
         ({"cross": 1.5}, "cannot turn"),
         ({"driven_yoke": [0.1] * 3}, "driven_yoke has shape (3,)"),

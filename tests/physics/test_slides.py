@@ -138,5 +138,5 @@ def test_a_blocked_slide_that_does_not_move_is_no_fault() -> None:
         free.travel("axle")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"orders\[1\] is 0; an order is an integer from 1"):
         free.amplitudes([1, 0])
-    with pytest.raises(TypeError, match="orders has dtype float64; orders are integers"):
+    with pytest.raises(TypeError, match="orders has dtype float64; an order is an integer"):
         free.amplitudes([1.0])

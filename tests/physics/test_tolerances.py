@@ -1134,7 +1134,10 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
         ({"bends": 0.1, "of": ["torque", "torque"]}, "of[1] is 'torque' again; name each figure"),
         ({"bends": 0.1, "of": [3]}, "of[0] is 3; a figure is asked for by its name"),
         ({"bends": 0.1, "of": "torsional_excitation"}, "speed is missing; 'torsional_excitation'"),
-        ({"bends": 0.1, "of": "torque", "reduce": "min"}, "reduce is 'min'; it must be one of"),
+        (
+            {"bends": 0.1, "of": "torque", "reduce": "min"},
+            "reduce is 'min'; it must be 'peak',",
+        ),
         ({"bends": 0.1, "limit": 0.0}, "limit['equivalent_bend'] is 0.0; it must be a positive"),
         ({"bends": 0.1, "limit": {"torque": 3.0}}, "limit names 'torque'; "),
         (
@@ -1142,9 +1145,9 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
             "limit is 3.0; with several figures it must be a mapping by their names",
         ),
         ({"bends": 0.1, "speed": np.inf}, "speed is inf; it must be finite, in rad/s"),
-        ({"bends": 0.1, "samples": 0}, "samples is 0; it must be positive"),
+        ({"bends": 0.1, "samples": 0}, "samples is 0; it must be at least 1"),
         ({"bends": 0.1, "samples": 10.0}, "samples is 10.0; it must be an integer"),
-        ({"bends": 0.1, "seed": -1}, "seed is -1; it must not be negative"),
+        ({"bends": 0.1, "seed": -1}, "seed is -1; it must be at least 0"),
         ({"bends": 0.1, "seed": "x"}, "seed is 'x'; it must be an integer"),
         ({"bends": 0.1, "shaft": 0}, "shaft is 0; the drive shaft turns without errors"),
         ({"bends": 0.1, "shaft": 4}, "shaft is 4; there are 4, counted from 0"),

@@ -106,5 +106,5 @@ def test_what_is_missing_is_said_for_its_speed_alone() -> None:
     assert np.isnan(found.multipliers[1]).all()
     again = pickle.loads(pickle.dumps(found))
     assert again.count.tolist() == found.count.tolist()
-    with pytest.raises(cardan.ArgumentValueError, match="most is 0; it must be positive"):
+    with pytest.raises(cardan.ArgumentValueError, match="most is 0; it must be at least 1"):
         LIGHT.coexisting(NATURAL, 0)

@@ -188,7 +188,7 @@ def test_motions_of_rigid_shafts_are_refused() -> None:
     steady = system_of(STIFFNESSES[0]).steady(60.0)
     with pytest.raises(cardan.ArgumentValueError, match=r"outputs\[1\] is 'angle', a motion of"):
         steady.evaluate(8, ["torque", "angle"])
-    with pytest.raises(cardan.ArgumentValueError, match="samples is 0; it must be positive"):
+    with pytest.raises(cardan.ArgumentValueError, match="samples is 0; it must be at least 1"):
         steady.evaluate(0)
     with pytest.raises(IndexError, match="joints is 7"):
         steady.evaluate(8, "moment", joints=7)

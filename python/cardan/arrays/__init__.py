@@ -4,10 +4,16 @@ from cardan.arrays.coercion import (
     FloatArray,
     as_float64,
     common_shape,
+    finite,
+    not_negative,
+    per_joint,
+    per_shaft,
+    positive,
     scalar_or_array,
+    shares_of,
+    together,
 )
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
-from cardan.arrays.ranges import not_negative, per_joint, positive
 
 __all__ = [
     "FloatArray",
@@ -16,9 +22,13 @@ __all__ = [
     "as_float64",
     "common_shape",
     "deferring",
+    "finite",
     "import_optional",
     "not_negative",
     "per_joint",
+    "per_shaft",
     "positive",
     "scalar_or_array",
+    "shares_of",
+    "together",
 ]

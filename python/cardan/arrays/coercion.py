@@ -1,14 +1,19 @@
-"""Arguments as arrays of doubles: what is accepted, and in which words it is refused."""
+"""Arguments as arrays of doubles: what is accepted, and in which words it is refused.
+
+All functions raise a ``TypeError`` for what are no real numbers, and a ``ValueError`` for numbers
+that break their rule.
+"""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays.errors import ArgumentTypeError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +39,62 @@ def as_float64(name: str, value: ArrayLike) -> FloatArray:
         raise MemoryError(f"{name} has shape {array.shape}; there is no room for so many numbers")
     array = np.asarray(array, dtype=np.float64, order="C")
     return array if array.flags.aligned else array.copy()
+
+
+def finite(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are finite."""
+    array = as_float64(name, value)
+    check_elements(name, array, np.isfinite(array), "; it must be finite")
+    return array
+
+
+def positive(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are positive and finite."""
+    array = as_float64(name, value)
+    check_elements(
+        name, array, (array > 0.0) & (array < np.inf), "; it must be positive and finite"
+    )
+    return array
+
+
+def not_negative(name: str, value: ArrayLike) -> FloatArray:
+    """Return an argument as an array whose elements are finite and not negative."""
+    array = as_float64(name, value)
+    right = (array >= 0.0) & (array < np.inf)
+    check_elements(name, array, right, "; it must be finite and not negative")
+    return array
+
+
+def shares_of(weights: ArrayLike | None, states: int) -> FloatArray:
+    """Return the weights of states with sum 1, by default all alike."""
+    if weights is None:
+        return np.full(states, 1.0 / states)
+    array = not_negative("weights", weights)
+    if array.shape != (states,):
+        raise ArgumentValueError(
+            "weights", f"has shape {array.shape}; it must be ({states},), one per state"
+        )
+    if not np.any(array):
+        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
+    return np.asarray(array / np.sum(array))
+
+
+def per_joint(name: str, array: FloatArray, n: int) -> FloatArray:
+    """Return one number for all joints, or one for each on the last axis, as ``(..., n)``."""
+    if array.ndim and array.shape[-1] not in (1, n):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
+        )
+    return np.broadcast_to(array, (*array.shape[:-1], n))
+
+
+def per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
+    """Return the array, which must have one number for each shaft on the last axis."""
+    if array.shape[-1:] != (shafts,):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; {shafts} shafts need (..., {shafts})"
+        )
+    return array
 
 
 def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:
@@ -78,3 +139,20 @@ def common_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     except ValueError:
         listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise ValueError(f"shapes do not broadcast: {listed}") from None
+
+
+def together(
+    arrays: Mapping[str, tuple[FloatArray, int]], **others: tuple[int, ...]
+) -> tuple[tuple[int, ...], list[FloatArray]]:
+    """Broadcast arrays, of each of which so many last axes belong to one element of a batch.
+
+    Returns:
+        the shape of the batch, to which other shapes broadcast as well, and the arrays.
+    """
+    batches = {name: array.shape[: array.ndim - own] for name, (array, own) in arrays.items()}
+    shape = common_shape(**others, **batches)
+    full = []
+    for array, own in arrays.values():
+        wanted = (*shape, *array.shape[array.ndim - own :])
+        full.append(array if array.shape == wanted else np.broadcast_to(array, wanted))
+    return shape, full

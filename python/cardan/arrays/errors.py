@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -84,21 +84,27 @@ def located(argument: str, place: Place) -> str:
     return f"{argument}[{', '.join(map(repr, place))}]" if place else argument
 
 
-def wrong_element(
-    argument: str, array: NDArray[Any], wrong: NDArray[np.bool_], rule: str
-) -> ArgumentValueError:
-    """Return the error for the first wrong element of an array.
+def check_elements(
+    argument: str, array: NDArray[Any], right: NDArray[np.bool_] | np.bool_, rule: str
+) -> None:
+    """Raise the error for the first element of an array that is not right, if there is one.
 
-    Args:
-        argument: name of the argument.
-        array: its values.
-        wrong: which of them are wrong, at least one.
-        rule: what follows the value: a unit, if any, and ``"; it must be finite"``.
+    The rule follows the value: a unit, if any, and ``"; it must be finite"``.
     """
-    place = tuple(int(i) for i in np.argwhere(wrong)[0])
+    if np.all(right):
+        return
+    place = tuple(int(i) for i in np.argwhere(~np.asarray(right))[0])
     unit, _, words = rule.partition("; ")
     problem, value = f"is {array[place]!s}{rule}", float(array[place])
-    return ArgumentValueError(argument, problem, place, value, unit.strip(), words)
+    raise ArgumentValueError(argument, problem, place, value, unit.strip(), words)
+
+
+def check_choice(argument: str, value: object, known: Sequence[str]) -> None:
+    """Raise an ``ArgumentValueError`` unless a value is one of some words."""
+    if not isinstance(value, str) or value not in known:
+        *others, last = map(repr, known)
+        wanted = f"{', '.join(others)} or {last}"
+        raise ArgumentValueError(argument, f"is {value!r}; it must be {wanted}")
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -42,9 +42,7 @@ def result(
     return table(caption, ("output", "unit", "shape", "smallest to largest"), rows)
 
 
-def extents(
-    arrays: Mapping[str, NDArray[np.floating]],
-) -> list[tuple[str, tuple[int, ...], str]]:
+def extents(arrays: Mapping[str, NDArray[np.floating]]) -> list[tuple[str, tuple[int, ...], str]]:
     """Return name, shape and extent of every array; of those computed later no extent."""
     # The figures of arrays that are computed later would take time.
     return [

@@ -1,4 +1,4 @@
-"""Indices of shafts and joints as arguments."""
+"""Integers as arguments: indices of shafts and joints, numbers of things, orders."""
 
 from __future__ import annotations
 
@@ -7,8 +7,15 @@ from collections.abc import Iterable, Sequence
 from typing import SupportsIndex, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays.errors import ArgumentTypeError, Place, located
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    Place,
+    check_elements,
+    located,
+)
 
 Items: TypeAlias = int | slice | Sequence[int] | None
 """Shafts or joints: one index, a slice, several indices, or those of the default."""
@@ -19,15 +26,38 @@ def item_index(argument: str, value: SupportsIndex, count: int, place: Place = (
     if isinstance(value, (bool, np.bool_)):
         problem = f"is {value}, which is no index; for a mask give np.flatnonzero(mask)"
         raise ArgumentTypeError(argument, problem, place)
-    try:
-        index = operator.index(value)
-    except TypeError:
-        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer", place) from None
+    index = integer(argument, value, place=place)
     if not -count <= index < count:
         raise IndexError(
             f"{located(argument, place)} is {index}; there are {count}, counted from 0"
         )
     return index % count
+
+
+def integer(
+    argument: str, value: SupportsIndex, least: int | None = None, place: Place = ()
+) -> int:
+    """Return an integer, which must not be below the least."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer", place) from None
+    if least is not None and number < least:
+        raise ArgumentValueError(argument, f"is {number}; it must be at least {least}", place)
+    return number
+
+
+def checked_orders(orders: ArrayLike, highest: int | None = None) -> NDArray[np.int64]:
+    """Return orders, one or a list."""
+    order = np.asarray(orders)
+    if order.size and order.dtype.kind not in "iu":
+        raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
+    if order.ndim > 1:
+        raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")
+    rule = "at least 1" if highest is None else f"an integer from 1 to {highest}"
+    right = (order >= 1) & (order <= (highest or np.inf))
+    check_elements("orders", order, right, f"; an order is {rule}")
+    return order.astype(np.int64)
 
 
 def is_index(value: Items) -> bool:

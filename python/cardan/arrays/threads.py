@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import operator
 import os
 import sys
 from typing import SupportsIndex
 
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import integer
 
 # The thread pool does not survive a fork: its threads stay behind in the parent, and waiting for
 # them would last for ever. Forked processes are themselves the parallelism of their program, so
@@ -33,9 +33,7 @@ def at_most(workers: SupportsIndex | None) -> int | None:
     """
     if workers is None:
         return 1 if _forked else None
-    if not hasattr(workers, "__index__"):
-        raise ArgumentTypeError("workers", f"is {workers!r}; it must be an integer")
-    count = operator.index(workers)
+    count = integer("workers", workers)
     if count < 1 and count != -1:
         raise ArgumentValueError("workers", f"is {count}; it must be positive, or -1 for all cores")
     if _forked:

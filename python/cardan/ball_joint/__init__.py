@@ -15,9 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError, wrong_element
-from cardan.ball_joint.contact import Contact, elliptic, fitting, loose, pressed
-from cardan.ball_joint.layers import layer_compliance
+from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.ball_joint.contact import (
+    Contact,
+    elliptic,
+    fitting,
+    layer_compliance,
+    loose,
+    pressed,
+)
 
 __all__ = ["BallJoint", "layer_compliance"]
 
@@ -28,6 +34,8 @@ class BallJoint:
 
     Everything broadcasts, as NumPy's own functions do: the values of the joint against each other
     and against loads and angles. NaN in a load, an angle or a vector gives NaN at that place alone.
+    All methods refuse values that are not real numbers with a ``TypeError``; a negative load or
+    friction and shapes that do not broadcast with a ``ValueError``.
 
     Args:
         radius: radius of the ball in m.
@@ -61,10 +69,8 @@ class BallJoint:
     def __init__(self, radius: ArrayLike, half_angle: ArrayLike = math.pi / 2) -> None:
         """Make joints without clearance."""
         angle = as_float64("half_angle", half_angle)
-        wrong = ~((angle > 0.0) & (angle <= math.pi / 2))
-        if wrong.any():
-            rule = " rad; a half-angle must lie in (0, pi/2]"
-            raise wrong_element("half_angle", angle, wrong, rule)
+        right = (angle > 0.0) & (angle <= math.pi / 2)
+        check_elements("half_angle", angle, right, " rad; a half-angle must lie in (0, pi/2]")
         self._set(positive("radius", radius), angle, np.zeros(()), None)
 
     def with_clearance(self, clearance: ArrayLike, *, compliance: ArrayLike) -> Self:
@@ -84,10 +90,8 @@ class BallJoint:
                 positive and finite, shapes that do not broadcast.
         """
         gap = as_float64("clearance", clearance)
-        wrong = ~((gap >= 0.0) & (gap < np.inf))
-        if wrong.any():
-            rule = " m; a clearance must be finite and not negative"
-            raise wrong_element("clearance", gap, wrong, rule)
+        rule = " m; a clearance must be finite and not negative"
+        check_elements("clearance", gap, (gap >= 0.0) & (gap < np.inf), rule)
         joint = object.__new__(type(self))
         joint._set(
             as_float64("radius", self.radius),
@@ -156,10 +160,6 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).angle + np.zeros(self.shape) * force)
@@ -173,10 +173,6 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).peak(force, self.radius))
@@ -210,10 +206,6 @@ class BallJoint:
         Args:
             theta: angle in rad from the load, of either sign; an infinite one gives NaN.
             load: in N, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load, shapes that do not broadcast.
         """
         angle, force = as_float64("theta", theta), self._force(load)
         common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
@@ -274,10 +266,6 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         def closed(sine: FloatArray, c: FloatArray) -> FloatArray:
@@ -298,10 +286,6 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         # The integral of k E(k) from 0 to s = sin(t) is s² (B(s) + E(s))/3, with Legendre's B, the
@@ -378,8 +362,7 @@ def _not_negative(name: str, value: ArrayLike) -> FloatArray:
     """What is evaluated, unlike what makes a joint, may be NaN."""
     array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; it must be finite and not negative")
+    check_elements(name, array, ~wrong, "; it must be finite and not negative")
     return array
 
 
@@ -390,9 +373,7 @@ def _unit(name: str, value: ArrayLike) -> tuple[FloatArray, FloatArray]:
         raise ArgumentValueError(name, f"has shape {array.shape}; vectors need (..., 3)")
     length = _length(array)
     wrong = (length == 0.0) | np.isinf(length)
-    if wrong.any():
-        rule = "; it must be positive and finite"
-        raise wrong_element(f"length of {name}", length, wrong, rule)
+    check_elements(f"length of {name}", length, ~wrong, "; it must be positive and finite")
     return array / length[..., None], length
 
 

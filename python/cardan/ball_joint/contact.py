@@ -1,4 +1,4 @@
-"""Where a ball touches its seat, and how the pressure falls off from its peak.
+"""Where a ball touches its seat, how the pressure falls off from its peak, and what a layer yields.
 
 M. Marcus, "Beitrag zur Berechnung eines Kugelgelenks", Schweizerische Bauzeitung 39/40 (1902),
 Heft 6, takes the normal compression of ball and seat as proportional to the pressure, ``(alpha_1 +
@@ -18,11 +18,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
+from cardan.arrays.errors import check_elements
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +163,40 @@ def _sunk(q: FloatArray) -> FloatArray:
         excess = _quotient(_quotient(q, z), versine * (2.0 + c)) - 1.0
         z = z * (1.0 + excess / slope)
     return z
+
+
+def layer_compliance(thickness: ArrayLike, modulus: ArrayLike, poisson: ArrayLike = 0.3) -> Any:  # noqa: ANN401 - a scalar or an array
+    """Return how far a layer is compressed per unit of pressure, in m³/N (m per Pa).
+
+    Marcus's law, a compression in proportion to the pressure of the same point, is that of an
+    elastic layer on a rigid ground that is wide in comparison with its thickness, so that it cannot
+    expand sideways (Winkler's foundation; K. L. Johnson, "Contact Mechanics", 1985, section 4.3).
+
+    It is ``t (1 + nu)(1 - 2 nu)/((1 - nu) E)``: the layer is bonded to what is behind it, much
+    stiffer than that, and much thinner than the contact is wide. The compliance of a ball joint
+    is the sum of those of ball and seat.
+
+    Args:
+        thickness: of the layer in m.
+        modulus: Young's modulus in Pa.
+        poisson: Poisson's ratio, in [0, 0.5). Near 0.5 the layer hardly yields in this way, and
+            the model does not describe it.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a thickness or modulus that is not positive and finite, a ratio out of its
+            range, shapes that do not broadcast.
+
+    >>> f"{layer_compliance(0.5e-3, 1e9, 0.3):.3g}"
+    '3.71e-13'
+    """
+    thick, young = positive("thickness", thickness), positive("modulus", modulus)
+    ratio = as_float64("poisson", poisson)
+    right = (ratio >= 0.0) & (ratio < 0.5)
+    check_elements("poisson", ratio, right, "; Poisson's ratio must lie in [0, 0.5)")
+    common_shape(thickness=thick.shape, modulus=young.shape, poisson=ratio.shape)
+    lateral = (1.0 + ratio) * (1.0 - 2.0 * ratio) / (1.0 - ratio)
+    return scalar_or_array(thick * lateral / young)
 
 
 def elliptic(c: FloatArray, a: FloatArray | float, b: FloatArray | float) -> FloatArray:

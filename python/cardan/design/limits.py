@@ -50,11 +50,7 @@ FIGURES: Mapping[str, float] = MappingProxyType(
 
 OWN = "own figure"
 
-CATALOGUE = Limit(
-    3.0,
-    3.0,
-    "driveshaft catalogues, section 6.4; Elbe, calculation data, section 3",
-)
+CATALOGUE = Limit(3.0, 3.0, "driveshaft catalogues, section 6.4; Elbe, calculation data, section 3")
 """The default limit of the equivalent bend."""
 
 _US_MAKERS = "practice of driveshaft makers in the United States, no publication known"
@@ -79,7 +75,7 @@ PRESETS: Mapping[str, Mapping[str, Limit]] = MappingProxyType(
                     5.0,
                     "Dana, Cardan Shafts for Industrial Applications, pages 38 and 39; above the "
                     "limit at low speed only",
-                ),
+                )
             }
         ),
     }

@@ -87,76 +87,38 @@ def _second_order(k: Any) -> Any:  # noqa: ANN401
     return 4.0 * k
 
 
-_BEND, _TORSIONAL, _INERTIA = (
-    "equivalent_bend_deg",
-    "torsional_excitation_rad_s2",
-    "inertia_excitation_rad_s2",
+_BEND, _TORSIONAL = "equivalent_bend_deg", "torsional_excitation_rad_s2"
+_LAST: tuple[Amplitude, ...] = ("last",)
+_RIGHT_ANGLE = math.pi / 2.0
+
+
+def _inertia(name: str, label: str, *amplitudes: Amplitude) -> MotionQuantity:
+    limit = "inertia_excitation_rad_s2"
+    return MotionQuantity(name, label, "rad/s²", amplitudes, _second_order, limit)
+
+
+_EVERY = (
+    MotionQuantity("equivalent_bend", "equivalent bend", "rad", _LAST, _bend, _BEND, _RIGHT_ANGLE),
+    MotionQuantity("non_uniformity", "non-uniformity", "1", _LAST, _non_uniformity, _BEND),
+    MotionQuantity(
+        "max_angle_error", "largest angle error", "rad", _LAST, np.arcsin, _BEND, _RIGHT_ANGLE
+    ),
+    MotionQuantity(
+        "torsional_excitation", "torsional excitation", "rad/s²", _LAST, _torsional, _TORSIONAL
+    ),
+    _inertia("inertia_excitation", "inertia excitation", "driving", "coasting"),
+    _inertia("inertia_excitation_driving", "inertia excitation, driving", "driving"),
+    _inertia("inertia_excitation_coasting", "inertia excitation, coasting", "coasting"),
 )
 
 MOTION_QUANTITIES: Mapping[str, MotionQuantity] = MappingProxyType(
-    {
-        quantity.name: quantity
-        for quantity in (
-            MotionQuantity(
-                "equivalent_bend", "equivalent bend", "rad", ("last",), _bend, _BEND, math.pi / 2.0
-            ),
-            MotionQuantity(
-                "non_uniformity", "non-uniformity", "1", ("last",), _non_uniformity, _BEND
-            ),
-            MotionQuantity(
-                "max_angle_error",
-                "largest angle error",
-                "rad",
-                ("last",),
-                np.arcsin,
-                _BEND,
-                math.pi / 2.0,
-            ),
-            MotionQuantity(
-                "torsional_excitation",
-                "torsional excitation",
-                "rad/s²",
-                ("last",),
-                _torsional,
-                _TORSIONAL,
-            ),
-            MotionQuantity(
-                "inertia_excitation",
-                "inertia excitation",
-                "rad/s²",
-                ("driving", "coasting"),
-                _second_order,
-                _INERTIA,
-            ),
-            MotionQuantity(
-                "inertia_excitation_driving",
-                "inertia excitation, driving",
-                "rad/s²",
-                ("driving",),
-                _second_order,
-                _INERTIA,
-            ),
-            MotionQuantity(
-                "inertia_excitation_coasting",
-                "inertia excitation, coasting",
-                "rad/s²",
-                ("coasting",),
-                _second_order,
-                _INERTIA,
-            ),
-        )
-    }
+    {quantity.name: quantity for quantity in _EVERY}
 )
 """The quantities that need neither samples nor a load, by name."""
 
 
 def nearest_quantity(name: str, known: Iterable[str] = MOTION_QUANTITIES) -> str:
-    """Say which quantity is meant by a name, or which there are.
-
-    Args:
-        name: what was given.
-        known: the names that are possible, besides those of reduced outputs.
-    """
+    """Say which quantity is meant by a name, or which there are besides reduced outputs."""
     return (
         f"{nearest(name, known)} (an output has the number of its shaft, joint or bearing and its "
         "reduction, as 'support_moment_1_peak')"

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.arrays.indices import Items, item_index
@@ -66,89 +65,47 @@ class ReducedQuantity:
     def of(self, line: Driveline, load: Load | None, workers: int | None = None) -> FloatArray:
         """Return the number of each driveline, in the shape of the batch.
 
-        Args:
-            line: the drivelines.
-            load: for an output that needs one; its values broadcast to the batch.
-            workers: largest number of threads, as for ``Driveline.evaluate``.
-
-        Raises:
-            IndexError: a shaft, joint or bearing that does not exist.
-            ValueError: as of ``Driveline.evaluate``.
+        The values of a load broadcast to the batch.
         """
-        each = self._each(line, load, workers)
-        return np.asarray(each if each.ndim == len(line.shape) else np.max(each, axis=0))
+        self.check_item(line)
+        values = self._plan(line, load, workers)(self._angles(line))[self.output.name]
+        sizes = self._sizes(np.asarray(values))
+        if self._bearing is not None:
+            sizes = sizes[self._bearing]
+        return np.asarray(sizes if sizes.ndim == len(line.shape) else np.max(sizes, axis=0))
 
     def derivatives(
-        self,
-        line: Driveline,
-        load: Load | None,
-        by: Iterable[_Kind],
+        self, line: Driveline, load: Load | None, by: Iterable[_Kind]
     ) -> dict[_Kind, FloatArray]:
         """Return the derivatives of ``of`` by parameters of each driveline.
 
         An end of the samples changes as the sample at which it lies, and the largest of several
-        items as that item.
-
-        Args:
-            line: the drivelines.
-            load: as of ``of``.
-            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have, or the
-                deviations of joints as built.
-
-        Returns:
-            for each of them an array in the shape of the batch, followed by that of the parameters.
+        items as that item. The parameters are any of ``LAYOUT_VARIABLES`` that the drivelines
+        have, or the deviations of joints as built; their axes follow those of the batch.
         """
-        plan, name = self._plan(line, load), self.output.name
+        plan, name, batch = self._plan(line, load), self.output.name, len(line.shape)
         values = np.asarray(plan(self._angles(line))[name])
-        weights = self._weights(values)
-        if weights.ndim > len(line.shape) + (2 if self.output.vector else 1):
-            chosen = self._chosen(line, load, len(weights))
-            weights = weights * chosen.reshape(*chosen.shape, *(1,) * (weights.ndim - chosen.ndim))
+        sizes, weights = self._sizes(values), np.ones_like(values)
+        if sizes.ndim < values.ndim:
+            # A length that vanishes has no direction to grow in.
+            lengths = sizes[..., np.newaxis]
+            weights = np.divide(values, lengths, out=np.zeros_like(values), where=lengths > 0.0)
+        if sizes.ndim > batch:
+            number = np.argmax(sizes, axis=0) if self._bearing is None else self._bearing
+            chosen = np.arange(len(sizes)).reshape(-1, *(1,) * batch) == number % len(sizes)
+            weights = weights * chosen.reshape(chosen.shape + (1,) * (weights.ndim - chosen.ndim))
         gradient = plan.gradient(self._angles(line), {name: weights})
-        return {kind: np.squeeze(getattr(gradient, kind), axis=len(line.shape)) for kind in by}
+        return {kind: np.squeeze(getattr(gradient, kind), axis=batch) for kind in by}
 
-    def _each(self, line: Driveline, load: Load | None, workers: int | None = None) -> FloatArray:
-        """The number of each driveline, behind an axis of the items if there are several."""
-        self.check_item(line)
-        plan = self._plan(line, load, reduce=self.reduction, workers=workers)
-        values = np.asarray(plan(self._angles(line))[self.output.name])
-        if self._bearing is not None:
-            values = values[self._bearing]
-        if self.output.vector and self.reduction != "peak":
-            values = np.linalg.norm(values, axis=-1)
-        return values
-
-    def _chosen(self, line: Driveline, load: Load | None, count: int) -> NDArray[np.bool_]:
-        """Whether an item is the one that counts, ``(items, *batch)``."""
-        numbers = np.arange(count).reshape(-1, *(1,) * len(line.shape))
-        if self._bearing is not None:
-            return np.asarray(numbers == self._bearing % count)
-        return np.asarray(numbers == np.argmax(self._each(line, load), axis=0))
+    def _sizes(self, values: FloatArray) -> FloatArray:
+        """What counts of the reduced output: of a vector, except a peak, its length."""
+        of_vector = self.output.vector and self.reduction != "peak"
+        return np.linalg.norm(values, axis=-1) if of_vector else values
 
     @property
     def _bearing(self) -> int | None:
         """The only bearing that counts: a plan has all of them."""
         return self.items if self.output.per == "bearing" and isinstance(self.items, int) else None
-
-    def _weights(self, values: FloatArray) -> FloatArray:
-        """The derivatives of the numbers by the samples, ``([items], *batch, samples, [3])``."""
-        columns = values if self.output.vector else values[..., np.newaxis]
-        count = columns.shape[-2]
-        if self.reduction == "mean":
-            weights = _along(np.mean(columns, axis=-2, keepdims=True), self.output.vector) / count
-            weights = np.broadcast_to(weights, columns.shape)
-        elif self.reduction == "rms":
-            squares = np.sum(columns**2, axis=-1, keepdims=True)
-            weights = columns / (count * _or_one(np.sqrt(np.mean(squares, -2, keepdims=True))))
-        else:
-            sizes = np.linalg.norm(columns, axis=-1, keepdims=True)
-            of = {"peak": sizes, "max": columns, "min": -columns}[self.reduction]
-            at = np.argmax(of, axis=-2, keepdims=True)
-            ends = np.take_along_axis(columns, at, axis=-2)
-            own = self.output.vector or self.reduction == "peak"
-            chosen = np.arange(count)[:, np.newaxis] == at
-            weights = np.where(chosen, _along(ends, own), 0.0)
-        return np.asarray(weights if self.output.vector else weights[..., 0])
 
     def _angles(self, line: Driveline) -> Sweep:
         # Joints as built repeat after a whole turn only.
@@ -156,24 +113,14 @@ class ReducedQuantity:
         whole = self.output.name == "angle" or self.output.of_cross or line.has_deviations
         return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
 
-    def _plan(self, line: Driveline, load: Load | None, **options: Any) -> Plan:  # noqa: ANN401 - of a plan
+    def _plan(self, line: Driveline, load: Load | None, workers: int | None = None) -> Plan:
         """The plan of the output for drivelines with an axis for the drive angles."""
         per = self.output.per
         items: dict[str, Any] = {} if per == "bearing" else {f"{per}s": self.items}
         at = None if load is None else load.at_any_angle()
-        return line[..., np.newaxis].plan(self.output.name, load=at, **items, **options)
-
-
-def _along(columns: FloatArray, of_length: bool) -> FloatArray:
-    """The derivatives by the components of a length, or of a scalar, which keeps its sign."""
-    if not of_length:
-        return np.ones_like(columns)
-    return columns / _or_one(np.linalg.norm(columns, axis=-1, keepdims=True))
-
-
-def _or_one(lengths: FloatArray) -> FloatArray:
-    """Lengths to divide by: 1 where they vanish, and with them what is divided."""
-    return np.where(lengths > 0.0, lengths, 1.0)
+        return line[..., np.newaxis].plan(
+            self.output.name, load=at, reduce=self.reduction, workers=workers, **items
+        )
 
 
 def reduced_quantity(name: str) -> ReducedQuantity | None:

@@ -19,13 +19,7 @@ _MARK = "\0"
 
 
 def wrap(text: str, width: int, **options: Any) -> list[str]:  # noqa: ANN401 - of textwrap
-    """Return the lines of a text, as ``textwrap.wrap`` makes them, parting no number and unit.
-
-    Args:
-        text: one paragraph.
-        width: most characters of a line.
-        options: of ``textwrap.TextWrapper``.
-    """
+    """Return the lines of a paragraph as ``textwrap.wrap`` does, parting no number and unit."""
     lines = textwrap.wrap(_BOUND.sub(_MARK, text), width, **options)
     return [line.replace(_MARK, " ") for line in lines]
 

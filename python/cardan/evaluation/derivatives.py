@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
-from cardan.arrays.indices import item_indices
-from cardan.arrays.planes import PlanePlace, components_first
+from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
@@ -32,24 +31,15 @@ if TYPE_CHECKING:
 
 # Names of variables in the native module, in the order of its columns.
 _COLUMNS = {
-    "value": "value",
-    "bends": "bends",
-    "twists": "twists",
-    "phases": "phases",
-    "points": "points",
-    "angle": "angle",
-    "drive_torque": "torque",
-    "output_torque": "torque",
-    "inertias": "inertias",
-    "lengths": "lengths",
-    "positions": "positions",
-    "deviations": "deviations",
+    **{name: name for name in ("value", "bends", "twists", "phases", "points", "angle")},
+    **dict.fromkeys(("drive_torque", "output_torque"), "torque"),
+    **{name: name for name in ("inertias", "lengths", "positions", "deviations")},
 }
 
 _Stepped = tuple[FloatArray, int, int]
 
 
-class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
+class Derivatives(dict[str, Mapping[str, NDArray[np.float64]]]):
     """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
 
     Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
@@ -57,27 +47,9 @@ class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
     angle and by a torque have the output's shape.
     """
 
-    __slots__ = ("_by_output",)
-
-    def __init__(self, by_output: Mapping[str, Mapping[str, NDArray[np.float64]]]) -> None:
-        """Keep the arrays by output and variable."""
-        self._by_output = by_output
-
-    def __getitem__(self, output: str) -> Mapping[str, NDArray[np.float64]]:
-        """Return the derivatives of one output, by variable."""
-        return self._by_output[output]
-
-    def __iter__(self) -> Iterator[str]:
-        """Iterate over the outputs."""
-        return iter(self._by_output)
-
-    def __len__(self) -> int:
-        """Return the number of outputs."""
-        return len(self._by_output)
-
     def __repr__(self) -> str:
         """Show outputs and variables."""
-        by = next(iter(self._by_output.values()), {})
+        by = next(iter(self.values()), {})
         return f"<Derivatives of {', '.join(self)} by {', '.join(by)}>"
 
 
@@ -130,14 +102,6 @@ class Gradient:
                 return self._others[name]
             raise AttributeError(f"there is no derivative by {name}; it needs {needs}")
         raise AttributeError(f"Gradient has no attribute {name!r}")
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle the arrays."""
-        return dict(self.__dict__)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Unpickle the arrays."""
-        self.__dict__.update(state)
 
 
 class DerivativeSamples:
@@ -193,11 +157,11 @@ class DerivativeSamples:
     def run(self, by: Sequence[str], weights: list[FloatArray] | None) -> FloatArray:
         """Call the native module; weights are one flat array per plane."""
         request, n = self.request, self.line.n_joints
-        shafts = [n] if request.shafts is None else item_indices("shafts", request.shafts, n + 1)
-        joints = (
-            [*range(n)] if request.joints is None else item_indices("joints", request.joints, n)
+        layout = layout_of(
+            request.names, n, request.shafts, request.joints, None, self.line.n_bearings
         )
-        items = {"shaft": shafts, "joint": joints, "bearing": [*range(self.line.n_bearings)]}
+        bearings = [*range(self.line.n_bearings)]
+        items = {"shaft": layout.shafts, "joint": layout.joints, "bearing": bearings}
         outputs = [(name, items[OUTPUTS[name].per]) for name in self.places]
         wanted = sorted({_COLUMNS[name] for name in by})
         return _core.differentiate(
@@ -225,9 +189,7 @@ class DerivativeSamples:
         load = self.request.load
         if load is None:
             return None
-        inertias = [] if load.inertias is None else [*np.moveaxis(load.inertias, -1, 0)]
-        if inertias and len(inertias) != self.line.n_joints + 1:
-            raise ArgumentValueError("inertias", "need one value per shaft")
+        inertias: Any = () if load.inertias is None else np.moveaxis(load.inertias, -1, 0)
         arrays = (load.torque, load.speed, load.acceleration)
         of_shafts = [(i, self.spread(np.asarray(x))) for i, x in enumerate(inertias)]
         return (load.end, *map(self.spread, arrays), of_shafts)
@@ -288,18 +250,18 @@ def derivatives(plan: Plan, angle: ArrayLike | Sweep, by: str | Iterable[str]) -
     _check_load(plan.request.load, names)
     samples = DerivativeSamples(plan, angle)
     total = math.prod(samples.shape)
-    planes = sum((items or 1) * (3 if vector else 1) for _, items, vector in places.values())
+    planes = sum(place.planes for place in places.values())
     columns = [*_columns(names, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
     block = samples.in_order(flat.reshape(planes, *samples.plane_shape(), width), 1)
     ndim = len(samples.shape)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}
-    for output, (first, items, vector) in places.items():
-        own = block[first : first + (items or 1) * (3 if vector else 1)]
-        lead = (*(() if items is None else (items,)), *((3,) if vector else ()))
+    for output, place in places.items():
+        own = block[place.first : place.first + place.planes]
+        lead = place.shape(())
         whole = own.reshape((*lead, *own.shape[1:]))
-        if vector:
+        if place.vector:
             whole = np.moveaxis(whole, len(lead) - 1, len(lead) - 1 + ndim)
         found[output] = {}
         for name, start, shape in columns:
@@ -320,15 +282,12 @@ def _columns(names: Iterable[str], line: Driveline) -> Iterator[tuple[str, int, 
 def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Iterator[FloatArray]:
     full = checked_weights(weights, samples.places, samples.shape)
     for name, place in samples.places.items():
-        _, items, vector = place
-        count = (1 if items is None else items) * (3 if vector else 1)
         if name not in full:
-            zeros = np.zeros(samples.line_count * samples.count)
-            yield from (zeros for _ in range(count))
+            yield from [np.zeros(samples.line_count * samples.count)] * place.planes
             continue
-        planes = components_first(full[name], place).reshape(count, *samples.shape)
+        planes = components_first(full[name], place).reshape(place.planes, *samples.shape)
         moved = planes.transpose(0, *(axis + 1 for axis in samples._order))
-        yield from np.ascontiguousarray(moved).reshape(count, -1)
+        yield from np.ascontiguousarray(moved).reshape(place.planes, -1)
 
 
 def checked_weights(
@@ -357,8 +316,7 @@ def checked_weights(
                 "weights", f"is not an output of the plan; {nearest(name, places)}", (name,)
             )
         array = as_float64("weights", given)
-        _, items, vector = places[name]
-        wanted = (*(() if items is None else (items,)), *shape, *((3,) if vector else ()))
+        wanted = places[name].shape(shape)
         if array.shape == wanted:
             full[name] = array
             continue

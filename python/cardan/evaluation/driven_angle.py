@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.libraries import LIBRARIES
 from cardan.evaluation.plan import Plan
-from cardan.evaluation.request import Request, checked_choice
+from cardan.evaluation.request import Request
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 
@@ -42,17 +42,9 @@ class DrivenPlan(Plan):
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
     ) -> Result:
-        """Evaluate at angles of the last shaft.
+        """Evaluate at mean-synchronous angles of the last shaft, as the output ``angle`` has them.
 
-        The drive angles are stored, also if the outputs are reduced.
-
-        Args:
-            angle: mean-synchronous angles of the last shaft in rad, as the output ``angle`` has
-                them; otherwise as for any plan.
-            out: arrays to fill, by output name.
-
-        Raises:
-            TypeError, ValueError, MemoryError, RuntimeError: as of any plan.
+        The drive angles are stored, also if the outputs are reduced. Otherwise as for any plan.
         """
         if name := array_namespace_of(angle):
             if LIBRARIES[name].wraps and self.line.shape:
@@ -114,7 +106,7 @@ def planned(line: Driveline, request: Request) -> Plan:
     line._geometry.check_ideal(
         'axes="shaft" and angle_of="driven" are', "use the axes of space and the drive angle"
     )
-    checked_choice("axes", axes, ("space", "shaft"))
-    checked_choice("angle_of", angle_of, ("drive", "driven"))
+    check_choice("axes", axes, ("space", "shaft"))
+    check_choice("angle_of", angle_of, ("drive", "driven"))
     plan = Plan(line, request)
     return DrivenPlan(plan) if angle_of == "driven" else plan

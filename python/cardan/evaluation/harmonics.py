@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, common_shape
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.arrays.indices import item_indices
-from cardan.arrays.planes import PlanePlace
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import checked_orders, item_indices
+from cardan.evaluation.layout import PlanePlace
 from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
             "the periodic part is 'angle_error'",
             ([*plan.places].index("angle"),),
         )
-    order = _checked(orders)
+    order = np.atleast_1d(checked_orders(orders))
     of_load = {} if request.load is None else request.load.shapes()
     rows = common_shape(driveline=plan.line.shape, **of_load)
     found = {}
@@ -115,17 +115,6 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
         {name: mean for name, (_, mean, _) in found.items()},
         {name: error for name, (_, _, error) in found.items()},
     )
-
-
-def _checked(orders: ArrayLike) -> NDArray[np.int64]:
-    order = np.atleast_1d(np.asarray(orders))
-    if order.size and order.dtype.kind not in "iu":
-        raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
-    if order.ndim > 1:
-        raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")
-    if np.any(order < 1):
-        raise wrong_element("orders", order, order < 1, "; an order is at least 1")
-    return order.astype(np.int64)
 
 
 # Of each quantity of motion: its mean, and how often the angle error is differentiated for it.

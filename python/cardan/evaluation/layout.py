@@ -1,18 +1,48 @@
-"""Where the outputs of a plan lie among the planes of its result, and of which items they are."""
+"""Where the outputs of a plan lie among the planes of its result, and of which items they are.
+
+A plane has one number for each sample. There is one for each item and component.
+"""
 
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from cardan.arrays.indices import Items, is_index, item_indices
-from cardan.arrays.planes import PlanePlace
 from cardan.evaluation import outputs
 from cardan.evaluation.request import Reduction, checked_reduction
 
 # Lists of the joints of longer drivelines would take too much memory to be remembered.
 _LONGEST = 64
+
+
+class PlanePlace(NamedTuple):
+    """Where an output lies among the planes of a result.
+
+    Attributes:
+        first: its first plane.
+        items: how many items it has; ``None`` for one without an axis for it.
+        vector: whether it is a vector.
+    """
+
+    first: int
+    items: int | None
+    vector: bool
+
+    @property
+    def planes(self) -> int:
+        """How many planes it has."""
+        return (1 if self.items is None else self.items) * (3 if self.vector else 1)
+
+    def shape(self, samples: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the shape of the output for samples of this shape."""
+        lead = () if self.items is None else (self.items,)
+        return lead + samples + ((3,) if self.vector else ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +77,7 @@ def layout_of(
     reduce: Reduction | None,
     bearings: int,
 ) -> Layout:
-    """Return the layout of outputs of a driveline with ``n`` joints.
-
-    Args:
-        names: names of outputs.
-        n: number of joints.
-        shafts: shafts for the outputs per shaft; the last by default.
-        joints: joints for the outputs per joint; all by default.
-        reduce: what rows of samples are reduced to.
-        bearings: number of bearings.
+    """Return the layout of outputs of a driveline with ``n`` joints, as ``Plan`` reads them.
 
     Raises:
         IndexError: a shaft or joint that does not exist.
@@ -100,9 +122,8 @@ def _layout(
             count, one = len(shaft_items), one_shaft
         else:
             count, one = len(joint_items), one_joint
-        items = None if one else count
-        places[name] = (first, items, vector)
-        first += 3 * count if vector else count
+        places[name] = PlanePlace(first, None if one else count, vector)
+        first += places[name].planes
     shown = (
         shaft_items[0] if one_shaft else shaft_items,
         joint_items[0] if one_joint else joint_items,
@@ -112,3 +133,38 @@ def _layout(
 
 
 _remembered = functools.lru_cache(maxsize=256)(_layout)
+
+
+def view(planes: NDArray[Any], place: PlanePlace) -> Any:  # noqa: ANN401 - an array or a scalar
+    """Return an output as a view of the planes of a result, a vector's components last."""
+    first, items, vector = place
+    if items is None and not vector:
+        return planes[first]
+    if items is None:
+        return _moved(planes[first : first + 3], 0, -1)
+    if not vector:
+        return planes[first : first + items]
+    part = planes[first : first + 3 * items]
+    return _moved(part.reshape(items, 3, *planes.shape[1:]), 1, -1)
+
+
+def planes_of(array: NDArray[Any], axes: int) -> NDArray[Any]:
+    """Return the planes of an array whose last ``axes`` are the samples, of which none may be left.
+
+    NumPy cannot infer the number of planes from planes without elements.
+    """
+    before = array.ndim - axes
+    return array.reshape(math.prod(array.shape[:before]), *array.shape[before:])
+
+
+def components_first(array: NDArray[Any], place: PlanePlace) -> NDArray[Any]:
+    """Return an output plane by plane: a vector's components before the samples."""
+    return _moved(array, -1, 0 if place[1] is None else 1) if place[2] else array
+
+
+def _moved(array: NDArray[Any], source: int, to: int) -> NDArray[Any]:
+    """As ``numpy.moveaxis``, which takes ten times as long."""
+    axes = [*range(array.ndim)]
+    axis = axes.pop(source)
+    axes.insert(to % array.ndim, axis)
+    return array.transpose(axes)

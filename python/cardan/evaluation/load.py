@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, as_float64, per_shaft
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
 
 _RAD_S_PER_RPM = np.pi / 30.0
 
@@ -63,11 +64,11 @@ class Load:
             )
         if speed is not None and speed_rpm is not None:
             raise ArgumentValueError("speed", "and speed_rpm are both given; give one of them")
+        end = "output" if drive_torque is None else "drive"
+        torque = output_torque if drive_torque is None else drive_torque
         values = {
-            "end": "output" if drive_torque is None else "drive",
-            "torque": as_float64("drive_torque", drive_torque)
-            if drive_torque is not None
-            else as_float64("output_torque", output_torque if output_torque is not None else 0.0),
+            "end": end,
+            "torque": as_float64(f"{end}_torque", 0.0 if torque is None else torque),
             "speed": as_float64("speed", 0.0 if speed is None else speed)
             if speed_rpm is None
             else np.asarray(as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM),
@@ -93,11 +94,7 @@ class Load:
         """
         if self.inertias is None:
             return {}
-        if self.inertias.shape[-1] != joints + 1:
-            raise ArgumentValueError(
-                "inertias",
-                f"has shape {self.inertias.shape}; {joints + 1} shafts need (..., {joints + 1})",
-            )
+        per_shaft("inertias", self.inertias, joints + 1)
         columns = (np.array(self.inertias[..., shaft], order="C") for shaft in range(joints + 1))
         return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
 
@@ -108,24 +105,16 @@ class Load:
             shapes["inertias"] = self.inertias.shape[:-1]
         return shapes
 
+    def changed(self, change: Callable[[FloatArray, int], FloatArray]) -> Load:
+        """Return the load with each array changed, which is given with how many axes are shafts."""
+        values = {"speed": change(self.speed, 0), "acceleration": change(self.acceleration, 0)}
+        if self.inertias is not None:
+            values["inertias"] = change(self.inertias, 1)
+        return Load(**values, **{f"{self.end}_torque": change(self.torque, 0)})
+
     def at_any_angle(self) -> Load:
-        """Return the load of a batch of drivelines with an axis for the drive angles behind it.
-
-        Arrays of the shape of the batch get a last axis of length 1; inertias get one before their
-        last axis.
-        """
-
-        def column(values: FloatArray, core: int = 0) -> FloatArray:
-            return np.expand_dims(values, -1 - core) if values.ndim > core else values
-
-        torque: dict[str, Any] = {f"{self.end}_torque": column(self.torque)}
-        inertias = None if self.inertias is None else column(self.inertias, 1)
-        return Load(
-            speed=column(self.speed),
-            acceleration=column(self.acceleration),
-            inertias=inertias,
-            **torque,
-        )
+        """Return the load of a batch of drivelines with an axis for the drive angles behind it."""
+        return self.changed(lambda x, own: np.expand_dims(x, -1 - own) if x.ndim > own else x)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Unpickle, with copied arrays: what came in a message lies anywhere in it."""
@@ -147,15 +136,11 @@ def require_load(load: object) -> None:
 
 
 def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:
-    """Return a load whose shafts absorb these torques, of either sign.
+    """Return a load whose shafts absorb torques of either sign, ``(..., n + 1)``.
 
-    Shafts at rest that are accelerated absorb the power ``I a r**2``. An acceleration of 1 rad/s²
-    and inertias ``torque / r`` of either sign absorb what is given, whatever absorbs it in fact.
-
-    Args:
-        drive_torque: torque in N m put into shaft 0, ``(...)``.
-        torques: absorbed by each shaft in N m, ``(..., n + 1)``.
-        ratios: speed ratio ``r`` of each shaft, ``(..., n + 1)``.
+    Shafts at rest that are accelerated absorb the power ``I a r**2`` with their speed ratios ``r``.
+    An acceleration of 1 rad/s² and inertias ``torque / r`` of either sign absorb what is given,
+    whatever absorbs it in fact.
     """
     load = Load(drive_torque=drive_torque, acceleration=1.0)
     object.__setattr__(load, "inertias", np.asarray(torques / ratios))
@@ -166,6 +151,5 @@ def _checked_inertias(inertias: ArrayLike) -> FloatArray:
     array = as_float64("inertias", inertias)
     if array.ndim == 0:
         raise ArgumentValueError("inertias", "is one number; it needs one per shaft")
-    if np.any(array < 0.0):
-        raise wrong_element("inertias", array, array < 0.0, "; an inertia must not be negative")
+    check_elements("inertias", array, ~(array < 0.0), "; an inertia must not be negative")
     return array

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, threads
-from cardan.arrays.errors import wrong_element
+from cardan.arrays.errors import check_elements
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.request import Request
@@ -33,21 +33,13 @@ _TERMS, _ROWS = 64, 1 << 12
 
 
 def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.int64]) -> OrderSums:
-    """Find the orders of one output of a plan.
-
-    Args:
-        plan: evaluates the output.
-        name: of the output.
-        rows: shape of the drivelines and loads together.
-        order: the orders.
-    """
-    if np.any(order > _core.Plan.HIGHEST_ORDER):
-        limit = f"; an order of {name} is at most {_core.Plan.HIGHEST_ORDER}"
-        raise wrong_element("orders", order, order > _core.Plan.HIGHEST_ORDER, limit)
+    """Find the orders of one output of a plan for drivelines and loads of the shape ``rows``."""
+    highest = _core.Plan.HIGHEST_ORDER
+    check_elements("orders", order, order <= highest, f"; an order of {name} is at most {highest}")
     request = plan.request._replace(names=name, dtype=None)
     own = plan._again(plan.line, request)
-    _, items, vector = own.places[name]
-    planes = (1 if items is None else items, 3 if vector else 1)
+    place = own.places[name]
+    planes = (1 if place.items is None else place.items, 3 if place.vector else 1)
     mean, error, flat = own._core.orders(
         rows,
         order.tolist(),
@@ -64,8 +56,7 @@ def order_sums(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.i
     def shaped(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
         """Items before the rows, the components of a vector behind them."""
         whole = np.moveaxis(array.reshape(*rows, *planes, *last), len(rows), 0)
-        shape = (*(() if items is None else (items,)), *rows, *((3,) if vector else ()), *last)
-        return whole.reshape(shape)
+        return whole.reshape((*place.shape(rows), *last))
 
     return shaped(flat.view(np.complex128), len(order)), shaped(mean), shaped(error)
 
@@ -105,26 +96,14 @@ def _blocks(count: int, size: int) -> Iterator[slice]:
 def _of_rows(
     line: Driveline, request: Request, rows: tuple[int, ...], block: slice
 ) -> tuple[Driveline, Request]:
-    """Return drivelines and request of some of the rows, each an entry of the first of two axes.
-
-    Args:
-        line: drivelines that broadcast to ``rows`` with the load of the request.
-        request: what is asked of them.
-        rows: their shape together.
-        block: which of the rows, counted flat.
-    """
+    """Return drivelines and request of some of the rows, each an entry of the first of two axes."""
     index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
-    load = request.load
-    if load is not None:
-        values: dict[str, Any] = {"inertias": load.inertias}
-        for name in ("torque", "speed", "acceleration"):
-            array = getattr(load, name)
-            taken = np.broadcast_to(array, rows).ravel()[block, np.newaxis]
-            values[name] = taken if array.ndim else array
-        if load.inertias is not None and load.inertias.ndim > 1:
-            each = load.inertias.shape[-1]
-            spread = np.broadcast_to(load.inertias, (*rows, each)).reshape(-1, each)
-            values["inertias"] = spread[block, np.newaxis]
-        values[f"{load.end}_torque"] = values.pop("torque")
-        load = Load(**values)
+
+    def taken(values: FloatArray, own: int) -> FloatArray:
+        if values.ndim <= own:
+            return values
+        core = values.shape[values.ndim - own :]
+        return np.broadcast_to(values, (*rows, *core)).reshape(-1, *core)[block, np.newaxis]
+
+    load = None if request.load is None else request.load.changed(taken)
     return line.reshape(-1)[index][:, np.newaxis], request._replace(load=load)

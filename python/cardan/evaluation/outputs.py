@@ -163,10 +163,7 @@ _PROSE = {
         "unit vector along the pin of the driving yoke",
         "cos a e_in + sin a m (Thoma, before 1)",
     ),
-    "driven_pin": (
-        "unit vector along the pin of the driven yoke",
-        "unit(u_out x driving_pin)",
-    ),
+    "driven_pin": ("unit vector along the pin of the driven yoke", "unit(u_out x driving_pin)"),
 }
 
 

@@ -13,10 +13,9 @@ from cardan import _core
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.arrays.planes import PlanePlace, components_first, planes_of, view
 from cardan.evaluation.derivatives import Derivatives, Gradient, derivatives, gradient
 from cardan.evaluation.harmonics import Harmonics, harmonics
-from cardan.evaluation.layout import layout_of
+from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
 from cardan.evaluation.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
@@ -52,12 +51,7 @@ class Plan:
         "request",
     )
 
-    def __init__(
-        self,
-        line: Driveline,
-        request: Request,
-        level: str | None = None,
-    ) -> None:
+    def __init__(self, line: Driveline, request: Request, level: str | None = None) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape
         names, shafts, joints, load, reduce, dtype, tolerance, workers, axes, _ = request
@@ -217,9 +211,7 @@ class Plan:
         return harmonics(self, orders)
 
     def derivatives(
-        self,
-        angle: ArrayLike | Sweep,
-        by: str | Iterable[str] = ("bends", "twists", "phases"),
+        self, angle: ArrayLike | Sweep, by: str | Iterable[str] = ("bends", "twists", "phases")
     ) -> Derivatives:
         """Return the derivatives of every output at every sample.
 
@@ -329,10 +321,8 @@ class Plan:
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
         joints = f"{line.n_joints} joint{'s' if line.n_joints > 1 else ''}"
         if angle is None:
-            inertias = None if load is None else load.inertias
-            of_load = [array.shape for array in self._load]
-            of_inertias = [] if inertias is None else [inertias.shape[:-1]]
-            fixed = _broadcast(self.line.shape, *of_load, *of_inertias) or self.line.shape
+            of_load = () if load is None else load.shapes().values()
+            fixed = _broadcast(line.shape, *of_load) or line.shape
             shape = _broadcast(fixed, (2,)) or fixed
         else:
             own = angle.shape if isinstance(angle, Sweep) else np.shape(angle)
@@ -369,11 +359,6 @@ class Plan:
             raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
         return shape[:-1]
 
-    def _shape(self, place: PlanePlace, rows: tuple[int, ...]) -> tuple[int, ...]:
-        _, items, vector = place
-        lead = () if items is None else (items,)
-        return lead + rows + ((3,) if vector else ())
-
     def _checked_out(
         self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
     ) -> dict[str, NDArray[Any]]:
@@ -393,7 +378,7 @@ class Plan:
                 raise ArgumentValueError(
                     "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
                 )
-            wanted = self._shape(self.places[name], rows)
+            wanted = self.places[name].shape(rows)
             if array.shape != wanted:
                 raise ArgumentValueError(
                     "out", f"has shape {array.shape}; it must be {wanted}", (name,)
@@ -412,7 +397,6 @@ class Plan:
         """Planes to fill: of the arrays given where they lie plane by plane, else new ones."""
         planes = []
         for name, place in self.places.items():
-            _, items, vector = place
             # A subclass may have other rules of shapes.
             target = components_first(np.asarray(given[name]), place) if name in given else None
             if (
@@ -421,8 +405,7 @@ class Plan:
                 or not target.flags.carray
                 or any(np.may_share_memory(target, array) for array in self._load)
             ):
-                count = (1 if items is None else items) * (3 if vector else 1)
-                target = np.empty((count, *rows), self._word)
+                target = np.empty((place.planes, *rows), self._word)
             planes.append(target)
         return planes
 
@@ -433,11 +416,11 @@ class Plan:
         rows: tuple[int, ...],
     ) -> dict[str, NDArray[Any]]:
         arrays = {}
-        for (name, (_, items, vector)), own in zip(self.places.items(), planes, strict=True):
+        for (name, place), own in zip(self.places.items(), planes, strict=True):
             target = given.get(name)
             if target is None or not np.may_share_memory(target, own):
                 own = own.astype(self.dtype, copy=False)
-                array = view(planes_of(own, len(rows)), (0, items, vector))
+                array = view(planes_of(own, len(rows)), place._replace(first=0))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target

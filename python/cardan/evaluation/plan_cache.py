@@ -43,14 +43,12 @@ def remembered(line: Driveline, request: Request) -> Plan:
         # collector finds the cycle, so the plan holds another object with the same arrays.
         plan = plans[key] = planned(line._twin(), request)
         return plan
-    if not line.shape and (load is None or (isinstance(load, Load) and _is_small(load))):
+    # Of a load with arrays a plan would keep a copy.
+    small = load is None or (
+        isinstance(load, Load) and load.inertias is None and not any(load.shapes().values())
+    )
+    if small and not line.shape:
         if len(plans) >= _MOST:
             plans.clear()
         plans[key] = None
     return planned(line, request)
-
-
-def _is_small(load: Load) -> bool:
-    """Whether a load holds single numbers, and no inertias, of which a plan keeps a copy."""
-    arrays = (load.torque, load.speed, load.acceleration)
-    return load.inertias is None and not any(array.ndim for array in arrays)

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
-from cardan.arrays.planes import PlanePlace
 from cardan.evaluation.derivatives import Derivatives, Gradient, checked_weights
+from cardan.evaluation.layout import PlanePlace
 
 if TYPE_CHECKING:
     from cardan.evaluation.plan import Plan
@@ -29,15 +29,7 @@ def reduced_gradient(
     angle: Any,  # noqa: ANN401 - angles or a sweep
     weights: Mapping[str, ArrayLike],
 ) -> Gradient:
-    """Return the weighted sum of reduced outputs and its derivatives.
-
-    Args:
-        whole: the plan of the samples.
-        reduce: what their last axis is reduced to.
-        places: of the reduced outputs.
-        angle: the angles of the call.
-        weights: of the reduced outputs.
-    """
+    """Return a weighted sum of reduced outputs and its derivatives, from a plan of the samples."""
     rows = whole._rows(whole._sample_shape(np.shape(angle)))
     full = checked_weights(weights, places, rows)
     slopes = _slopes(whole, reduce, angle)

@@ -50,14 +50,6 @@ def checked_dtype(dtype: DTypeLike) -> np.dtype[Any]:
     raise ArgumentValueError("dtype", f"is {dtype!r}; it must be float64 or float32")
 
 
-def checked_choice(argument: str, value: Any, known: tuple[str, str]) -> str:  # noqa: ANN401
-    """Return one of two words."""
-    if not isinstance(value, str) or value not in known:
-        wanted = " or ".join(map(repr, known))
-        raise ArgumentValueError(argument, f"is {value!r}; it must be {wanted}")
-    return value
-
-
 def checked_reduction(reduce: str | None) -> str | None:
     """Return the reduction, which must be a known one."""
     if reduce is not None and reduce not in REDUCTIONS:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from typing import Any, Self, SupportsIndex
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.indices import integer
 
 
 class Sweep:
@@ -152,12 +152,7 @@ def _unpickled(start: float, stop: float, num: int, degrees: bool = False) -> Sw
 
 
 def _whole(name: str, value: SupportsIndex) -> int:
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise ArgumentTypeError(name, f"is {value!r}; it must be an integer") from None
-    if count < 1:
-        raise ArgumentValueError(name, f"is {count}; it must be at least 1")
+    count = integer(name, value, 1)
     if count > NativeSweep.LONGEST:
         raise ArgumentValueError(
             name, f"is {count}; a sweep has at most {NativeSweep.LONGEST} samples"

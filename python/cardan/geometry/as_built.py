@@ -19,16 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import (
-    FloatArray,
-    as_float64,
-    common_shape,
-    not_negative,
-    per_joint,
-    positive,
-)
-from cardan.arrays.errors import wrong_element
-from cardan.geometry.geometry import Geometry
+from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, together
+from cardan.arrays.errors import check_elements
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -75,9 +67,16 @@ def with_deviations(
     >>> leaning.harmonics([1, 2], outputs="angle_error").angle_error.round(6)
     array([0.000175, 0.007654])
     """
-    given = (driving_yoke, cross, driven_yoke)
-    own = _with_deviations(line._geometry, dict(zip(DEVIATIONS, given, strict=True)), degrees)
-    return line._of(own)
+    own, n = line._geometry, line.n_joints
+    given = dict(zip(DEVIATIONS, (driving_yoke, cross, driven_yoke), strict=True))
+    arrays = {name: (angles_of_joints(name, x, n, degrees), 1) for name, x in given.items()}
+    shape, full = together(arrays, driveline=own.shape)
+    ideal = own._replace(deviations=np.empty((*own.shape, 0, 3))).batched(shape)
+    deviations = np.stack(full, axis=-1)
+    if not np.any(deviations != 0.0):
+        return line._of(ideal)
+    _core.check_deviations(n, shape, ideal.bends.reshape(-1), deviations.reshape(-1))
+    return line._of(ideal._replace(deviations=deviations))
 
 
 def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
@@ -110,34 +109,16 @@ def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
     n = line.n_joints
     play = per_joint("radial", not_negative("radial", radial), n)
     play = play / per_joint("arm", positive("arm", arm), n)
-    shape = common_shape(driveline=line.shape, play=play.shape[:-1])
-    own = np.broadcast_to(line.deviations, (*shape, n, 3))
-    skew = np.broadcast_to(2.0 * play, (*shape, n))
+    _, (own, skew) = together({"driveline": (line.deviations, 2), "play": (2.0 * play, 1)})
     driving, cross, driven = np.moveaxis(own, -1, 0)
     return line.with_deviations(driving, np.stack([cross + skew, cross - skew]), driven)
-
-
-def _with_deviations(own: Geometry, given: dict[str, ArrayLike], degrees: bool) -> Geometry:
-    n = own.n_joints
-    arrays = {name: angles_of_joints(name, value, n, degrees) for name, value in given.items()}
-    shape = common_shape(
-        driveline=own.shape, **{name: array.shape[:-1] for name, array in arrays.items()}
-    )
-    ideal = own._replace(deviations=np.empty((*own.shape, 0, 3))).batched(shape)
-    if not any(np.any(array != 0.0) for array in arrays.values()):
-        return ideal
-    full = np.stack([np.broadcast_to(array, (*shape, n)) for array in arrays.values()], axis=-1)
-    _core.check_deviations(n, shape, ideal.bends.reshape(-1), full.reshape(-1))
-    return ideal._replace(deviations=full)
 
 
 def angles_of_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
     """Return deviations in rad: one for all joints, or one for each on the last axis."""
     array = as_float64(name, value)
     right_angle, unit = (90.0, " deg") if degrees else (0.5 * np.pi, " rad")
-    wrong = ~(np.abs(array) < right_angle)
-    if wrong.any():
-        rule = f"{unit}; a deviation must lie within 90 deg"
-        raise wrong_element(name, array, wrong, rule)
+    rule = f"{unit}; a deviation must lie within 90 deg"
+    check_elements(name, array, np.abs(array) < right_angle, rule)
     array = per_joint(name, array, n)
     return np.radians(array) if degrees else array

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.geometry.geometry import Geometry, concatenated, per_shaft, spread
+from cardan.geometry.geometry import Geometry, between_joints, spread
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -34,6 +34,8 @@ def concatenate(
         ValueError: no drivelines, different numbers of joints, shapes that do not fit.
     """
     given = [lines] if isinstance(lines, cls) else list(lines)
+    if not given:
+        raise ArgumentValueError("lines", "is empty; there must be at least one driveline")
     for i, line in enumerate(given):
         if not isinstance(line, cls):
             raise ArgumentTypeError("lines", f"is {line!r}; it must be a driveline", (i,))
@@ -41,10 +43,37 @@ def concatenate(
             raise ArgumentValueError(
                 "lines", f"has {line.n_joints} joints and lines[0] {given[0].n_joints}", (i,)
             )
-    if not given:
-        raise ArgumentValueError("lines", "is empty; there must be at least one driveline")
     parts = [line._geometry if line.shape else line._geometry.reshaped((1,)) for line in given]
-    return cls._of(concatenated(parts, operator.index(axis)))
+    shape, bearings = parts[0].shape, parts[0].bearings
+    along = operator.index(axis)
+    if not -len(shape) <= along < len(shape):
+        raise ArgumentValueError("axis", f"is {along}; the batches have {len(shape)} axes")
+    along %= len(shape)
+    for i, part in enumerate(parts):
+        first, own = ((len(s), *s[:along], *s[along + 1 :]) for s in (shape, part.shape))
+        if own != first:
+            raise ArgumentValueError(
+                "lines",
+                f"has shape {part.shape} and lines[0] {shape}; "
+                f"they may differ along axis {along} only",
+                (i,),
+            )
+        if part.bearings != bearings:
+            raise ArgumentValueError(
+                "lines",
+                f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
+                "they must be the same",
+                (i,),
+            )
+    if not all(part.lengths.shape[-1] for part in parts):
+        # Lengths that some lack are of no use to all.
+        parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
+    if any(part.is_as_built for part in parts):
+        parts = [part.as_built() for part in parts]
+    every = zip(*(part.arrays for part in parts), strict=True)
+    joined = (np.concatenate(arrays, axis=along) for arrays in every)
+    has_points = all(part.has_points for part in parts)
+    return cls._of(Geometry._make([*joined, bearings, has_points]))
 
 
 def reshape(line: Driveline, *shape: SupportsIndex | Iterable[SupportsIndex]) -> Driveline:
@@ -70,7 +99,15 @@ def taken(line: Driveline, index: Any) -> Driveline:  # noqa: ANN401 - whatever 
         IndexError: an index that does not fit the batch.
         TypeError: a single driveline has nothing to index.
     """
-    return line._of(line._geometry.taken(index))
+    if not line.shape:
+        raise TypeError("a single driveline has no batch to index")
+    places = np.arange(line.size).reshape(line.shape)[index]
+
+    def at_places(array: FloatArray) -> FloatArray:
+        flat = array.reshape(line.size, *array.shape[line.ndim :])
+        return np.asarray(flat.take(places, axis=0))
+
+    return line._of(line._geometry.each(at_places))
 
 
 def approx_equal(line: Driveline, other: Driveline, tolerance: float = 1e-9) -> bool:
@@ -117,7 +154,7 @@ def with_phases(line: Driveline, phases: ArrayLike, *, degrees: bool = False) ->
     """
     own = line._geometry
     # A copy, since it may be the caller's own array.
-    new = np.array(per_shaft("phases", phases, own.n_joints, degrees))
+    new = np.array(between_joints("phases", phases, own.n_joints, degrees))
     shape = common_shape(driveline=own.shape, phases=new.shape[:-1])
     return line._of(own.batched(shape)._replace(phases=spread(new, shape, 1)))
 
@@ -158,9 +195,6 @@ def broadcast(
 
     Returns:
         the common shape, and flat, the number of the driveline and each array.
-
-    Raises:
-        ValueError: shapes that do not broadcast.
     """
     shapes = {name: array.shape for name, array in arrays.items()}
     shape = common_shape(driveline=line.shape, **shapes)

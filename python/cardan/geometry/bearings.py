@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays import as_float64, common_shape, per_shaft
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.geometry.geometry import Geometry, place_in
@@ -53,12 +53,7 @@ def with_bearings(
 
 
 def in_metres(line: Driveline, unit: float) -> Driveline:
-    """Return the driveline with its lengths and positions in metres.
-
-    Args:
-        line: drivelines.
-        unit: the unit of their points, in metres.
-    """
+    """Return the driveline with its lengths and positions in metres, from a unit."""
     own = line._geometry
     lengths, positions = own.lengths * unit, own.positions * unit
     return line._of(own._replace(lengths=lengths, positions=positions))
@@ -82,7 +77,9 @@ def _mounted(
     own: Geometry, bearings: list[tuple[Any, ArrayLike]], lengths: ArrayLike | None
 ) -> Geometry:
     n = own.n_joints
-    known = own.lengths if lengths is None else _lengths(lengths, n)
+    known = own.lengths
+    if lengths is not None:
+        known = per_shaft("lengths", as_float64("lengths", lengths), n + 1)
     if bearings and known.shape[-1] == 0:
         raise ArgumentValueError(
             "lengths", "are missing; only drivelines from points know their lengths"
@@ -113,12 +110,3 @@ def _mounted(
         # Other lengths are not those between the points.
         has_points=own.has_points and lengths is None,
     )
-
-
-def _lengths(lengths: ArrayLike, n: int) -> FloatArray:
-    array = as_float64("lengths", lengths)
-    if array.ndim == 0 or array.shape[-1] != n + 1:
-        raise ArgumentValueError(
-            "lengths", f"has shape {array.shape}; {n + 1} shafts need (..., {n + 1})"
-        )
-    return array

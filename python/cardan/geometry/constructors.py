@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, deferring
-from cardan.arrays.errors import ArgumentValueError, wrong_element
-from cardan.geometry.geometry import Geometry, per_shaft, place_in, spread
+from cardan.arrays import FloatArray, as_float64, common_shape, deferring, together
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
+from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -48,8 +48,8 @@ def from_bends(
         functools.partial(_core.from_bends, degrees=degrees),
         n,
         bends=(np.radians(array) if degrees else array, 1),
-        twists=(per_shaft("twists", twists, n, degrees), 1),
-        phases=(per_shaft("phases", phases, n, degrees), 1),
+        twists=(between_joints("twists", twists, n, degrees), 1),
+        phases=(between_joints("phases", phases, n, degrees), 1),
     )
     return cls._of(own)
 
@@ -76,7 +76,7 @@ def from_directions(
     """
     array = _vectors("directions", directions, 2)
     n = array.shape[-2] - 1
-    turned = per_shaft("phases", phases, n, degrees)
+    turned = between_joints("phases", phases, n, degrees)
     own = _laid_out(_core.from_directions, n, directions=(array, 2), phases=(turned, 1))
     return cls._of(own)
 
@@ -101,7 +101,7 @@ def from_points(
     """
     array = _vectors("points", points, 3)
     n = array.shape[-2] - 2
-    turned = per_shaft("phases", phases, n, degrees)
+    turned = between_joints("phases", phases, n, degrees)
     made = _laid_out(_core.from_points, n, points=(array, 2), phases=(turned, 1))
     lengths = spread(_lengths(array), made.shape, 1)
     return cls._of(made._replace(lengths=lengths, has_points=True))
@@ -179,9 +179,8 @@ def _laid_out(
 
     With each array comes how many axes of it belong to one driveline.
     """
-    shape = common_shape(**{name: a.shape[: a.ndim - own] for name, (a, own) in arrays.items()})
-    full = [spread(array, shape, own) for array, own in arrays.values()]
-    flat = (array.reshape(-1) for array in full)
+    shape, full = together(arrays)
+    flat = (array.ravel() for array in full)
     try:
         bends, twists, directions, normals = lay_out(n, list(shape), *flat)
     except ArgumentValueError as error:
@@ -231,10 +230,8 @@ def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
 def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
     array = np.atleast_1d(as_float64(name, value))
     right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
-    wrong = ~(np.abs(array) < right_angle)
-    if wrong.any():
-        rule = f"; a {what} must lie between -{unit} and {unit}"
-        raise wrong_element(name, array, wrong, rule)
+    rule = f"; a {what} must lie between -{unit} and {unit}"
+    check_elements(name, array, np.abs(array) < right_angle, rule)
     return np.radians(array) if degrees else array
 
 
@@ -250,9 +247,7 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
         "input": (level, first, first + second),
         "output": (-first - second, -second, level),
     }
-    if reference not in slopes:
-        known = ", ".join(map(repr, slopes))
-        raise ArgumentValueError("reference", f"is {reference!r}; it must be one of {known}")
+    check_choice("reference", reference, [*slopes])
     view = np.stack(slopes[reference], axis=-1)
     if np.any(np.abs(view) >= np.pi / 2):
         raise ArgumentValueError(name, f"adds up to 90 deg or more against the {reference} shaft")

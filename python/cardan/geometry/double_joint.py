@@ -1,25 +1,24 @@
 """Double joints with a centring pivot: the bends of their two joints at every total bend.
 
 The two joints of the steering drive of an axle, or of a wide-angle shaft, are a short distance
-apart, and a pivot between them centres the piece that connects them. The pivot is fixed to the
-driving shaft and slides along the driven one. With the distance ``a`` of the joints, the distance
-``p`` of the pivot from joint 0 and the total bend ``t``, the law of sines in the triangle of joint
-0, pivot and joint 1 gives ``sin b_1 = (p/a) sin t`` and ``b_0 = t - b_1`` (derived here).
+apart, and a pivot between them centres the piece that connects them. The law of sines in the
+triangle of joint 0, pivot and joint 1 gives their bends.
 
-Both bends are equal, and the drive is synchronous, where ``p = a/(2 cos(t/2))``. One pivot cannot
-do that at every bend: one that is to be synchronous at a bend lies a little farther than the middle
-of the joints.
+Both bends are equal, and the drive is synchronous, where ``p = a/(2 cos(t/2))`` with the distances
+from joint 0 ``a`` of joint 1 and ``p`` of the pivot and the total bend ``t``. One pivot cannot do
+that at every bend: one that is to be synchronous at a bend lies a little farther than the middle of
+the joints.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -78,7 +77,7 @@ def double_joint_bends(
     bend, apart = as_float64("total", total), positive("length", length)
     turn = 180.0 if degrees else np.pi
     unit = " deg; it must lie in [0, 180) deg" if degrees else " rad; it must lie in [0, pi) rad"
-    _check("total", bend, (bend >= 0.0) & (bend < turn), unit)
+    check_elements("total", bend, (bend >= 0.0) & (bend < turn), unit)
     share = _share(apart, pivot, synchronous, degrees)
     shape = common_shape(total=bend.shape, length=apart.shape, pivot=share.shape)
     angle = np.broadcast_to(np.radians(bend) if degrees else bend, shape)
@@ -106,7 +105,7 @@ def _share(
         most = 120.0 if degrees else 2.0 * np.pi / 3.0
         unit = "deg" if degrees else "rad"
         rule = f" {unit}; it must lie in [0, {most:.6g}) {unit}, which puts the pivot between them"
-        _check("synchronous", bend, (bend >= 0.0) & (bend < most), rule)
+        check_elements("synchronous", bend, (bend >= 0.0) & (bend < most), rule)
         half = 0.5 * (np.radians(bend) if degrees else bend)
         return np.asarray(0.5 / np.cos(half))
     if pivot is None:
@@ -114,11 +113,7 @@ def _share(
     place = as_float64("pivot", pivot)
     common_shape(pivot=place.shape, length=apart.shape)
     share = place / apart
-    whole: Any = np.broadcast_to(place, share.shape)
-    _check("pivot", whole, (share > 0.0) & (share < 1.0), "; it must lie between the joints")
+    right = (share > 0.0) & (share < 1.0)
+    whole = np.broadcast_to(place, share.shape)
+    check_elements("pivot", whole, right, "; it must lie between the joints")
     return np.asarray(share)
-
-
-def _check(name: str, array: FloatArray, right: Any, rule: str) -> None:  # noqa: ANN401
-    if not np.all(right):
-        raise wrong_element(name, array, ~np.asarray(right), rule)

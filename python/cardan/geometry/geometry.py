@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
+from cardan.arrays.errors import ArgumentValueError, Place, check_elements
 
 
 class Geometry(NamedTuple):
@@ -92,16 +92,6 @@ class Geometry(NamedTuple):
         batch = len(self.shape)
         return self.each(lambda array: spread(array, shape, array.ndim - batch))
 
-    def taken(self, index: Any) -> Geometry:  # noqa: ANN401 - whatever NumPy takes
-        """Take drivelines of the batch as ``Driveline.__getitem__`` does."""
-        if not self.shape:
-            raise TypeError("a single driveline has no batch to index")
-        size, batch = math.prod(self.shape), len(self.shape)
-        places = np.arange(size).reshape(self.shape)[index]
-        return self.each(
-            lambda array: array.reshape(size, *array.shape[batch:]).take(places, axis=0)
-        )
-
     def reshaped(self, shape: tuple[int, ...]) -> Geometry:
         """Give the batch another shape as ``Driveline.reshape`` does."""
         batch, size = len(self.shape), math.prod(self.shape)
@@ -113,40 +103,6 @@ class Geometry(NamedTuple):
                 "shape", f"is {shape}, which has no room for just {size} drivelines"
             ) from None
         return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
-
-
-def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
-    """Join batches as ``Driveline.concatenate`` does."""
-    shapes = [part.shape for part in parts]
-    batch = len(shapes[0])
-    if not -batch <= axis < batch:
-        raise ArgumentValueError("axis", f"is {axis}; the batches have {batch} axes")
-    axis %= batch
-    for i, shape in enumerate(shapes):
-        others = [(*own[:axis], *own[axis + 1 :]) for own in (shapes[0], shape)]
-        if len(shape) != batch or others[0] != others[1]:
-            raise ArgumentValueError(
-                "lines",
-                f"has shape {shape} and lines[0] {shapes[0]}; "
-                f"they may differ along axis {axis} only",
-                (i,),
-            )
-        if parts[i].bearings != parts[0].bearings:
-            raise ArgumentValueError(
-                "lines",
-                f"has bearings on shafts {parts[i].bearings} and lines[0] on {parts[0].bearings}; "
-                "they must be the same",
-                (i,),
-            )
-    if not all(part.lengths.shape[-1] for part in parts):
-        # Lengths that some lack are of no use to all.
-        parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
-    if any(part.is_as_built for part in parts):
-        parts = [part.as_built() for part in parts]
-    every = zip(*(part.arrays for part in parts), strict=True)
-    joined = (np.concatenate(arrays, axis=axis) for arrays in every)
-    has_points = all(part.has_points for part in parts)
-    return Geometry._make([*joined, parts[0].bearings, has_points])
 
 
 def place_in(own: tuple[int, ...], shape: tuple[int, ...], place: Place) -> Place:
@@ -162,7 +118,7 @@ def spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
     return array if full == array.shape else np.ascontiguousarray(np.broadcast_to(array, full))
 
 
-def per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
+def between_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
     """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
     array = as_float64(name, value)
     between = max(n - 1, 0)
@@ -170,6 +126,5 @@ def per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
         array = np.full(between, array)
     if array.shape[-1] != between:
         raise ArgumentValueError(name, f"has shape {array.shape}; {n} joints need (..., {between})")
-    if not np.isfinite(array).all():
-        raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
+    check_elements(name, array, np.isfinite(array), "; it must be finite")
     return np.radians(array) if degrees else array

@@ -46,10 +46,7 @@ def checked_kind(line: Driveline, by: str, kinds: tuple[_Kind, ...]) -> _Kind:
     return next(known for known in kinds if known == name)
 
 
-def checked_variables(
-    line: Driveline,
-    by: str | Iterable[str],
-) -> tuple[str, ...]:
+def checked_variables(line: Driveline, by: str | Iterable[str]) -> tuple[str, ...]:
     """Return the names of the variables, each once, as ``checked_kind`` does."""
     listed = (by,) if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
     for i, name in enumerate(listed):
@@ -59,12 +56,7 @@ def checked_variables(
     return listed
 
 
-def _known(
-    line: Driveline,
-    by: str,
-    known: tuple[str, ...],
-    place: tuple[int, ...],
-) -> str:
+def _known(line: Driveline, by: str, known: tuple[str, ...], place: tuple[int, ...]) -> str:
     if not isinstance(by, str):
         raise ArgumentTypeError("by", f'is {by!r}; it must be a name, as "bends"', place)
     if by not in known:

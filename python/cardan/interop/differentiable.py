@@ -102,10 +102,7 @@ class Evaluation:
         samples = common_shape(**batches, angle=angle)
         names = self.outputs if isinstance(self.outputs, str) else tuple(self.outputs)
         places = layout_of(names, n, self.shafts, self.joints, None, len(self.bearings)).places
-        return {
-            name: (() if items is None else (items,)) + samples + ((3,) if vector else ())
-            for name, (_, items, vector) in places.items()
-        }
+        return {name: place.shape(samples) for name, place in places.items()}
 
     def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
         """Return the plan for these parameters."""
@@ -141,14 +138,10 @@ class Evaluation:
     ) -> tuple[dict[str, FloatArray], FloatArray]:
         """Return the derivatives of ``sum(weights * outputs)`` by parameters and by the angles.
 
-        Args:
-            parameters: arrays by name.
-            angle: drive angles.
-            weights: arrays by output.
-            by_angle: whether those by the angles are wanted; otherwise they are 0.
+        Without ``by_angle`` the latter are 0.
         """
         given, angles = _doubles(parameters), as_float64("angle", np.asarray(angle))
-        plan = self.plan(given)
+        plan, weights = self.plan(given), _doubles(weights)
         gradient = plan.gradient(angles, weights)
         found = {
             name: summed_to(getattr(gradient, name), array.shape) for name, array in given.items()
@@ -158,7 +151,7 @@ class Evaluation:
         slopes = plan.derivatives(angles, by="angle")
         total: Any = 0.0
         for name, (_, items, vector) in plan.places.items():
-            part = np.asarray(weights[name]) * slopes[name]["angle"]
+            part = weights[name] * slopes[name]["angle"]
             part = part.sum(axis=-1) if vector else part
             total = total + (part if items is None else part.sum(axis=0))
         return found, summed_to(np.asarray(total), angles.shape)

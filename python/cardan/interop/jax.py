@@ -75,7 +75,7 @@ def evaluate(
         parameters, angle = kept
 
         def call(parameters: Any, angle: Any, weights: Any) -> Any:  # noqa: ANN401 - trees of arrays
-            found, slopes = evaluation.pull_back(parameters, angle, _doubles(weights))
+            found, slopes = evaluation.pull_back(parameters, angle, weights)
             return {name: x.astype(number) for name, x in found.items()}, slopes.astype(number)
 
         shapes = {name: array.shape for name, array in parameters.items()}
@@ -86,7 +86,3 @@ def evaluate(
     run.defvjp(forward, backward)
     results: dict[str, Any] = run(given, angles)
     return results
-
-
-def _doubles(weights: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: np.asarray(array, np.float64) for name, array in weights.items()}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.composed_plans import PlanInDegrees
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result
@@ -29,10 +29,7 @@ _CELL_METHODS = {
     "peak": "maximum_absolute_value",
 }
 
-_UNITS = {
-    "rad": ("rad", "radian", "radians", "1"),
-    "deg": ("degree", "deg", "degrees"),
-}
+_UNITS = {"rad": ("rad", "radian", "radians", "1"), "deg": ("degree", "deg", "degrees")}
 
 _HINT = ", or evaluate with degrees=True"
 
@@ -63,15 +60,11 @@ def evaluate(
         raise ArgumentValueError(
             "angle", f"has units {units!r}; make it {wanted} and say so in attrs['units']{hint}"
         )
-    return _dataset(plan(angle.data), angle)
+    return dataset(plan(angle.data), angle)
 
 
-def dataset(result: Result) -> xarray.Dataset:
-    """Return what ``Result.to_xarray`` does."""
-    return _dataset(result, None)
-
-
-def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
+def dataset(result: Result, given: xarray.DataArray | None = None) -> xarray.Dataset:
+    """Return what ``Result.to_xarray`` does, with the labels of the angles given."""
     library = import_optional("xarray", "xarray")
     samples = _Samples.of(result, given)
     taken = set() if given is None else {*map(str, given.dims), *map(str, given.coords)}
@@ -92,7 +85,7 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
             coordinates["component"] = ("component", list("xyz"), axis)
         attributes = {
             "units": _cf(result.units[name]),
-            "long_name": _long_name(name),
+            "long_name": name.replace("_", " "),
             "comment": output.meaning,
             **samples.cell_methods,
         }
@@ -179,10 +172,6 @@ def _numbered(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name}_{i}" for i in range(count)]
 
 
-def _long_name(name: str) -> str:
-    return name.replace("_", " ")
-
-
 class LabelledColumn(NamedTuple):
     """Values of all samples in a row, with a name."""
 
@@ -229,7 +218,8 @@ def columns_of(result: Result) -> tuple[list[LabelledColumn], list[LabelledColum
             index.append(LabelledColumn(dim, names, "1", "reduction over the drive angle"))
         if dim.startswith("driveline"):
             number = _spread(np.arange(samples.shape[k]), (dim,), samples)
-            index.append(LabelledColumn(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
+            words = dim.replace("_", " ")
+            index.append(LabelledColumn(dim, number, "1", f"{words}, counted from 0"))
     if samples.angle is not None:
         spread = _spread(samples.angle, samples.angle_dims, samples)
         index.append(
@@ -240,7 +230,7 @@ def columns_of(result: Result) -> tuple[list[LabelledColumn], list[LabelledColum
         output = OUTPUTS[name]
         for part, values in _parts(output, np.asarray(array), samples):
             flat = values.reshape(-1)
-            figures.append(LabelledColumn(part, flat, result.units[name], _long_name(part)))
+            figures.append(LabelledColumn(part, flat, result.units[name], part.replace("_", " ")))
     return index, figures
 
 

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import item_index
-from cardan.arrays.planes import components_first, view
 from cardan.driveline import Driveline
-from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.composed_plans import PlanInDegrees
 from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.layout import components_first, view
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result
@@ -156,12 +156,7 @@ def construct(
 ) -> LazyDriveline:
     """Make drivelines of dask arrays by the name of a constructor of ``Driveline``.
 
-    Args:
-        cls: the class that has it.
-        constructor: its name.
-        ends: how many entries the first of its arrays has beyond one per joint.
-        whole: its arrays in order, and how many axes of each belong to one driveline.
-        given: its arguments by name.
+    ``ends`` and ``whole`` are those of ``cardan.arrays.deferring``.
 
     Raises:
         TypeError, ValueError: as of the constructor, for what is known before computing.
@@ -250,16 +245,10 @@ def _planes(
     length: int | None = None,
     whole_rows: bool = False,
 ) -> tuple[Any, tuple[int, ...]]:
-    """Planes of samples, a task for each piece, and the lengths of the pieces of a row.
+    """``count`` planes of samples, a task for each piece, and the lengths of the pieces of a row.
 
-    Args:
-        task: makes the planes of a piece from the pieces of the arrays.
-        parts: the arrays.
-        shape: of the samples.
-        count: number of planes.
-        dtype: of the planes.
-        length: what a task makes of each piece of a row, if that has another length.
-        whole_rows: whether rows are not to be cut.
+    A task makes the planes of a piece from the pieces of the arrays. Of each piece of a row it
+    makes ``length`` samples, by default as many as there are.
     """
     dask_array = import_optional("dask.array", "dask")
     # Axes are told by their number from the last one on; those that stay whole by larger ones.

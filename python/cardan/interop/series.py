@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
 from cardan.arrays.errors import ArgumentTypeError
-from cardan.evaluation.degrees import PlanInDegrees
+from cardan.evaluation.composed_plans import PlanInDegrees
 from cardan.evaluation.plan import Plan
 from cardan.interop.labelled import columns_of
 

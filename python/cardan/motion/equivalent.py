@@ -165,15 +165,11 @@ class Transmission:
         A change ``dq`` changes each quantity by ``(derivative * dq).real``.
 
         Args:
-            angle: as of ``motion``.
+            angle: as of ``motion``, like the errors.
 
         Returns:
             complex derivatives of angle error, speed ratio, acceleration ratio and jerk ratio, each
             of the broadcast shape.
-
-        Raises:
-            TypeError: angles that are not real numbers.
-            ValueError: shapes that do not broadcast.
         """
         return self._columns(self._core.gradient, angle)
 

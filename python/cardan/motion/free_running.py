@@ -22,10 +22,11 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     not_negative,
+    per_shaft,
     scalar_or_array,
     threads,
 )
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.evaluation.load import Load
 
 if TYPE_CHECKING:
@@ -70,11 +71,7 @@ class FreeRunning:
         """Return the acceleration of the drive over the square of its mean speed.
 
         Args:
-            angle: drive angle in rad; broadcasts against batch and inertias.
-
-        Raises:
-            TypeError: angles that are not real numbers.
-            ValueError: shapes that do not broadcast.
+            angle: as for ``speed_ratio``, like the errors.
         """
         inertia, torque = self._felt(angle, acceleration=1.0), self._felt(angle, speed=1.0)
         return scalar_or_array(-(self._root**2) * torque / inertia**2)
@@ -107,16 +104,15 @@ class FreeRunning:
             ValueError: a variation that is not positive, shapes that do not broadcast.
         """
         wanted = as_float64("variation", variation)
-        wrong = ~(wanted > 0.0)
-        if wrong.any():
-            raise wrong_element("variation", wanted, wrong, "; it must be positive")
+        check_elements("variation", wanted, wanted > 0.0, "; it must be positive")
         others = self.inertias.copy()
         others[..., 0] = 0.0
         others, exponents = _scaled(others)
         shape = np.broadcast_shapes(self._line.shape, others.shape[:-1])
         full = common_shape(free_running=shape, variation=wanted.shape)
-        each = np.ascontiguousarray(np.broadcast_to(wanted, full)).ravel()
-        lines, flat = self._line._lines, _by_row(others, full)
+        flat = np.broadcast_to(others, (*full, others.shape[-1])).ravel()
+        each = np.broadcast_to(wanted, full).ravel()
+        lines = self._line._lines
         least = _core.least_drive_inertias(lines, full, flat, each, threads.at_most(None))
         # Beyond the largest double it is infinite.
         with np.errstate(over="ignore"):
@@ -157,26 +153,16 @@ def free_running(line: Driveline, inertias: ArrayLike) -> FreeRunning:
     """
     line._geometry.check_ideal("free running is computed")
     array = not_negative("inertias", inertias)
-    count = line.n_joints + 1
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise ArgumentValueError(
-            "inertias", f"has shape {array.shape}; {count} shafts need (..., {count})"
-        )
+    per_shaft("inertias", array, line.n_joints + 1)
     if not np.all(np.any(array > 0.0, axis=-1)):
         raise ArgumentValueError("inertias", "are all 0; at least one shaft needs an inertia")
     shape = common_shape(driveline=line.shape, inertias=array.shape[:-1])
     scaled, _ = _scaled(array)
-    flat = _by_row(scaled, shape)
+    flat = np.broadcast_to(scaled, (*shape, scaled.shape[-1])).ravel()
     found = _core.free_drives(line._lines, shape, flat, threads.at_most(None))
     *speeds, root = (column.reshape(shape) for column in found)
     least, largest, variation = map(scalar_or_array, speeds)
     return FreeRunning(array.copy(), least, largest, variation, line, scaled, root)
-
-
-def _by_row(inertias: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """The inertias of every row of this shape, one after another."""
-    full = np.broadcast_to(inertias, (*shape, inertias.shape[-1]))
-    return np.ascontiguousarray(full).ravel()
 
 
 def _scaled(inertias: FloatArray) -> tuple[FloatArray, NDArray[np.int32]]:

@@ -77,7 +77,7 @@ class Identification:
     @property
     def angle_offset(self) -> float:
         """What to add to the drive angle to get the joint's input angle, in (-pi/2, pi/2] rad."""
-        return _offset(self.q)
+        return _wrapped(-0.5 * float(np.angle(-self.q))) if self.q else 0.0
 
     @property
     def angle_offset_deg(self) -> float:
@@ -177,16 +177,14 @@ def identify(
             f"has {drive.size} finite samples over {turns:.2f} turns; it takes at least one turn "
             f"and {_FEWEST_PER_TURN} samples",
         )
-    of_angle = angle is not None
-    return _fitted(drive, _error(drive, measured) if of_angle else measured, of_angle, turns)
+    if angle is not None:
+        # Whole turns aside, without steps.
+        measured = np.unwrap(np.remainder(measured - drive, math.tau))
+    return _fitted(drive, measured, angle is not None, turns)
 
 
 def identify_two_joints(
-    drive_angle: ArrayLike,
-    intermediate: ArrayLike,
-    driven: ArrayLike,
-    *,
-    degrees: bool = False,
+    drive_angle: ArrayLike, intermediate: ArrayLike, driven: ArrayLike, *, degrees: bool = False
 ) -> TwoJoints:
     """Find both bends and the phase of a shaft with two joints from encoders at its three parts.
 
@@ -225,11 +223,6 @@ def _continuous(drive: FloatArray) -> FloatArray:
     """The drive angle without the steps of a counter that starts anew at each turn."""
     modulo = drive.size > 0 and np.ptp(drive) <= math.tau and np.any(np.abs(np.diff(drive)) > np.pi)
     return np.unwrap(drive) if modulo else drive
-
-
-def _error(drive: FloatArray, angle: FloatArray) -> FloatArray:
-    """The driven angle less the drive angle, whole turns aside, without steps."""
-    return np.unwrap(np.remainder(angle - drive, math.tau))
 
 
 def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float) -> Identification:
@@ -327,10 +320,6 @@ def _series(q: complex, of_angle: bool) -> NDArray[np.complex128]:
 def _std(k: float, std_k: float) -> float:
     """Standard deviation of the bend from that of ``k``: ``std_k/(sqrt(k) (1 + k))``."""
     return std_k / (math.sqrt(k) * (1.0 + k)) if k else math.inf
-
-
-def _offset(q: complex) -> float:
-    return _wrapped(-0.5 * float(np.angle(-q))) if q else 0.0
 
 
 def _wrapped(angle: float) -> float:

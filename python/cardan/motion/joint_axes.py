@@ -16,13 +16,8 @@ if TYPE_CHECKING:
 class CrossAxes(NamedTuple):
     """Unit vectors of one joint at some drive angles, each ``(..., 3)``.
 
-    Attributes:
-        driving: along the driving shaft.
-        driven: along the driven shaft.
-        driving_pin: along the pin in the driving yoke.
-        driven_pin: along the pin in the driven yoke.
-        across: across both pins, along the moment of a positive torque.
-        normal: of the bend plane.
+    ``across`` is across both pins, along the moment of a positive torque; ``normal`` is that of the
+    bend plane.
     """
 
     driving: FloatArray
@@ -34,17 +29,7 @@ class CrossAxes(NamedTuple):
 
 
 def cross_axes(line: Driveline, joint: int, angle: ArrayLike) -> CrossAxes:
-    """Return the axes of a joint.
-
-    Args:
-        line: the driveline.
-        joint: which joint.
-        angle: drive angle in rad; broadcasts against the batch.
-
-    Raises:
-        TypeError: angles that are not real numbers.
-        ValueError: shapes that do not broadcast.
-    """
+    """Return the axes of a joint at drive angles in rad, which broadcast against the batch."""
     pins = line.evaluate(angle, ("driving_pin", "driven_pin"), joints=joint)
     p, q = pins.driving_pin, pins.driven_pin
     driving, driven, normal = (

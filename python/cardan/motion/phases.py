@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, threads
+from cardan.arrays import FloatArray, shares_of, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _common_phases(
     count = batch[axis]
     if not count:
         raise ArgumentValueError("states", f"is {states}; that axis of the batch is empty")
-    weighing = _weights(weights, count)
+    weighing = shares_of(weights, count)
     held = _held(fixed, line.n_joints)
     counts = [] if teeth is None else _teeth(teeth, line.n_joints - 1)
     rows = line.size // count
@@ -129,23 +129,6 @@ def _axis(line: Driveline, states: Any) -> int:  # noqa: ANN401 - checked here
     if not -len(line.shape) <= axis < len(line.shape):
         raise ArgumentValueError("states", f"is {axis}; the batch has shape {line.shape}")
     return axis % len(line.shape)
-
-
-def _weights(weights: ArrayLike | None, count: int) -> FloatArray:
-    if weights is None:
-        return np.full(count, 1.0 / count)
-    given = as_float64("weights", weights)
-    if given.shape != (count,):
-        raise ArgumentValueError(
-            "weights", f"has shape {given.shape}; it must be ({count},), one per state"
-        )
-    for i, weight in enumerate(given):
-        if not (np.isfinite(weight) and weight >= 0.0):
-            problem = f"is {weight:g}; a weight must be finite and not negative"
-            raise ArgumentValueError("weights", problem, (i,))
-    if not np.any(given):
-        raise ArgumentValueError("weights", "has only zeros; at least one state must count")
-    return np.asarray(given / np.sum(given))
 
 
 def _held(fixed: int | Sequence[int] | None, n_joints: int) -> NDArray[np.bool_]:

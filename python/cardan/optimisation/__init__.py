@@ -10,20 +10,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, wrong_element
+from cardan.arrays import FloatArray, as_float64, shares_of
+from cardan.arrays.errors import ArgumentValueError, Place, check_choice, check_elements
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.optimisation.arguments import (
-    check_whole,
     checked_bounds,
     checked_phases,
-    index_of,
     kept_of,
     parameters_of,
     speeds_of,
     steps_of,
-    weights_of,
 )
 from cardan.optimisation.local import MARGIN, TOLERANCE
 from cardan.optimisation.measures import QuantityLike, measure_of
@@ -202,15 +200,13 @@ def optimise(
         raise ArgumentValueError(
             "start", f"has shape {first.shape}; it must be one number per variable"
         )
-    if not np.all(np.isfinite(first)):
-        raise wrong_element("start", first, ~np.isfinite(first), "; it must be finite")
+    check_elements("start", first, np.isfinite(first), "; it must be finite")
     low, high = checked_bounds(bounds, first)
     half_turn = 180.0 if degrees else math.pi
     numbers = checked_phases(phases, len(first))
     steps = steps_of(teeth, numbers)
-    if over not in ("largest", "rms"):
-        raise ArgumentValueError("over", f"is {over!r}; it must be 'largest' or 'rms'")
-    check_whole("starts", starts)
+    check_choice("over", over, ("largest", "rms"))
+    integer("starts", starts, 1)
     line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
     n_states = line.shape[-1]
     speeds = speeds_of(speed, n_states)
@@ -219,7 +215,9 @@ def optimise(
     names = [str(i) for i in range(n_states)] if states is None else list(states)
     if len(names) != n_states:
         raise ArgumentValueError("states", f"has {len(names)} names; there are {n_states} states")
-    weight = weights_of(weights, over, n_states)
+    if weights is not None and over != "rms":
+        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
+    weight = shares_of(weights, n_states)
     spans = np.array([low, high])
     scale = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(first), 1.0))
     unbounded = [i for i in numbers if not np.isfinite(high[i] - low[i])]
@@ -248,7 +246,7 @@ def optimise(
         near = first[i] + off - half_turn * np.round(off / half_turn)
         x[i] = near if low[i] <= near <= high[i] else x[i]
     if decimals is not None:
-        x = np.clip(np.round(x, index_of("decimals", decimals, ())) + 0.0, low, high)
+        x = np.clip(np.round(x, integer("decimals", decimals)) + 0.0, low, high)
     best = next(iter(candidates(problem, x[np.newaxis])), best)
     return _optimum(problem, begin, best, names)
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Mapping, Sequence
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
@@ -44,7 +44,7 @@ def checked_phases(phases: Sequence[int], count: int) -> list[int]:
     """Return the numbers of the variables that are phases."""
     numbers = []
     for i, given in enumerate(phases):
-        number = index_of("phases", given, (i,))
+        number = integer("phases", given, place=(i,))
         if not 0 <= number < count:
             raise ArgumentValueError(
                 "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
@@ -65,25 +65,8 @@ def steps_of(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[i
             "teeth", f"has length {len(listed)}; there are {len(phases)} phases"
         )
     for i, count in enumerate(listed):
-        check_whole("teeth", count, (i,) if isinstance(teeth, Sequence) else ())
+        integer("teeth", count, 1, (i,) if isinstance(teeth, Sequence) else ())
     return dict(zip(phases, listed, strict=True))
-
-
-def check_whole(argument: str, value: SupportsIndex, place: tuple[int, ...] = ()) -> None:
-    """Check that a value is a whole number of at least 1."""
-    number = index_of(argument, value, place)
-    if number < 1:
-        raise ArgumentValueError(argument, f"is {number}; it must be at least 1", place)
-
-
-def index_of(argument: str, value: SupportsIndex, place: tuple[int, ...]) -> int:
-    """Return a whole number."""
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise ArgumentTypeError(
-            argument, f"is {value!r}; it must be a whole number", place
-        ) from None
 
 
 def kept_of(
@@ -138,24 +121,6 @@ def speeds_of(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
     array = as_float64("speed", speed)
     if array.shape not in ((), (n_states,)):
         raise ArgumentValueError("speed", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array != 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("speed", array, wrong, "; it must be finite and not 0")
+    right = (array != 0.0) & np.isfinite(array)
+    check_elements("speed", array, right, "; it must be finite and not 0")
     return array
-
-
-def weights_of(weights: ArrayLike | None, over: str, n_states: int) -> FloatArray:
-    """Return the weights of the states, with sum 1."""
-    if weights is None:
-        return np.full(n_states, 1.0 / n_states)
-    if over != "rms":
-        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
-    array = as_float64("weights", weights)
-    if array.shape != (n_states,):
-        raise ArgumentValueError("weights", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array >= 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("weights", array, wrong, "; it must be finite and not negative")
-    if not np.any(array > 0.0):
-        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
-    return array / np.sum(array)

@@ -134,14 +134,10 @@ class _Program:
 def local_best(
     problem: Problem, x: FloatArray, size: float, excess: float, free: NDArray[np.bool_]
 ) -> FloatArray:
-    """Return the variables at the end of one run of the solver.
+    """Return the variables at the end of one run of the solver, which starts at ``x``.
 
-    Args:
-        problem: what to minimise.
-        x: the variables to begin with, ``(m,)``.
-        size: the length that is minimised, there.
-        excess: by which factor, less 1, the worst limit is exceeded there.
-        free: which variables may change.
+    There the goal has the length ``size``, and the worst limit is exceeded by the factor ``1 +
+    excess``.
     """
     program = _Program(problem, x, size, excess, free)
     # Errors of the start, as of a wrong Jacobian, are those of the caller.

@@ -64,12 +64,7 @@ class Measure:
 
 
 def over_states(vectors: Vectors, weights: FloatArray | None) -> float:
-    """Return the length that counts for all states.
-
-    Args:
-        vectors: of every state, ``(states, r)``.
-        weights: of the states in the root mean square, with sum 1; ``None`` for the largest.
-    """
+    """Return the length of vectors ``(states, r)`` that counts: the largest, or a weighted mean."""
     squares = np.abs(vectors) ** 2
     if weights is None:
         return float(np.sqrt(np.max(squares)))
@@ -83,16 +78,10 @@ def measure_of(
     load: Load | None,
     speed: FloatArray | None = None,
 ) -> Measure:
-    """Return the measure of a quantity.
+    """Return the measure of a quantity, which ``argument`` names in errors.
 
-    Args:
-        argument: what to call the quantity in errors.
-        quantity: a name of ``MOTION_QUANTITIES`` or of a reduced output, or a function of a
-            driveline.
-        n_joints: of the driveline.
-        load: for outputs that need one.
-        speed: of the drive in rad/s for the excitations, one for all states or ``(states,)``;
-            ``None`` to have them over the square of the speed.
+    It is a name of ``MOTION_QUANTITIES`` or of a reduced output, or a function of a driveline.
+    Without a speed of the drive, one or ``(states,)``, excitations are over its square.
 
     Raises:
         TypeError: something else.

@@ -162,31 +162,20 @@ class Problem:
 
 
 def many_of(lines: object, count: int) -> Driveline:
-    """Return drivelines of several sets of variables, ``(count, states)``.
-
-    Raises:
-        TypeError: something else than drivelines.
-        ValueError: another batch.
-    """
+    """Return drivelines of several sets of variables, ``(count, states)``, or say what they are."""
     if not isinstance(lines, Driveline):
         raise ArgumentTypeError(
             "lines_of", f"returned {type(lines).__name__}; it must return a Driveline"
         )
     if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
         raise ArgumentValueError(
-            "lines_of",
-            f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)",
+            "lines_of", f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
         )
     return lines
 
 
 def states_of(line: object) -> Driveline:
-    """Return a driveline with one batch axis.
-
-    Raises:
-        TypeError: something else than a driveline.
-        ValueError: a batch of more axes, or of none at all.
-    """
+    """Return a driveline with one batch axis, or say what it is."""
     if not isinstance(line, Driveline):
         raise ArgumentTypeError(
             "lines_of", f"returned {type(line).__name__}; it must return a Driveline"

@@ -34,14 +34,7 @@ _SETTINGS, _FOLLOWED = 1024, 6
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Variables and how good they are.
-
-    Attributes:
-        x: the variables.
-        vectors: of all measures.
-        size: the length that is minimised.
-        excess: by which factor, less 1, the worst limit is exceeded.
-    """
+    """Variables, the vectors of all measures, the length to minimise and the worst excess."""
 
     x: FloatArray
     vectors: Sequence[Vectors]
@@ -89,16 +82,9 @@ def search(
     half_turn: float,
     seed: int,
 ) -> Candidate:
-    """Return the best candidate.
+    """Return the best candidate of searches from ``first`` and from points drawn from the spans.
 
-    Args:
-        problem: what to minimise.
-        first: the start.
-        spans: low and high end of the range from which starts are drawn, ``(2, m)``.
-        starts: from how many points to search.
-        steps: the teeth of variables that can only be changed by whole ones.
-        half_turn: after which such a variable repeats.
-        seed: of the random starts.
+    Variables with teeth, by number in ``steps``, change by whole ones and repeat after half a turn.
     """
     everywhere = np.ones(len(first.x), dtype=bool)
     found = [first]

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentValueError, check_elements
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft of a truck in rad/s²: usual limit, never above.
@@ -102,8 +102,7 @@ def thoma_small_angle(
     """
     a, b = as_float64("angle", angle), _bend("bend", bend)
     mass, rate = as_float64("inertia", inertia), as_float64("speed", speed)
-    if np.any(mass < 0.0):
-        raise wrong_element("inertia", mass, mass < 0.0, "; an inertia must not be negative")
+    check_elements("inertia", mass, ~(mass < 0.0), "; an inertia must not be negative")
     common_shape(angle=a.shape, bend=b.shape, inertia=mass.shape, speed=rate.shape)
     s, c = _sine_cosine(a)
     # Multiple angles written out: sin 2a + 1/2 sin 4a = 4 s c³, 1 - cos 4a = 8 s² c². So the two
@@ -250,9 +249,7 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
         np.atleast_1d(_bend("bends", bends)),
         np.atleast_1d(as_float64("fork_signs", fork_signs)),
     )
-    wrong = np.abs(sign) != 1.0
-    if wrong.any():
-        raise wrong_element("fork_signs", sign, wrong, "; each must be +1 or -1")
+    check_elements("fork_signs", sign, np.abs(sign) == 1.0, "; each must be +1 or -1")
     if b.shape[-1] != sign.shape[-1]:
         raise ArgumentValueError(
             "fork_signs", f"has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"
@@ -264,8 +261,7 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
 def _bend(name: str, value: ArrayLike) -> FloatArray:
     array = as_float64(name, value)
     wrong = (array < 0.0) | (array >= math.pi / 2)
-    if wrong.any():
-        raise wrong_element(name, array, wrong, " rad; a bend must lie in [0, pi/2)")
+    check_elements(name, array, ~wrong, " rad; a bend must lie in [0, pi/2)")
     return array
 
 

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, as_float64, together
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
+from cardan.geometry.parameters import PARAMETERS, parameter_shape
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 JOINT_GROUPS = DEVIATIONS
 """The groups of deviations of the joints, in the order of ``Driveline.deviations``."""
 
-GROUPS = ("bends", "twists", "phases", "points", *JOINT_GROUPS)
+GROUPS = (*PARAMETERS, *JOINT_GROUPS)
 """The groups of parameters that can have tolerances."""
 
 # A normal deviation beyond so many tolerances, six standard deviations, does not occur.
@@ -177,13 +178,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """The boxes of a batch of drivelines.
-
-    Attributes:
-        shape: of the batch, which that of the tolerances may extend.
-        lines: the drivelines, flat.
-        each: one box per driveline, in C order.
-    """
+    """The boxes of a batch of drivelines, flat; that of the tolerances may extend its shape."""
 
     shape: tuple[int, ...]
     lines: Driveline
@@ -192,14 +187,7 @@ class Boxes:
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The tolerances, as the arguments of ``tolerances`` of the same names have them.
-
-    Attributes:
-        each: by group of parameters, ``None`` where there is none.
-        teeth: of the splines.
-        distribution: within the tolerances.
-        degrees: whether tolerances and limits that are angles are in degrees.
-    """
+    """The tolerances by group, and the arguments of ``tolerances`` of the same names."""
 
     each: Mapping[str, ArrayLike | None]
     teeth: ArrayLike | None = None
@@ -209,39 +197,32 @@ class Sizes:
 
 def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
-    n, teeth, distribution = line.n_joints, sizes.teeth, sizes.distribution
-    own = _shapes(n)
-    if distribution not in _FARTHEST:
-        raise ArgumentValueError(
-            "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
-        )
+    own = _shapes(line.n_joints)
+    check_choice("distribution", sizes.distribution, ("uniform", "normal"))
     arrays = {
         group: _tolerance(group, value, own[group], sizes.degrees and group != "points")
         for group, value in sizes.each.items()
         if value is not None
     }
-    half_tooth = None if teeth is None else _half_tooth(teeth, own["phases"])
-    if not arrays and half_tooth is None:
+    if sizes.teeth is not None:
+        own["teeth"] = own["phases"]
+        arrays["teeth"] = _half_tooth(sizes.teeth, own["teeth"])
+    if not arrays:
         raise ArgumentValueError(
             "tolerances", f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
         )
     _check_points(line, arrays)
-    shapes = {group: array.shape[: -len(own[group])] for group, array in arrays.items()}
-    if half_tooth is not None:
-        shapes["teeth"] = half_tooth.shape[:-1]
-    shape = common_shape(driveline=line.shape, **shapes)
+    given = {group: (array, len(own[group])) for group, array in arrays.items()}
+    shape, full = together(given, driveline=line.shape)
     count = math.prod(shape)
     spread = {
-        group: np.broadcast_to(array, (*shape, *own[group])).reshape(count, *own[group])
-        for group, array in arrays.items()
+        group: array.reshape(count, *own[group]) for group, array in zip(arrays, full, strict=True)
     }
-    if half_tooth is not None:
-        half_tooth = np.broadcast_to(half_tooth, (*shape, n - 1)).reshape(count, n - 1)
     geometry = line._geometry.batched(shape)
     nominals = _nominals(geometry, "points" in arrays)
     each = []
     for i, nominal in enumerate(nominals):
-        tooth = {} if half_tooth is None else _positive("phases", half_tooth[i])
+        tooth = _positive("phases", spread["teeth"][i]) if "teeth" in spread else {}
         halves = {
             place: half
             for group in GROUPS
@@ -249,7 +230,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
             for place, half in _positive(group, spread[group][i]).items()
         }
         halves |= {place: halves.get(place, 0.0) + half for place, half in tooth.items()}
-        box = Box(nominal, halves, tooth, distribution == "normal")
+        box = Box(nominal, halves, tooth, sizes.distribution == "normal")
         box.check()
         each.append(box)
     return Boxes(shape, line._of(geometry.reshaped((count,))), tuple(each))
@@ -257,49 +238,37 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
 
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:
     """The shapes of the parameters of one driveline by group."""
-    joints: dict[str, tuple[int, ...]] = dict.fromkeys(JOINT_GROUPS, (n,))
-    return {
-        "bends": (n,),
-        "twists": (n - 1,),
-        "phases": (n - 1,),
-        "points": (n + 2, 3),
-        **joints,
-    }
+    layout: dict[str, tuple[int, ...]] = {group: parameter_shape(group, n) for group in PARAMETERS}
+    return {**layout, **dict.fromkeys(JOINT_GROUPS, (n,))}
 
 
 def _tolerance(name: str, value: ArrayLike, own: tuple[int, ...], degrees: bool) -> FloatArray:
     array = as_float64(name, value)
-    wrong = ~((array >= 0.0) & np.isfinite(array))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; a tolerance must be finite and not negative")
-    if degrees:
-        array = np.radians(array)
-    if array.ndim == 0:
-        return np.full(own, array)
+    right = (array >= 0.0) & np.isfinite(array)
+    check_elements(name, array, right, "; a tolerance must be finite and not negative")
     if name == "points" and array.shape[-2:] == (own[0], 1):
         array = np.repeat(array, 3, axis=-1)
+    return _of_each(name, np.radians(array) if degrees else array, own)
+
+
+def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
+    """Half the pitch of each spline in rad."""
+    array = as_float64("teeth", teeth)
+    right = (array >= 1.0) & (array == np.floor(array)) & np.isfinite(array)
+    check_elements("teeth", array, right, "; it must be a whole number, at least 1")
+    return _of_each("teeth", np.asarray(np.pi / array), own)
+
+
+def _of_each(name: str, array: FloatArray, own: tuple[int, ...]) -> FloatArray:
+    """One number for all parameters of a group, or one for each on the last axes."""
+    if array.ndim == 0:
+        return np.full(own, array)
     if array.shape[-len(own) :] != own:
         wanted = ", ".join(map(str, own))
         raise ArgumentValueError(
             name, f"has shape {array.shape}; it must be one number or (..., {wanted})"
         )
     return array
-
-
-def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
-    """Half the pitch of each spline in rad."""
-    array = as_float64("teeth", teeth)
-    wrong = ~((array >= 1.0) & (array == np.floor(array)) & np.isfinite(array))
-    if wrong.any():
-        raise wrong_element("teeth", array, wrong, "; it must be a whole number, at least 1")
-    half = np.pi / array
-    if half.ndim == 0:
-        return np.full(own, half)
-    if half.shape[-1:] != own:
-        raise ArgumentValueError(
-            "teeth", f"has shape {half.shape}; it must be one number or (..., {own[0]})"
-        )
-    return np.asarray(half)
 
 
 def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:

@@ -11,17 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.design.order_quantities import OrderQuantity, farthest_signs
+from cardan.design.order_quantities import OrderQuantity, farthest_signs, order_amplitude
 from cardan.design.quantities import Amplitude, MotionQuantity
 from cardan.design.reduced_quantities import ReducedQuantity
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import PARAMETERS, LayoutVariables
-from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import JOINT_GROUPS, Box
-from cardan.tolerances.chain import ComplexArray, Deviations
+from cardan.tolerances.chain import ComplexArray, Deviations, amplitude
 from cardan.tolerances.deviating import as_drawn, in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.orders import order_amplitudes
 from cardan.tolerances.worst import (
     MOST_CORNERS,
     largest_in_box,
@@ -43,15 +41,9 @@ _MOST_OVER_A_TURN = 10
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One driveline, its tolerances, and what else its figures depend on.
+    """One driveline as drawn, the box of its tolerances, and what else its figures depend on.
 
-    Attributes:
-        box: the parameters and their tolerances.
-        line: the driveline as drawn, with its bearings.
-        shaft: the shaft of the figures.
-        speed: of the drive in rad/s.
-        load: for the outputs that need one.
-        workers: largest number of threads for outputs.
+    These are the shaft and the speed of the drive in rad/s, for outputs the load and the threads.
     """
 
     box: Box
@@ -74,11 +66,9 @@ class Case:
     def values(
         self, quantities: Mapping[str, Quantity], deviations: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return figures by name; each amplitude is computed once.
+        """Return figures by name for deviations ``(parameters, samples)``.
 
-        Args:
-            quantities: the figures.
-            deviations: of the parameters, ``(parameters, samples)``.
+        Each amplitude is found once.
         """
         by_place, samples = self.box.deviations(deviations), deviations.shape[1]
         moduli: dict[str, FloatArray] = {}
@@ -105,22 +95,33 @@ class Case:
         self, quantity: ReducedQuantity, deviations: Deviations, samples: int
     ) -> FloatArray:
         """A reduced output of each sample."""
-
-        def of(made: Driveline) -> FloatArray:
-            return quantity.of(made, self.load, self.workers)
-
+        of = partial(quantity.of, load=self.load, workers=self.workers)
         return in_blocks(of, self.line, self.box.nominal, deviations, samples)
 
     def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
-        """The complex amplitude of an order of each sample."""
-        return order_amplitudes(
-            self.line,
-            self.box.nominal,
-            deviations,
-            samples,
-            quantity.order,
-            self.shaft,
-        )
+        """The complex amplitude of an order of each sample, with drive angles as drawn.
+
+        They count from the plane of joint 0. Where deviations turn that plane, the amplitude is
+        referred to the plane as drawn, so that it changes evenly with them.
+        """
+        line, nominal, order = self.line, self.box.nominal, quantity.order
+
+        def of(made: Driveline) -> ComplexArray:
+            amplitudes = order_amplitude(made, order, self.shaft)
+            if nominal.points is None:
+                return amplitudes
+            normal, axis = line.normals[0], line.directions[0]
+            turned = np.arctan2(
+                np.cross(normal, made.normals[:, 0]) @ axis, made.normals[:, 0] @ normal
+            )
+            return np.asarray(amplitudes * np.exp(-1j * order * turned))
+
+        found = in_blocks(of, line, nominal, deviations, samples, np.complex128)
+        bend = deviations.get(("bends", (0,)))
+        if bend is not None and order % 2:
+            # Beyond straight the plane has turned by half a turn.
+            found[nominal.bends[0] + bend < 0.0] *= -1.0
+        return found
 
     def nominal(self, quantity: Quantity) -> float:
         """Return the figure of the driveline as drawn."""

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.design.quantities import Amplitude
 
 ComplexArray = NDArray[np.complex128]
 
@@ -118,6 +119,21 @@ def q_of(joints: Sequence[_Values], turns: Sequence[_Values]) -> ComplexArray:
     return np.asarray(-x)
 
 
+def amplitude(
+    kind: Amplitude, nominal: Nominal, deviations: Deviations, shaft: int
+) -> ComplexArray:
+    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names."""
+    if kind == "coasting":
+        deviations, nominal = reversed_deviations(nominal, deviations), nominal.reversed()
+    joints, turns = joints_and_turns(nominal, deviations)
+    if kind == "last":
+        return q_of(joints[:shaft], turns[:shaft])
+    total: Any = 0j
+    for behind in range(1, nominal.n_joints):
+        total = total + q_of(joints[:behind], turns[:behind])
+    return np.asarray(total)
+
+
 def _turn(angle: _Values) -> _Values:
     """``exp(i angle)``."""
     if isinstance(angle, float):
@@ -168,11 +184,7 @@ def _dot(a: _Vector, b: _Vector) -> _Values:
 
 
 def _cross(a: _Vector, b: _Vector) -> _Vector:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def _perpendicular(shaft: FloatArray) -> _Vector:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.design.quantities import MotionQuantity
 from cardan.tolerances.box import Box
 from cardan.tolerances.case import Case, Quantity
 
@@ -58,21 +58,9 @@ class Design:
         """Whether the worst case is searched over the box, not found to first order."""
         return all(case.searched(quantity) for case in self.cases)
 
-    def nominal(self, quantity: Quantity) -> float:
-        """Return the figure of the driveline as drawn."""
-        return self._largest(lambda case: case.nominal(quantity))
-
-    def worst(self, quantity: Quantity) -> float:
-        """Return the worst figure of any driveline within the tolerances."""
-        return self._largest(lambda case: case.worst(quantity))
-
-    def linear(self, quantity: Quantity) -> float:
-        """Return the worst figure to first order."""
-        return self._largest(lambda case: case.linear(quantity))
-
-    def guaranteed(self, quantity: MotionQuantity) -> float:
-        """Return a bound of the figure over the box."""
-        return self._largest(lambda case: case.guaranteed(quantity))
+    def largest(self, of: Callable[[Case, Any], float], quantity: Quantity) -> float:
+        """Return the largest of the states of a figure: ``Case.worst`` or another method."""
+        return max(of(case, quantity) for case in self.cases)
 
     def worst_state(self, quantity: Quantity) -> int:
         """Return the number of the state with the worst figure."""
@@ -85,6 +73,3 @@ class Design:
     def shares(self, quantity: Quantity) -> FloatArray:
         """Return the share of each parameter in the scatter in that state, ``(parameters,)``."""
         return self.cases[self.worst_state(quantity)].shares(quantity)
-
-    def _largest(self, of: Callable[[Case], float]) -> float:
-        return max(map(of, self.cases))

@@ -27,19 +27,7 @@ def in_blocks(
     samples: int,
     dtype: type = np.float64,
 ) -> NDArray[Any]:
-    """Return one number for each sample.
-
-    Args:
-        of: the numbers of a batch of drivelines.
-        line: the driveline as drawn; its bearings and lengths stay.
-        nominal: its parameters.
-        deviations: by how much they deviate, ``(samples,)`` each.
-        samples: how many samples there are.
-        dtype: of the numbers.
-
-    Returns:
-        ``(samples,)``.
-    """
+    """Return one number for each sample, found of batches of deviating drivelines."""
     found: NDArray[Any] = np.empty(samples, dtype)
     for first in range(0, samples, _BLOCK):
         some = slice(first, min(first + _BLOCK, samples))
@@ -51,10 +39,7 @@ def in_blocks(
 def as_drawn(line: Driveline, nominal: Nominal, *, joints: bool) -> Driveline:
     """Return a batch of one driveline as drawn; from points if they have tolerances.
 
-    Args:
-        line: the driveline.
-        nominal: its parameters.
-        joints: whether deviations of its joints have tolerances.
+    With ``joints`` it has deviations, which may be 0.
     """
     made = _deviated(line, nominal, {}, 1)
     return line._of(made._geometry.as_built()) if joints else made

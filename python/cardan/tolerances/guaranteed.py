@@ -34,19 +34,12 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.design.quantities import Amplitude
-from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
-from cardan.tolerances.chain import Nominal
+from cardan.tolerances.chain import Nominal, amplitude
 
 
 def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
-    """Return a bound of the magnitude of an amplitude over the box.
-
-    Args:
-        kind: which amplitude.
-        box: the driveline with its tolerances.
-        shaft: the shaft of ``"last"``.
-    """
+    """Return a bound of the magnitude of an amplitude over the box."""
     grown, changes, corners, turned = bound_parts(box)
     if kind == "last":
         k = float(np.abs(amplitude(kind, box.nominal, {}, shaft)))
@@ -102,12 +95,7 @@ def bound_parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArra
 
 
 def _moved(
-    grown: FloatArray,
-    changes: FloatArray,
-    corners: FloatArray,
-    turned: FloatArray,
-    *,
-    nearer: bool,
+    grown: FloatArray, changes: FloatArray, corners: FloatArray, turned: FloatArray, *, nearer: bool
 ) -> float:
     """How far the end of the polygon can move."""
     n = len(grown)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, not_negative
-from cardan.arrays.errors import ArgumentValueError
-from cardan.arrays.indices import item_index
+from cardan.arrays.errors import ArgumentValueError, check_choice
+from cardan.arrays.indices import integer, item_index
 from cardan.design.order_quantities import farthest_signs, order_amplitude
 from cardan.evaluation.order_sums import ComplexArray
 from cardan.evaluation.sweep import Sweep
@@ -118,8 +118,7 @@ def order_tolerances(
         degrees: whether they are in degrees.
         order: of the drive's rotation.
         shaft: by default the last.
-        distribution: ``"uniform"`` within ± the tolerance, or ``"normal"`` with the tolerance
-            as three standard deviations.
+        distribution: as for ``tolerances``.
 
     Raises:
         IndexError: a shaft that does not exist.
@@ -142,13 +141,8 @@ def order_tolerances(
     halves = np.stack([np.broadcast_to(half, (n,)) for half in given_halves], axis=-1)
     if line.shape:
         raise ArgumentValueError("driveline", f"has shape {line.shape}; it must be one driveline")
-    if distribution not in ("uniform", "normal"):
-        raise ArgumentValueError(
-            "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
-        )
-    number = int(order)
-    if number < 1:
-        raise ArgumentValueError("order", f"is {number}; it must be positive")
+    check_choice("distribution", distribution, ("uniform", "normal"))
+    number = integer("order", order, 1)
     index = item_index("shaft", shaft, line.n_joints + 1)
     count = max(_FEWEST, 32 * number)
     slopes = line.plan("angle_error", shafts=index).derivatives(

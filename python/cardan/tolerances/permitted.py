@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from cardan.tolerances.case import Quantity
+from cardan.tolerances.case import Case, Quantity
 from cardan.tolerances.design import Design
 
 # Up to this factor, and until the limit is met this closely.
@@ -20,17 +20,9 @@ def permitted_factor(
 ) -> float:
     """Return the factor of the tolerances of one group at which a bound reaches the limit.
 
-    Args:
-        design: the driveline with its tolerances.
-        quantity: the figure.
-        limit: of the figure.
-        group: of parameters.
-        bound: ``"worst"``, ``"linear"`` or ``"guaranteed"``.
-
-    Returns:
-        the factor; NaN if the other tolerances alone exceed the limit, infinite without a factor.
-        If joints block before the limit is reached, it is the largest factor with which they turn,
-        or up to 0.1 % less.
+    It is NaN if the other tolerances alone exceed the limit, infinite without a factor. If joints
+    block before the limit is reached, it is the largest factor with which they turn, or up to 0.1 %
+    less.
     """
 
     def excess(factor: float) -> float:
@@ -39,7 +31,7 @@ def permitted_factor(
             scaled.check()
         except ValueError:
             return math.inf
-        return float(getattr(scaled, bound)(quantity)) / limit - 1.0
+        return scaled.largest(getattr(Case, bound), quantity) / limit - 1.0
 
     return _root(excess)
 

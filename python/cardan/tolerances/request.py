@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
@@ -12,8 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest, wrong_element
-from cardan.arrays.indices import Items, item_index
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    nearest,
+)
+from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.design.order_quantities import FIRST, order_quantity
 from cardan.design.quantities import (
@@ -36,8 +41,6 @@ if TYPE_CHECKING:
 
 REDUCTIONS: tuple[Reduction, ...] = ("peak", "rms", "max", "mean")
 """The reductions of which the largest value is the worst."""
-
-_LISTED = ", ".join(map(repr, REDUCTIONS))
 
 
 def tolerances(
@@ -205,9 +208,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         layout |= sizes.teeth is not None
         _check_as_built(quantities, several, figures.motion_as_drawn and layout)
     for name, quantity in quantities.items():
-        if isinstance(quantity, ReducedQuantity):
-            continue
-        if quantity.needs_speed and figures.speed is None:
+        needs_speed = not isinstance(quantity, ReducedQuantity) and quantity.needs_speed
+        if needs_speed and figures.speed is None:
             raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
     speed = np.zeros(each.shape) if figures.speed is None else _speeds(figures.speed, each.shape)
     own = zip(each.each, speed.ravel().tolist(), _loads(figures.load, each.shape), strict=True)
@@ -215,6 +217,9 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         Case(box, each.lines[i], index, own_speed, own_load, drawn.workers)
         for i, (box, own_speed, own_load) in enumerate(own)
     ]
+    seed = drawn.seed
+    if seed is None:
+        seed = int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
     shape, designs, n_states = _designs(cases, each.shape, line, figures.states)
     return Tolerances(
         designs,
@@ -222,8 +227,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         quantities,
         several=several,
         limits=_limits(figures.limit, quantities, several, sizes.degrees),
-        samples=_whole("samples", drawn.samples, 1, "must be positive"),
-        seed=_seed(drawn.seed),
+        samples=integer("samples", drawn.samples, 1),
+        seed=integer("seed", seed, 0),
         distribution=sizes.distribution,
         workers=drawn.workers,
         n_states=n_states,
@@ -231,11 +236,7 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
 
 
 def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn: bool) -> None:
-    """Refuse figures of ideal joints, unless those of the drawing are meant.
-
-    Raises:
-        ValueError: such a figure.
-    """
+    """Refuse figures of ideal joints, unless those of the drawing are meant."""
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
             raise ArgumentValueError(
@@ -291,18 +292,16 @@ def _quantity(name: str, place: int, line: Driveline, figures: Figures) -> Quant
     found = reduced_quantity(name)
     if found is None and name in OUTPUTS:
         output = OUTPUTS[name]
-        if figures.reduce not in REDUCTIONS:
-            problem = f"is {figures.reduce!r}; it must be one of {_LISTED}"
-            raise ArgumentValueError("reduce", problem)
+        check_choice("reduce", figures.reduce, REDUCTIONS)
         items = {"shaft": figures.shafts, "joint": figures.joints}.get(output.per)
         found = ReducedQuantity(output, items, figures.reduce)
     elif found is None:
         known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
     elif found.reduction not in REDUCTIONS:
-        raise ArgumentValueError(
-            "of", f"is {name!r}; its reduction must be one of {_LISTED}", (place,)
-        )
+        known = ", ".join(map(repr, REDUCTIONS))
+        problem = f"is {name!r}; its reduction must be one of {known}"
+        raise ArgumentValueError("of", problem, (place,))
     else:
         found.check_item(line)
     return found
@@ -345,9 +344,7 @@ def _limits(
 def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """The speed of each driveline of the batch."""
     value = as_float64("speed", speed)
-    wrong = ~np.isfinite(value)
-    if wrong.any():
-        raise wrong_element("speed", value, wrong, "; it must be finite, in rad/s")
+    check_elements("speed", value, np.isfinite(value), "; it must be finite, in rad/s")
     if common_shape(driveline=shape, speed=value.shape) != shape:
         raise ArgumentValueError("speed", f"has shape {value.shape}; the drivelines have {shape}")
     return np.broadcast_to(value, shape)
@@ -355,42 +352,14 @@ def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
 
 def _loads(load: Load | None, shape: tuple[int, ...]) -> list[Load | None]:
     """The load of each driveline of the batch."""
-    count = math.prod(shape)
-    if load is None:
-        return [None] * count
-    shapes = {"torque": load.torque.shape, "speed": load.speed.shape}
-    shapes["acceleration"] = load.acceleration.shape
-    if load.inertias is not None:
-        shapes["inertias"] = load.inertias.shape[:-1]
-    if not any(shapes.values()):
-        return [load] * count
-    if common_shape(driveline=shape, **shapes) != shape:
+    if load is None or not any(load.shapes().values()):
+        return [load] * math.prod(shape)
+    if common_shape(driveline=shape, **load.shapes()) != shape:
         raise ArgumentValueError("load", f"has values for more drivelines than {shape}")
 
-    def each(values: FloatArray, *core: int) -> FloatArray:
-        return np.broadcast_to(values, (*shape, *core)).reshape(count, *core)
+    def at(place: tuple[int, ...]) -> Load:
+        return load.changed(
+            lambda x, own: np.broadcast_to(x, (*shape, *x.shape[x.ndim - own :]))[place]
+        )
 
-    columns = {
-        f"{load.end}_torque": each(load.torque),
-        "speed": each(load.speed),
-        "acceleration": each(load.acceleration),
-    }
-    if load.inertias is not None:
-        columns["inertias"] = each(load.inertias, load.inertias.shape[-1])
-    return [Load(**{name: column[i] for name, column in columns.items()}) for i in range(count)]
-
-
-def _seed(seed: int | None) -> int:
-    """The seed, a fresh one if none is given."""
-    if seed is None:
-        return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
-    return _whole("seed", seed, 0, "must not be negative")
-
-
-def _whole(argument: str, value: SupportsIndex, least: int, rule: str) -> int:
-    if not hasattr(value, "__index__"):
-        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer")
-    number = operator.index(value)
-    if number < least:
-        raise ArgumentValueError(argument, f"is {number}; it {rule}")
-    return number
+    return [at(place) for place in np.ndindex(shape)]

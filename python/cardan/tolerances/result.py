@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
-from cardan.tolerances.case import Quantity
+from cardan.tolerances.case import Case, Quantity
 from cardan.tolerances.design import Design
 from cardan.tolerances.permitted import permitted_factor
 from cardan.tolerances.sampling import sample
@@ -138,7 +138,7 @@ class Tolerances:
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
         """The figure of the driveline as drawn, in the SI unit ``unit(name)``, shape: the batch."""
-        return self._each(Design.nominal)
+        return self._each(Case.nominal)
 
     @cached_property
     def worst(self) -> Any:  # noqa: ANN401
@@ -147,7 +147,7 @@ class Tolerances:
         For a normal distribution the tolerances are three standard deviations, and samples beyond
         them can exceed this figure.
         """
-        return self._each(Design.worst)
+        return self._each(Case.worst)
 
     @property
     def worst_kind(self) -> Any:  # noqa: ANN401
@@ -182,7 +182,7 @@ class Tolerances:
         Of an order ``q`` is its complex amplitude. For a reduced output: its value and the sum of
         the magnitudes of all first-order changes.
         """
-        return self._each(Design.linear)
+        return self._each(Case.linear)
 
     @cached_property
     def guaranteed(self) -> Any:  # noqa: ANN401
@@ -194,7 +194,7 @@ class Tolerances:
             ValueError: the only figure is an order or a reduced output, of which no bound is known.
         """
         found = {
-            name: self._batch([design.guaranteed(quantity) for design in self._designs])
+            name: self._batch([d.largest(Case.guaranteed, quantity) for d in self._designs])
             for name, quantity in self._quantities.items()
             if isinstance(quantity, MotionQuantity)
         }
@@ -323,11 +323,7 @@ class Tolerances:
             raise ArgumentValueError("limit", f"is missing; {name!r} has no default limit")
         if not any(place[0] == group for place in design.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
-        if bound not in ("worst", "linear", "guaranteed"):
-            raise ArgumentValueError(
-                "bound", f"is {bound!r}; it must be 'worst', 'linear' or 'guaranteed'"
-            )
-
+        check_choice("bound", bound, ("worst", "linear", "guaranteed"))
         return permitted_factor(design, quantity, self._limits[name], group, bound)
 
     nominal_deg = _in_degrees("nominal")
@@ -405,11 +401,11 @@ class Tolerances:
         found: Mapping[str, FloatArray] = results if self._several else {self.of[0]: results}
         return found
 
-    def _each(self, of: Callable[[Design, Quantity], float]) -> Any:  # noqa: ANN401
+    def _each(self, of: Callable[[Case, Any], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
         return self._named(
             {
-                name: self._batch([of(design, quantity) for design in self._designs])
+                name: self._batch([design.largest(of, quantity) for design in self._designs])
                 for name, quantity in self._quantities.items()
             }
         )

@@ -28,15 +28,7 @@ def sample(
     of: Callable[[FloatArray], Mapping[str, FloatArray]],
     out: Mapping[str, FloatArray],
 ) -> None:
-    """Fill arrays with figures of random drivelines.
-
-    Args:
-        box: the driveline and its tolerances.
-        seed: of the random numbers.
-        workers: largest number of threads, as ``Driveline.evaluate`` takes it.
-        of: figures by name of deviations, ``(parameters, samples)``.
-        out: an array to fill per figure, ``(samples,)``.
-    """
+    """Fill arrays ``(samples,)`` with figures by name of random drivelines."""
     samples = len(next(iter(out.values())))
     firsts = range(0, samples, _CHUNK)
 

@@ -47,10 +47,6 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
     All corners are compared, with few parameters also all middles of edges and faces. From the
     best of them one parameter after another moves to its best value until none improves. The
     result is the maximum over the box, unless that is inside and apart from all these starts.
-
-    Args:
-        value: the figure; parameters run from -1 to 1.
-        parameters: how many, at most ``MOST_CORNERS``.
     """
     levels = (-1.0, 0.0, 1.0) if parameters <= _MOST_MIDDLES else (-1.0, 1.0)
     grid = np.array(list(product(levels, repeat=parameters)), dtype=float).T
@@ -69,14 +65,9 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
 
 
 def largest_of_corners(value: Value, corner: FloatArray) -> tuple[float, FloatArray]:
-    """Return the largest value of corners that are reached by turning one parameter at a time.
+    """Return the largest value of corners, and the corner.
 
-    Args:
-        value: the figure; parameters run from -1 to 1.
-        corner: where to begin, ``(parameters,)``.
-
-    Returns:
-        the value, and the corner.
+    They are reached from one by turning one parameter at a time.
     """
     at, best = corner[:, np.newaxis], float(value(corner[:, np.newaxis])[0])
     turned = 1.0 - 2.0 * np.eye(len(corner))

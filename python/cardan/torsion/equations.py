@@ -58,13 +58,7 @@ class Equations:
         drive_torque: OfTimeAndSpeed | None,
         drive_inertia: float,
     ) -> None:
-        """Check the drive and the load.
-
-        Raises:
-            TypeError: something that is neither a number nor a function.
-            ValueError: a batch of systems, values that are not finite, an inertia that is negative,
-                a torque of a drive whose speed is given.
-        """
+        """Check the drive and the load."""
         if system.shape:
             problem = f"has the batch {system.shape}; a transient is that of one system"
             raise ArgumentValueError("system", problem)

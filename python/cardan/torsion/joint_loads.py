@@ -10,41 +10,40 @@ and forces are those of the same equations as without vibration.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
-from cardan.arrays.indices import Items
-from cardan.driveline import Driveline
 from cardan.evaluation.load import absorbing
 from cardan.evaluation.outputs import OUTPUTS, checked
-from cardan.evaluation.request import Axes, Reduction
+from cardan.evaluation.request import Reduction
 from cardan.evaluation.result import Result
 from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Orbit
+
+if TYPE_CHECKING:
+    from cardan.torsion.system import TorsionalSystem
 
 # The position of the crosses is that of rigid shafts with these twists; their rates are not.
 _POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")
 
 
 def evaluated(
-    line: Driveline,
-    parameters: TorsionParameters,
+    system: TorsionalSystem,
     orbit: Orbit,
     outputs: str | Iterable[str],
-    shafts: Items,
-    joints: Items,
     reduce: Reduction | None,
-    workers: Any,  # noqa: ANN401 - as of evaluate
-    axes: Axes,
+    workers: SupportsIndex | None,
+    **items_and_axes: Any,  # noqa: ANN401 - as of Driveline.evaluate
 ) -> Result:
     """Return outputs at the samples of an orbit.
 
     Raises:
         ValueError: an output of motion, and as of ``Driveline.evaluate``.
     """
+    line: Any = system.line
     names = checked(outputs)
     for i, name in enumerate(names):
         if not (OUTPUTS[name].needs_load or name in _POSITIONS):
@@ -60,16 +59,14 @@ def evaluated(
     every = list(range(n + 1))
     motion = rigid.evaluate(angle, "speed_ratio", shafts=every, workers=workers)
     ratios = np.moveaxis(motion.speed_ratio, 0, -1)
-    entering, absorbed = _torques(parameters, orbit, ratios)
+    entering, absorbed = _torques(system._parameters, orbit, ratios)
     result = rigid.evaluate(
         np.where(found, angle, np.nan),
         names,
-        shafts=shafts,
-        joints=joints,
         load=absorbing(entering, absorbed, ratios),
         reduce=reduce,
         workers=workers,
-        axes=axes,
+        **items_and_axes,
     )
     own: Any = result._labels
     of_shafts, of_joints, *_, unit = own

@@ -8,11 +8,17 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.errors import ArgumentValueError, wrong_element
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    not_negative,
+    per_shaft,
+    together,
+)
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.driveline import Driveline
-
-_RULE = "; it must be finite and not negative"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,41 +53,31 @@ class TorsionParameters:
     ) -> Self:
         """Check the arguments of ``TorsionalSystem``."""
         shafts = line.n_joints + 1
-        ends = _pairs(as_float64("inertias", inertias), shafts)
-        springs = _per_shaft("stiffnesses", stiffnesses, shafts)
-        if np.any(~(springs > 0.0)):
-            rule = "; a stiffness must be positive, infinite for a rigid shaft"
-            raise wrong_element("stiffnesses", springs, ~(springs > 0.0), rule)
+        ends = _pairs(not_negative("inertias", inertias), shafts)
+        springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
+        rule = "; a stiffness must be positive, infinite for a rigid shaft"
+        check_elements("stiffnesses", springs, springs > 0.0, rule)
         compliant = springs < np.inf
-        mixed = compliant != compliant.reshape(-1, shafts)[:1].reshape(shafts)
-        if mixed.any():
-            rule = "; the same shafts must be compliant in the whole batch"
-            raise wrong_element("stiffnesses", springs, mixed, rule)
-        damping = _per_shaft("dampings", 0.0 if dampings is None else dampings, shafts)
-        _check_not_negative("dampings", damping)
-        torque, viscous = (
-            as_float64("load_torque", load_torque),
-            as_float64("load_damping", load_damping),
-        )
-        if not np.all(np.isfinite(torque)):
-            raise wrong_element("load_torque", torque, ~np.isfinite(torque), "; it must be finite")
-        _check_not_negative("load_damping", viscous)
-        shape = common_shape(
-            driveline=line.shape,
-            inertias=ends.shape[:-2],
-            stiffnesses=springs.shape[:-1],
-            dampings=damping.shape[:-1],
-            load_torque=torque.shape,
-            load_damping=viscous.shape,
-        )
-        return cls(
-            shape,
-            _full(ends, (*shape, shafts, 2)),
-            _full(springs, (*shape, shafts)),
-            _full(damping, (*shape, shafts)),
-            _full(torque, shape),
-            _full(viscous, shape),
-        )
+        alike = compliant == compliant.reshape(-1, shafts)[:1].reshape(shafts)
+        rule = "; the same shafts must be compliant in the whole batch"
+        check_elements("stiffnesses", springs, alike, rule)
+        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
+        damping = _per_shaft("dampings", viscosity, shafts)
+        torque = finite("load_torque", load_torque)
+        viscous = not_negative("load_damping", load_damping)
+        given = {
+            "inertias": (ends, 2),
+            "stiffnesses": (springs, 1),
+            "dampings": (damping, 1),
+            "load_torque": (torque, 0),
+            "load_damping": (viscous, 0),
+        }
+        shape, full = together(given, driveline=line.shape)
+        # Copies: the caller may change the arrays.
+        kept = [np.array(array) for array in full]
+        for array in kept:
+            array.flags.writeable = False
+        return cls(shape, *kept)
 
     @property
     def compliant(self) -> tuple[int, ...]:
@@ -98,8 +94,8 @@ class TorsionParameters:
 
     def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> TorsionParameters:
         """Return the parameters with dampings from damping ratios."""
-        given = _per_shaft("damping_ratios", ratios, joints + 1)
-        _check_not_negative("damping_ratios", given)
+        given = not_negative("damping_ratios", ratios)
+        given = _per_shaft("damping_ratios", given, joints + 1)
         shape = common_shape(system=self.shape, damping_ratios=given.shape[:-1])
         if shape != self.shape:
             raise ArgumentValueError(
@@ -109,15 +105,15 @@ class TorsionParameters:
         return replace(self, dampings=np.array(2.0 * given * springs / lowest))
 
 
-def _full(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    # A copy: the caller may change the array.
-    full = np.array(np.broadcast_to(array, shape))
-    full.flags.writeable = False
-    return full
+def checked_tolerance(tolerance: float) -> float:
+    """Return the permitted error of an orbit."""
+    value = float(as_float64("tolerance", tolerance))
+    if not 1e-12 <= value <= 1e-3:
+        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    return value
 
 
 def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
-    _check_not_negative("inertias", inertias)
     if inertias.shape[-2:] == (shafts, 2):
         return inertias
     if inertias.shape[-1:] == (shafts,):
@@ -129,18 +125,5 @@ def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
     )
 
 
-def _per_shaft(name: str, value: ArrayLike, shafts: int) -> FloatArray:
-    array = as_float64(name, value)
-    if array.ndim == 0:
-        return np.full(shafts, array)
-    if array.shape[-1] != shafts:
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; the last axis needs one per shaft, {shafts}"
-        )
-    return array
-
-
-def _check_not_negative(name: str, array: FloatArray) -> None:
-    wrong = ~((array >= 0.0) & (array < np.inf))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, _RULE)
+def _per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
+    return per_shaft(name, array, shafts) if array.ndim else np.full(shafts, array)

@@ -97,5 +97,5 @@ class SteadyState(Searched):
         """
         system = self._system
         orbit = system.orbit(self._speed, samples, tolerance=self._tolerance, workers=workers)
-        options = (outputs, shafts, joints, reduce, workers, axes)
-        return evaluated(system.line, system._parameters, orbit, *options)
+        items: dict[str, Any] = {"shafts": shafts, "joints": joints, "axes": axes}
+        return evaluated(system, orbit, outputs, reduce, workers, **items)

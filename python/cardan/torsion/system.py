@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
-from cardan.torsion.arguments import checked_orders, checked_tolerance, positive_integer
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
-from cardan.torsion.parameters import TorsionParameters
+from cardan.torsion.parameters import TorsionParameters, checked_tolerance
 from cardan.torsion.results import Coexisting, Orbit, Stability
 from cardan.torsion.steady_state import SteadyState
 from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
@@ -99,7 +99,7 @@ class TorsionalSystem:
     def _native(self) -> _core.Torsion:
         shape = self._parameters.shape
         numbers = np.arange(math.prod(self._line.shape)).reshape(self._line.shape)
-        lines = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
+        lines = np.broadcast_to(numbers, shape).ravel()
         return _core.Torsion(self._line._lines, shape, lines, *self._parameters.flat())
 
     def __repr__(self) -> str:
@@ -157,7 +157,7 @@ class TorsionalSystem:
             TypeError: orders that are not integers.
             ValueError: an order that is not positive.
         """
-        return np.asarray(self.natural_frequencies()[..., np.newaxis] / checked_orders(orders))
+        return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
 
     def steady(
         self,
@@ -189,7 +189,7 @@ class TorsionalSystem:
             TypeError: speeds that are not real numbers, orders that are not integers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
-        wanted = checked_orders(orders)
+        wanted = _orders(orders)
         listed = [int(order) for order in wanted]
         m, ends, count = len(self.compliant), self._line.n_joints + 1, len(listed)
         options = (listed, checked_tolerance(tolerance), threads.at_most(workers))
@@ -235,7 +235,7 @@ class TorsionalSystem:
             TypeError: speeds that are not real numbers, samples that are not an integer.
             ValueError: no samples, a tolerance out of range, shapes that do not broadcast.
         """
-        count = positive_integer("samples", samples)
+        count = integer("samples", samples, 1)
         m, ends = len(self.compliant), self._line.n_joints + 1
         options = (count, checked_tolerance(tolerance), threads.at_most(workers))
         each = count * (6 * ends + m + 1)
@@ -259,11 +259,7 @@ class TorsionalSystem:
         )
 
     def stability(
-        self,
-        speed: ArrayLike,
-        *,
-        tolerance: float = 1e-9,
-        workers: SupportsIndex | None = None,
+        self, speed: ArrayLike, *, tolerance: float = 1e-9, workers: SupportsIndex | None = None
     ) -> Stability:
         """Return the Floquet multipliers about the periodic orbit.
 
@@ -313,7 +309,7 @@ class TorsionalSystem:
             ValueError: a number that is not positive, a tolerance out of range, shapes that do not
                 broadcast.
         """
-        orbits = positive_integer("most", most)
+        orbits = integer("most", most, 1)
         m = len(self.compliant)
         options = (orbits, checked_tolerance(tolerance), threads.at_most(workers))
         each = 1 + 7 * m * orbits
@@ -410,21 +406,19 @@ class TorsionalSystem:
         speeds = as_float64("speed", speed)
         shape = common_shape(system=self.shape, speed=speeds.shape)
         numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
-        systems = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
-        full = np.broadcast_to(speeds, shape)
-        records, failures = of(systems, np.ascontiguousarray(full.ravel()), *options)
+        systems, full = np.broadcast_to(numbers, shape).ravel(), np.broadcast_to(speeds, shape)
+        records, failures = of(systems, full.ravel(), *options)
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 
 def _restored(line: Driveline, parameters: TorsionParameters) -> TorsionalSystem:
-    return TorsionalSystem(
-        line,
-        inertias=parameters.inertias,
-        stiffnesses=parameters.stiffnesses,
-        dampings=parameters.dampings,
-        load_torque=parameters.load_torque,
-        load_damping=parameters.load_damping,
-    )
+    given = {name: value for name, value in vars(parameters).items() if name != "shape"}
+    return TorsionalSystem(line, **given)
+
+
+def _orders(orders: ArrayLike) -> NDArray[np.int64]:
+    # An orbit of more orders would need more points than the native module allows.
+    return np.atleast_1d(checked_orders(orders, 256))
 
 
 def _complex(pairs: FloatArray) -> NDArray[np.complex128]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_choice, check_elements
 from cardan.torsion.equations import Equations, TorsionalMotion
 
 IntegrationMethod: TypeAlias = Literal["DOP853", "RK45", "Radau", "BDF", "LSODA"]
@@ -52,9 +52,8 @@ class Transient(TorsionalMotion):
         """
         times = as_float64("time", time)
         first, last = self._path.span
-        wrong = ~((times >= first) & (times <= last))
-        if wrong.any():
-            raise wrong_element("time", times, wrong, f"; it must be from {first} to {last}")
+        right = (times >= first) & (times <= last)
+        check_elements("time", times, right, f"; it must be from {first} to {last}")
         return self._equations.motion(times, self._path(times))
 
 
@@ -92,17 +91,9 @@ def integrated(
     tolerance: float,
     method: IntegrationMethod,
 ) -> Transient:
-    """Return the motion from the first to the last time.
-
-    Raises:
-        ImportError: SciPy is missing.
-        RuntimeError: the integrator does not reach the last time.
-        TypeError: an event that is not a function.
-        ValueError: times that do not increase, an unknown start or method.
-    """
+    """Return the motion from the first to the last time, as ``TorsionalSystem.transient`` does."""
     times = _times(time)
-    if method not in METHODS:
-        raise ArgumentValueError("method", f"is {method!r}; it must be one of {METHODS}")
+    check_choice("method", method, METHODS)
     watched = [
         _Watched(equations, event, i)
         for i, event in enumerate([events] if callable(events) else events)
@@ -187,7 +178,6 @@ def _times(time: ArrayLike) -> FloatArray:
     times = as_float64("time", time)
     if times.ndim != 1 or times.size < 2:
         raise ArgumentValueError("time", f"has shape {times.shape}; it needs two times at least")
-    wrong = np.append(~(np.diff(times) > 0.0), False) | ~np.isfinite(times)
-    if wrong.any():
-        raise wrong_element("time", times, wrong, "; times must be finite and increase")
+    right = np.append(np.diff(times) > 0.0, True) & np.isfinite(times)
+    check_elements("time", times, right, "; times must be finite and increase")
     return np.array(times)

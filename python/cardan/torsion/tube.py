@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
-from cardan.arrays.errors import wrong_element
+from cardan.arrays.errors import check_elements
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,8 @@ def tube(
     shapes = (array.shape for array in dimensions)
     shape = common_shape(**dict(zip(names, shapes, strict=True)))
     thick = np.broadcast_to(thickness, np.broadcast_shapes(thickness.shape, diameter.shape))
-    if np.any(thick > 0.5 * diameter):
-        rule = " m; a wall is at most half the outer diameter"
-        raise wrong_element("wall", thick, thick > 0.5 * diameter, rule)
+    rule = " m; a wall is at most half the outer diameter"
+    check_elements("wall", thick, thick <= 0.5 * diameter, rule)
     flat = _core.tubes([np.broadcast_to(array, shape).ravel() for array in dimensions])
     stiffness, inertia, mass, speed, shear_per_torque = flat.reshape(5, *shape)
     return Tube(stiffness, inertia, mass, speed, np.asarray(shear_per_torque))

@@ -21,8 +21,9 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, per_joint
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest, wrong_element
+from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_joint
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.arrays.indices import checked_orders
 from cardan.motion.joint_axes import cross_axes, dot
 
 if TYPE_CHECKING:
@@ -75,13 +76,7 @@ class Slides:
             TypeError: orders that are not integers.
             ValueError: an order below 1 or above 100, an unknown slide.
         """
-        wanted = np.asarray(orders)
-        if wanted.dtype.kind not in "iu":
-            raise ArgumentTypeError("orders", f"has dtype {wanted.dtype}; orders are integers")
-        wrong = (wanted < 1) | (wanted > 100)
-        if np.any(wrong):
-            raise wrong_element("orders", wanted, wrong, "; an order is an integer from 1 to 100")
-        number = _number("of", of)
+        wanted, number = checked_orders(orders, 100), _number("of", of)
         count, before = _FEWEST, np.zeros(())
         while True:
             spectrum = np.fft.rfft(self._turn(count)[number], axis=-1)
@@ -203,20 +198,13 @@ def slides(
     """
     n = line.n_joints
     given = {"driving_pin": driving_pin, "cross": cross, "driven_pin": driven_pin, "shafts": shafts}
-    offsets = {name: _of_joints(name, value, n) for name, value in given.items()}
+    offsets = {name: per_joint(name, finite(name, value), n) for name, value in given.items()}
     shapes = {name: offset.shape[:-1] for name, offset in offsets.items()}
     common_shape(driveline=line.shape, **shapes)
     first, second, third, fourth = offsets.values()
     found = Slides(line, (first, second, third, fourth))
     found.check_free(blocked)
     return found
-
-
-def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
-    array = as_float64(name, value)
-    if not np.all(np.isfinite(array)):
-        raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
-    return per_joint(name, array, n)
 
 
 def _number(argument: str, name: str) -> int:

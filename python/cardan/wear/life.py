@@ -123,7 +123,7 @@ def life(
     rows = common_shape(driveline=line.shape, rating=rated.shape[:-1], **shapes)
     means = means_over_turn(line, load, rows, "fatigue")
     means = means.reshape(n, 5, *means.shape[1:])
-    bends = np.moveaxis(np.broadcast_to(_with_joints(line, rows), (*rows, n)), -1, 0)
+    bends = np.moveaxis(np.broadcast_to(line.bends, (*rows, n)), -1, 0)
     rated = np.moveaxis(np.broadcast_to(rated, (*rows, n)), -1, 0)
     exact, of_law = _hours(means, bends, turning * _RPM, rated)
     small = bends < SMALLEST_BEND
@@ -138,11 +138,7 @@ def _hours(
 ) -> tuple[FloatArray, FloatArray]:
     """Lives in hours by the load of the pins and by the law, each ``(n, ...)``.
 
-    Args:
-        means: of each joint as ``means_over_turn`` has them for fatigue, ``(n, 5, ...)``.
-        bends: in rad.
-        rpm: speed.
-        rated: rating of each joint.
+    The means of each joint are those of ``means_over_turn`` for fatigue, ``(n, 5, ...)``.
     """
     shape = np.broadcast_shapes(means[:, 0].shape, bends.shape, rpm.shape, rated.shape)
     spread = np.broadcast_to(np.moveaxis(means, 1, -1), (*shape, 5))
@@ -152,11 +148,7 @@ def _hours(
 
 
 def _of_run(
-    line: Driveline,
-    load: Load,
-    rated: FloatArray,
-    speed: FloatArray,
-    angle: FloatArray,
+    line: Driveline, load: Load, rated: FloatArray, speed: FloatArray, angle: FloatArray
 ) -> Life:
     """The life under a load that varies from sample to sample, by sums over the samples.
 
@@ -195,12 +187,6 @@ def _integrands(pins: PinLoads) -> FloatArray:
     ways = np.abs(pins.rate_driving), np.abs(pins.rate_driven)
     torque = np.broadcast_to(np.abs(pins.entering_torque), weight.shape)
     return np.stack([torque, *(weight * way for way in ways), *ways])
-
-
-def _with_joints(line: Driveline, rows: tuple[int, ...]) -> FloatArray:
-    """The bends of a batch, ready to broadcast against rows before the axis of joints."""
-    bends: FloatArray = line.bends
-    return bends.reshape((*(1,) * (len(rows) - len(line.shape)), *bends.shape))
 
 
 def _miner(hours: FloatArray, shares: FloatArray) -> FloatArray:

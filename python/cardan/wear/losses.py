@@ -5,9 +5,8 @@ the drive. The moment ``M`` of the joint presses each of two pins on its bearing
 the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
 times the rate. A seal or a preload adds a moment that does not depend on the load.
 
-For one joint and a constant torque at either end, the mean loss is ``mu (p/R) (2/pi) (artanh sin b
-+ tan b)`` of the power (derived here). Everything is exact to first order in the friction: the loss
-of one joint is not subtracted from the torque of the next.
+Everything is exact to first order in the friction: the loss of one joint is not subtracted from the
+torque of the next.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import (
     FloatArray,
-    common_shape,
     not_negative,
     per_joint,
     positive,
     scalar_or_array,
+    together,
 )
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
@@ -43,7 +42,8 @@ class Losses:
     _drive: FloatArray = field(repr=False)
     _line: Driveline = field(repr=False)
     _load: Load = field(repr=False)
-    _friction: _Friction = field(repr=False)
+    # The moment of friction over that of the joint, and the one that is always there, ``(..., n)``.
+    _friction: tuple[FloatArray, FloatArray] = field(repr=False)
 
     @property
     def fraction(self) -> FloatArray:
@@ -94,12 +94,7 @@ class Losses:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
-        return np.stack(
-            [
-                _lost(pins_at(self._line, self._load, joint, angle), *self._friction.of(joint))
-                for joint in range(self._line.n_joints)
-            ]
-        )
+        return np.stack([self._lost(joint, angle) for joint in range(self._line.n_joints)])
 
     def efficiency_at(self, angle: ArrayLike) -> Any:  # noqa: ANN401 - a number or an array
         """Return the efficiency at a drive angle: 1 less ``torque(angle)`` over the drive torque.
@@ -108,11 +103,7 @@ class Losses:
         inertias reverse the torque of the drive.
 
         Args:
-            angle: as for ``torque``.
-
-        Raises:
-            TypeError: as for ``torque``.
-            ValueError: as for ``torque``.
+            angle: as for ``torque``, like the errors.
         """
         drive = self._line.evaluate(angle, "torque", shafts=0, load=self._load).torque
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -130,22 +121,25 @@ class Losses:
         torque. The friction of other joints is left out.
 
         Args:
-            angle: as for ``torque``.
+            angle: as for ``torque``, like the errors.
 
         Returns:
             as it acts on the driven shaft of each joint, at rest in space, ``(n, ..., 3)``.
-
-        Raises:
-            TypeError: as for ``torque``.
-            ValueError: as for ``torque``.
         """
         return np.stack([self._added(joint, angle) for joint in range(self._line.n_joints)])
 
-    def _added(self, joint: int, angle: ArrayLike) -> FloatArray:
-        axes = cross_axes(self._line, joint, angle)
+    def _rubbed(self, joint: int, angle: ArrayLike) -> tuple[PinLoads, FloatArray]:
+        """The pins of a joint, and the moment of friction in each of its yokes."""
         pins = pins_at(self._line, self._load, joint, angle)
-        share, constant = self._friction.of(joint)
-        size = np.asarray(share * pins.moment + constant)
+        share, constant = (of_joints[..., joint] for of_joints in self._friction)
+        return pins, np.asarray(share * pins.moment + constant)
+
+    def _lost(self, joint: int, angle: ArrayLike) -> FloatArray:
+        pins, size = self._rubbed(joint, angle)
+        return np.asarray(size * (np.abs(pins.rate_driving) + np.abs(pins.rate_driven)))
+
+    def _added(self, joint: int, angle: ArrayLike) -> FloatArray:
+        axes, (_, size) = cross_axes(self._line, joint, angle), self._rubbed(joint, angle)
         # Against the rates of the cross in the driving and of the driven yoke on the cross: the
         # difference of both shafts' rotations has only parts along the pins.
         about_p = -size * np.sign(dot(axes.driven, axes.driving_pin))
@@ -156,26 +150,6 @@ class Losses:
         kept = axes.driving if self._load.end == "drive" else axes.driven
         along = dot(rubbing, kept) / dot(axes.across, kept)
         return np.asarray(rubbing - along[..., np.newaxis] * axes.across)
-
-
-@dataclass(frozen=True, eq=False)
-class _Friction:
-    """The moment of friction over that of a joint, and the one that is always there.
-
-    Both have one entry per joint, ``(..., n)``.
-    """
-
-    share: FloatArray
-    constant: FloatArray
-
-    def over(self, rows: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-        """Both of every row, ``(n, *rows)``."""
-        shape = (*rows, self.share.shape[-1])
-        share, constant = (np.broadcast_to(x, shape) for x in (self.share, self.constant))
-        return np.moveaxis(share, -1, 0), np.moveaxis(constant, -1, 0)
-
-    def of(self, joint: int) -> tuple[FloatArray, FloatArray]:
-        return self.share[..., joint], self.constant[..., joint]
 
 
 def losses(
@@ -223,28 +197,13 @@ def losses(
     require_load(load)
     n = line.n_joints
     given = {"friction": friction, "pin_radius": pin_radius, "arm": arm, "seal_torque": seal_torque}
-    of_joints = {name: _of_joints(name, value, n) for name, value in given.items()}
-    own = _Friction(
-        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
-        of_joints["seal_torque"],
-    )
-    rows = common_shape(
-        driveline=line.shape,
-        **load.shapes(),
-        **{name: array.shape[:-1] for name, array in of_joints.items()},
-    )
+    of_joints = {}
+    for name, value in given.items():
+        checked = not_negative if name in ("friction", "seal_torque") else positive
+        of_joints[name] = (per_joint(name, checked(name, value), n), 1)
+    rows, (mu, radius, reach, constant) = together(of_joints, driveline=line.shape, **load.shapes())
     drive, *of_pins = means_over_turn(line, load, rows, "friction")
-    share, constant = own.over(rows)
-    return Losses(share * of_pins[::2] + constant * of_pins[1::2], drive, line, load, own)
-
-
-def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
-    """One number for all joints, or one for each on the last axis."""
-    array = (not_negative if name in ("friction", "seal_torque") else positive)(name, value)
-    return per_joint(name, array, n)
-
-
-def _lost(pins: PinLoads, share: FloatArray, constant: FloatArray) -> FloatArray:
-    """The torque lost in a joint, of its friction over its moment and of its constant moment."""
-    rates = np.abs(pins.rate_driving) + np.abs(pins.rate_driven)
-    return np.asarray((share * pins.moment + constant) * rates)
+    share = mu * radius / reach
+    of_load, always = np.moveaxis(share, -1, 0), np.moveaxis(constant, -1, 0)
+    lost = of_load * of_pins[::2] + always * of_pins[1::2]
+    return Losses(lost, drive, line, load, (share, constant))

@@ -26,41 +26,25 @@ class PinLoads:
         rate_driven: the same in the driven yoke.
         entering_torque: torque in N m that the driving shaft puts into the joint, without what the
             shaft's inertia takes.
-        drive_torque: torque of the drive in N m.
-        speed_ratio: of the driving shaft.
     """
 
     moment: FloatArray
     rate_driving: FloatArray
     rate_driven: FloatArray
     entering_torque: FloatArray
-    drive_torque: FloatArray
-    speed_ratio: FloatArray
 
 
 def pins_at(line: Driveline, load: Load, joint: int, angle: ArrayLike) -> PinLoads:
     """Return the pins of a joint at drive angles in rad."""
     names = ("torque", "speed_ratio", "pin_moment", "swing_driving", "swing_driven")
-    shafts = sorted({0, joint, joint + 1})
-    at = line.evaluate(angle, names, shafts=shafts, joints=joint, load=load)
-    torque = dict(zip(shafts, at.torque, strict=True))
-    ratios = dict(zip(shafts, at.speed_ratio, strict=True))
-    return PinLoads(
-        moment=at.pin_moment,
-        rate_driving=at.swing_driving,
-        rate_driven=at.swing_driven,
-        # From the power behind the joint.
-        entering_torque=torque[joint + 1] * ratios[joint + 1] / ratios[joint],
-        drive_torque=torque[0],
-        speed_ratio=ratios[joint],
-    )
+    at = line.evaluate(angle, names, shafts=[joint, joint + 1], joints=joint, load=load)
+    # From the power behind the joint.
+    entering = at.torque[1] * at.speed_ratio[1] / at.speed_ratio[0]
+    return PinLoads(at.pin_moment, at.swing_driving, at.swing_driven, entering)
 
 
 def means_over_turn(
-    line: Driveline,
-    load: Load,
-    rows: tuple[int, ...],
-    wear: Literal["friction", "fatigue"],
+    line: Driveline, load: Load, rows: tuple[int, ...], wear: Literal["friction", "fatigue"]
 ) -> FloatArray:
     """Return means over a turn of the drive, exact to some 1e-14 of the largest.
 

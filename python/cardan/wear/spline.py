@@ -168,11 +168,7 @@ def lengths(line: Driveline) -> Lengths:
 
 
 def spline_force(
-    line: Driveline,
-    shaft: SupportsIndex,
-    torque: ArrayLike,
-    friction: ArrayLike,
-    radius: ArrayLike,
+    line: Driveline, shaft: SupportsIndex, torque: ArrayLike, friction: ArrayLike, radius: ArrayLike
 ) -> SplineForce:
     """Return the axial force of a loaded spline while it slides: ``F = mu |T|/r``.
 

@@ -1,14 +1,14 @@
-"""Evaluation with several reductions at once."""
+"""What evaluates by plans: in degrees, and with several reductions at once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import adapter, array_namespace_of
+from cardan.arrays import adapter, array_namespace_of, as_float64
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.libraries import LIBRARIES
 from cardan.evaluation.driven_angle import planned
@@ -21,16 +21,63 @@ if TYPE_CHECKING:
     from cardan.driveline import Driveline
 
 
+class PlanInDegrees:
+    """A plan called with degrees; the results that are angles come in degrees as well."""
+
+    def __init__(self, plan: Callable[[Any, Any], Result], driven: bool = False) -> None:
+        """Keep what evaluates at angles in rad and fills arrays.
+
+        With ``driven`` it takes angles of the last shaft, for which each driveline of a batch has
+        drive angles of its own.
+        """
+        self._plan = plan
+        self._driven = driven
+
+    def __call__(
+        self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
+    ) -> Result:
+        """Evaluate as the plan does.
+
+        Raises:
+            ValueError: a sweep with ends in rad, and as of the plan.
+        """
+        radians: Any = angle
+        if isinstance(angle, Sweep):
+            if angle.unit == "rad":
+                raise ArgumentValueError(
+                    "angle", f"is {angle!r} in rad; for degrees make it with degrees=True"
+                )
+        elif name := array_namespace_of(angle):
+            if LIBRARIES[name].wraps:
+                labelled: Result = adapter(name).evaluate(self, angle, out)
+                return labelled
+            radians = np.radians(angle)
+        else:
+            angle = as_float64("angle", angle)
+            radians = np.radians(angle)
+            if out is not None and any(np.may_share_memory(angle, a) for a in _arrays(out)):
+                # The result shows the angles, which are about to be overwritten.
+                angle = angle.copy()
+        result = self._plan(radians, out)
+        arrays = dict(result)
+        for name, array in result.items():
+            if OUTPUTS[name].unit == "rad":
+                arrays[name] = np.degrees(array) if out is None else np.degrees(array, out=array)
+        labels = None if result._labels is None else (*result._labels[:4], "deg")
+        return Result(arrays, labels, np.degrees(result._angle) if self._driven else angle)
+
+
+def _arrays(out: Mapping[str, NDArray[Any]]) -> list[NDArray[Any]]:
+    # Anything else is refused by the plan.
+    values = out.values() if isinstance(out, Mapping) else ()
+    return [array for array in values if isinstance(array, np.ndarray)]
+
+
 class PlanOfReductions:
     """A plan for each of several reductions; the results are stacked along a new axis."""
 
     def __init__(self, line: Driveline, request: Request, reductions: Sequence[Reduction]) -> None:
-        """Make the plans.
-
-        Args:
-            line: the driveline.
-            request: what is asked of it, without a reduction.
-            reductions: names, at least one.
+        """Make the plans of a request without a reduction, one for each reduction.
 
         Raises:
             ValueError: no reduction, or a peak among other reductions of a vector.
