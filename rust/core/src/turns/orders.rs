@@ -245,9 +245,8 @@ impl Search<'_> {
         for (&plane, means) in kinked.iter().zip(means.chunks(together)) {
             let out = &mut out[plane * each..][..each];
             let left = means.iter().fold(0.0_f64, |left, mean| left.max(mean.error));
-            // Magnitudes are at most some times their mean, and rounding is that of the largest.
             out[0] = means[0].value;
-            out[1] = left + self.rounding * means[0].value * PI;
+            out[1] = left + self.rounding * means[0].largest;
             for (out, mean) in out[2..].iter_mut().zip(&means[1..]) {
                 *out = mean.value;
             }

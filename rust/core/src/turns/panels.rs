@@ -51,6 +51,8 @@ pub(crate) struct Integrands<'a> {
 pub(crate) struct Mean {
     pub(crate) value: f64,
     pub(crate) error: f64,
+    /// The largest magnitude that was met.
+    pub(crate) largest: f64,
 }
 
 impl Turns<'_> {
@@ -220,6 +222,7 @@ impl RowMeans<'_> {
                 for (function, found) in found.iter().enumerate() {
                     means[function].value += found.mean * part;
                     means[function].error += PanelMean::LARGER * found.error * part;
+                    means[function].largest = means[function].largest.max(found.largest);
                     settled[function] += found.mean.abs() * part;
                 }
             }

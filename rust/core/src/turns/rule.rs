@@ -43,6 +43,8 @@ pub(crate) struct PanelMean {
     pub(crate) mean: f64,
     /// An estimate of its error.
     pub(crate) error: f64,
+    /// The largest magnitude at the nodes.
+    pub(crate) largest: f64,
 }
 
 impl PanelMean {
@@ -91,7 +93,7 @@ impl LobattoRule {
         let largest = values.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let rounding = ROUNDING * values.len() as f64 * largest;
         let error = if last > rounding { last * fall } else { 0.0 };
-        PanelMean { mean: dot(&self.weights), error }
+        PanelMean { mean: dot(&self.weights), error, largest }
     }
 }
 
