@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from cardan.design.limits import Limit
 
 VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
 """From the best to the worst."""
+
+LimitVerdict: TypeAlias = Literal["within", "beyond", "not judged"]
+"""On a limit without a maximum; ``not judged`` where there is none."""
 
 ROUNDING = 1e-9
 """What counts as rounding, of a limit or of the size of what is judged.
@@ -39,6 +42,11 @@ def is_within(value: float, limit: float, *, most: bool = True, size: float = 0.
     """
     rounding = ROUNDING * max(abs(limit), size)
     return value <= limit + rounding if most else value >= limit - rounding
+
+
+def worst_of(verdicts: Iterable[LimitVerdict]) -> LimitVerdict:
+    """Return the worst of some verdicts, of which there is at least one."""
+    return max(verdicts, key=VERDICTS.index)
 
 
 def non_uniformity(bend_deg: float) -> float:

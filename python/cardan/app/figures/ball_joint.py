@@ -11,11 +11,10 @@ import numpy as np
 
 from cardan.app.figures.answers import ANGLE, one_of, record
 from cardan.app.figures.extremes import finite_or_none
-from cardan.app.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.app.scene.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
-from cardan.design.judged import is_within
+from cardan.design.judged import LimitVerdict, is_within, worst_of
 
 # A ball that is sized reaches the allowable pressure itself, and the pressure at the rim of a
 # hemisphere is 0, to rounding.

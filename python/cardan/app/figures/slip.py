@@ -10,14 +10,13 @@ import numpy as np
 
 from cardan.app.figures.answers import record
 from cardan.app.figures.extremes import End, finite_or_none
-from cardan.app.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.app.figures.rounding import alike
 from cardan.app.figures.turn_extremes import peak
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.slip import Slip
 from cardan.app.scene.study import Study
 from cardan.arrays import FloatArray
-from cardan.design.judged import is_within
+from cardan.design.judged import LimitVerdict, is_within, worst_of
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 

@@ -10,10 +10,9 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.app.figures.answers import ANGLE, one_of
-from cardan.app.figures.limit_verdict import LimitVerdict
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
-from cardan.design.judged import is_within
+from cardan.design.judged import LimitVerdict, is_within
 from cardan.driveline import Driveline
 
 
