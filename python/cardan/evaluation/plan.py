@@ -59,7 +59,8 @@ class Plan:
         if load is not None:
             require_load(load)
         self.line = line
-        self.request = request._replace(names=layout.names, angle_of="drive")
+        # Without the last, so that a plan takes drive angles.
+        self.request = Request(layout.names, *request[1:-1])
         self.dtype = DOUBLE if dtype is None else checked_dtype(dtype)
         self._reduce = reduce
         # What rows are reduced to is found in double.

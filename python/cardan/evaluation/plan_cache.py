@@ -26,7 +26,7 @@ def remembered(line: Driveline, request: Request) -> Plan:
     Raises:
         IndexError, TypeError, ValueError: as there.
     """
-    if not isinstance(request.names, str):
+    if not isinstance(request.names, (str, tuple)):
         request = request._replace(names=tuple(request.names))
     load = request.load
     # 1.0 equals 1, but is no index and no number of threads.
