@@ -27,8 +27,8 @@ class PlanInDegrees:
     def __init__(self, plan: Callable[[Any, Any], Result], driven: bool = False) -> None:
         """Keep what evaluates at angles in rad and fills arrays.
 
-        With ``driven`` it takes angles of the last shaft, for which each driveline of a batch has
-        drive angles of its own.
+        With ``driven`` it takes angles of the last shaft. The drive angles then differ between the
+        drivelines of a batch.
         """
         self._plan = plan
         self._driven = driven

@@ -238,9 +238,9 @@ def orbit(
 ) -> tuple[Array, NDArray[np.complexfloating[Any]], Motion]:
     """Return the periodic motion near a start, by Newton's method.
 
-    The start is moved until half a turn of the drive brings the state back. How the end depends on
-    the start comes from motions that begin beside it; the eigenvalues of that are the multipliers
-    by which deviations grow. From other starts the method may find other periodic motions.
+    The start is moved until half a turn of the drive brings the state back. Motions from nearby
+    starts show how the end depends on the start. The eigenvalues of this dependence are the
+    multipliers by which deviations grow. Other starts may lead to other periodic motions.
 
     Args:
         system: the system.

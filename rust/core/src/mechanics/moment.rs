@@ -159,8 +159,8 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose of a joint by sine and cosine of its bend, for sine and cosine of its own input angle
-    /// and for what is no vector.
+    /// The pose of a joint from sine and cosine of its bend. It serves sine and cosine of the joint's
+    /// input angle, and outputs that are not vectors.
     pub(crate) fn of_bend(sine: T, cosine: T) -> Self {
         let [zero, one] = [0.0, 1.0].map(T::from_f64);
         let none = [zero; 3];
