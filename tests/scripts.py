@@ -49,6 +49,13 @@ def script(*arguments: str | Path, **options: object) -> subprocess.CompletedPro
     )
 
 
+def size_of(path: Path) -> int:
+    """Bytes of a file; 0 of one that is gone, as the trial whether a folder can be written to."""
+    with contextlib.suppress(FileNotFoundError):
+        return path.stat().st_size
+    return 0
+
+
 def heed_signals() -> None:
     """Undo what a parent may have told its children to ignore, as ``nohup`` does."""
     for heeded in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):

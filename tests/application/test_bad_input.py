@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from cardan.app.files.whole_file import check_writable
-from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals
+from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
 
 JOINT = "[driveline]\nbends_deg = [8.5]\n"
 
@@ -177,13 +177,6 @@ def test_table_that_does_not_fit(folder: Path) -> None:
     assert done.exit_code == 2
     assert done.stderr == "cardan: a.csv: File too large\n"
     assert [entry.name for entry in Path().iterdir()] == ["a.toml"]
-
-
-def size_of(path: Path) -> int:
-    # The trial whether the file can be written is gone again at once.
-    with contextlib.suppress(FileNotFoundError):
-        return path.stat().st_size
-    return 0
 
 
 @contextlib.contextmanager

@@ -31,7 +31,7 @@ from cardan.app.scene.format import FORMAT
 from cardan.app.scene.starters import STARTERS
 from cardan.app.words.limits import check_text
 from example_scenes import DRIVELINES, EXAMPLES, Answers, example
-from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals
+from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
 
 
 @pytest.fixture
@@ -956,7 +956,7 @@ def test_interrupt(scene: Path, into: Path) -> None:
     )
     try:
         deadline = time.monotonic() + 60
-        while not any(entry.stat().st_size > 1_000_000 for entry in into.iterdir()):
+        while not any(size_of(entry) > 1_000_000 for entry in into.iterdir()):
             assert process.poll() is None
             assert time.monotonic() < deadline
             time.sleep(0.01)
