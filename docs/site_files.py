@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cardan
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command.terminal import as_json_text
-from cardan.app.figures.schema import answers_schema
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig

@@ -15,12 +15,12 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan.app import plots
-from cardan.app.figures.backlash import drawn_backlash
-from cardan.app.figures.life import needed_life
-from cardan.app.figures.optimise import optimised
-from cardan.app.figures.scene_forces import scene_force_paths
-from cardan.app.figures.slides import drawn_slides
-from cardan.app.figures.torsion import torsion_figures
+from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.backlash.figures import drawn_backlash
+from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.optimise.figures import optimised
+from cardan.app.answers.torsion.figures import torsion_figures
 from cardan.app.scene.starters import STARTERS
 
 matplotlib.use("agg")

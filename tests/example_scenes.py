@@ -12,8 +12,8 @@ import jsonschema
 from click.testing import CliRunner
 from filelock import FileLock
 
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
-from cardan.app.figures.schema import answers_schema
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, load_scene
 

@@ -17,9 +17,9 @@ import numpy as np
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
+from cardan.app.charts.charts import FRAME
 from cardan.app.command import commands
 from cardan.app.report import write_report
-from cardan.app.report.charts import FRAME
 from cardan.app.scene import Scene
 from example_scenes import example
 

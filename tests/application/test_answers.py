@@ -11,8 +11,8 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
-from cardan.app.figures.schema import answers_schema
 from cardan.app.scene import Scene, starters
 from example_scenes import ANSWERS, DRIVELINES, EXAMPLES, Answers
 

@@ -13,16 +13,16 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan import Driveline
+from cardan.app.answers.as_built.figures import ORDERS, as_built_orders
+from cardan.app.answers.as_built.text import BY_DRAWING
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.turn.data import run_data
+from cardan.app.answers.turn.figures import SummaryRow, summary
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.as_built import ORDERS, as_built_orders
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.run import run_data
-from cardan.app.figures.summary import SummaryRow, summary
-from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, SceneError
-from cardan.app.words.as_built import BY_DRAWING
 from example_scenes import ANSWERS, Answers, example
 
 HEAD = "[driveline]\nbends_deg = [8, 8]\n[load]\nspeed_rpm = 3000\ndrive_torque_Nm = 100\n"

@@ -15,11 +15,11 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 import cardan
+from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash, scene_backlash
+from cardan.app.answers.backlash.text import backlash_text
 from cardan.app.command import commands
-from cardan.app.figures.backlash import Backlash, backlash, drawn_backlash, scene_backlash
 from cardan.app.plots import plot_backlash, plot_lash, write_backlash
 from cardan.app.scene import Scene, SceneError
-from cardan.app.words.backlash import backlash_text
 from example_scenes import ANSWERS, SCENES, example
 
 PATH = example("worn_joints.toml")

@@ -13,15 +13,19 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import BallJoint, Scene
+from cardan.app.answers.ball_joint.figures import (
+    ball_joint_data,
+    ball_joint_figures,
+    pressure_curve,
+)
+from cardan.app.answers.ball_joint.page import ball_joint as drawn_case
+from cardan.app.answers.ball_joint.text import ball_joint_text
+from cardan.app.answers.turn.text import figure_text
 from cardan.app.command import commands
-from cardan.app.figures.ball_joint import ball_joint_data, ball_joint_figures, pressure_curve
 from cardan.app.plots import plot_ball_joint
 from cardan.app.report import write_report
-from cardan.app.report.ball_joint import ball_joint as drawn_case
 from cardan.app.scene import BallJointScene, load_scene
 from cardan.app.scene.errors import SceneError
-from cardan.app.words.ball_joint import ball_joint_text
-from cardan.app.words.summary import figure_text
 from cardan.ball_joint import layer_compliance
 from example_scenes import ANSWERS, SCENES, example, replaced
 from pages import curves, figure

@@ -13,18 +13,18 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
+from cardan.app.answers.forces.figures import SceneForces, forces_data, scene_forces
+from cardan.app.answers.forces.text import force_rows, forces_text
+from cardan.app.answers.forces.turn_forces import force_figures
+from cardan.app.answers.turn.figures import summary
+from cardan.app.answers.turn.picture import plot_scene
+from cardan.app.answers.turn.quantities import quantities
+from cardan.app.charts.samples import evaluated
 from cardan.app.command import commands
-from cardan.app.figures.forces import force_figures
-from cardan.app.figures.scene_forces import SceneForces, forces_data, scene_forces
-from cardan.app.figures.summary import summary
-from cardan.app.plots.quantities import quantities
-from cardan.app.plots.scene import plot_scene
 from cardan.app.report import write_report
-from cardan.app.report.samples import evaluated
 from cardan.app.scene import Scene, SceneError, load_scene
 from cardan.app.scene.cluster import _fingerprint
 from cardan.app.scene.curves import columns, study_columns
-from cardan.app.words.forces import force_rows, forces_text
 from example_scenes import ANSWERS, SCENES, example, replaced
 
 EXAMPLE = example("bearings.toml")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.app.figures.names import key_name
+from cardan.app.answers.names import key_name
 from cardan.app.scene import Scene, SceneError
 
 TEXT = """

@@ -20,12 +20,12 @@ from click.testing import CliRunner
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
+from cardan.app.answers.schema import answers_schema  # noqa: E402
+from cardan.app.answers.study.extremes import study_data  # noqa: E402
+from cardan.app.answers.study.text import study_text  # noqa: E402
+from cardan.app.answers.turn.figures import drive_angles  # noqa: E402
 from cardan.app.command import commands  # noqa: E402
-from cardan.app.figures.extremes import study_data  # noqa: E402
-from cardan.app.figures.schema import answers_schema  # noqa: E402
-from cardan.app.figures.summary import drive_angles  # noqa: E402
 from cardan.app.scene import Scene, cluster, curves  # noqa: E402
-from cardan.app.words.study import study_text  # noqa: E402
 from example_scenes import example, replaced  # noqa: E402
 
 # One cluster serves all.

@@ -21,15 +21,15 @@ import pytest
 from click.testing import Result
 
 import cardan
+from cardan.app.answers.limits.data import CHECK_SCHEMA, check_data
+from cardan.app.answers.limits.text import check_text
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.command.files import wrote
-from cardan.app.figures.limits import CHECK_SCHEMA, check_data
-from cardan.app.figures.verdict import verdict
 from cardan.app.files.columns import write_columns
 from cardan.app.scene import Scene
 from cardan.app.scene.format import FORMAT
 from cardan.app.scene.starters import STARTERS
-from cardan.app.words.limits import check_text
 from example_scenes import DRIVELINES, EXAMPLES, Answers, example
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
 

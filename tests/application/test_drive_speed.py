@@ -9,11 +9,11 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+from cardan.app.answers.drive_speed.figures import SHARE, drive_speed
+from cardan.app.answers.drive_speed.text import drive_speed_text
 from cardan.app.command import commands
-from cardan.app.figures.drive_speed import SHARE, drive_speed
 from cardan.app.plots import plot_drive_speed
 from cardan.app.scene import Scene
-from cardan.app.words.drive_speed import drive_speed_text
 from example_scenes import ANSWERS, Answers, example
 
 ROOT = Path(__file__).parents[2]

@@ -17,15 +17,15 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 
 from cardan import Driveline, Load
+from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.forces.page import force_views
+from cardan.app.answers.forces.paths import ForcePath, force_paths
+from cardan.app.charts.tables import inputs
 from cardan.app.command import commands
-from cardan.app.figures.force_paths import ForcePath, force_paths
-from cardan.app.figures.scene_forces import scene_force_paths
+from cardan.app.pictures.driveline import _BEARING
+from cardan.app.pictures.space import View
 from cardan.app.plots import plot_driveline, plot_force_hodograph, plot_forces
-from cardan.app.plots.driveline import _BEARING
-from cardan.app.plots.space import View
 from cardan.app.report import write_report
-from cardan.app.report.forces import force_views
-from cardan.app.report.tables import inputs
 from cardan.app.scene import Scene
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bearings.toml"

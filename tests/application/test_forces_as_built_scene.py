@@ -13,22 +13,22 @@ from click.testing import CliRunner
 from matplotlib import pyplot
 
 from cardan import Driveline, Load
+from cardan.app.answers.forces.figures import scene_force_paths, scene_forces
+from cardan.app.answers.forces.page import force_views
+from cardan.app.answers.forces.text import force_rows, forces_text
+from cardan.app.answers.forces.turn_forces import force_figures
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.turn.data import run_data
+from cardan.app.answers.turn.figures import summary
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.forces import force_figures
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.run import run_data
-from cardan.app.figures.scene_forces import scene_force_paths, scene_forces
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.states import forces_of
-from cardan.app.figures.summary import summary
-from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.figures.verdict import verdict
 from cardan.app.plots import plot_force_hodograph, plot_hodograph
 from cardan.app.report import write_report
-from cardan.app.report.forces import force_views
 from cardan.app.scene import Scene
 from cardan.app.scene.curves import columns, study_columns
-from cardan.app.words.forces import force_rows, forces_text
 from example_scenes import example, replaced
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())

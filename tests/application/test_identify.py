@@ -11,8 +11,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan import Driveline
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
-from cardan.app.figures.schema import answers_schema
 
 LINE = Driveline.from_bends([14, 9], twists=30, phases=20, degrees=True)
 VALIDATOR = jsonschema.Draft202012Validator(answers_schema())

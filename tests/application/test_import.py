@@ -24,14 +24,15 @@ EXAMPLES = (
 
 OPTIONAL = ("dask", "jinja2", "matplotlib", "pyarrow", "scipy", "xarray")
 LATER = (
+    "cardan.app.answers",
+    "cardan.app.charts",
     "cardan.app.command",
-    "cardan.app.figures",
     "cardan.app.files",
     "cardan.interop",
+    "cardan.app.pictures",
     "cardan.app.plots",
     "cardan.app.report",
     "cardan.app.scene",
-    "cardan.app.words",
     "click",
     *OPTIONAL,
 )

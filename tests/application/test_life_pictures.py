@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cardan
-from cardan.app.figures.life import needed_life
+from cardan.app.answers.life.figures import needed_life
 from cardan.app.plots import plot_heat, plot_pin_load, plot_sizes, write_life
 from cardan.app.scene import Scene
 
@@ -35,7 +35,9 @@ def _closed() -> Iterator[None]:
 def pictures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The pictures written, as figures."""
     kept: list[Figure] = []
-    monkeypatch.setattr("cardan.app.plots.life.save", lambda figure, _: kept.append(figure))
+    monkeypatch.setattr(
+        "cardan.app.answers.life.picture.save", lambda figure, _: kept.append(figure)
+    )
     return kept
 
 

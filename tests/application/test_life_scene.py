@@ -15,16 +15,16 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
+from cardan.app.answers.life.data import life_data
+from cardan.app.answers.life.figures import LifeFigures, life_figures, needed_life
+from cardan.app.answers.life.text import life_sentences, life_text, tube_lines, tube_sentences
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.tubes.figures import tube_figures, tubes_data
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.life import LifeFigures, life_figures, needed_life
-from cardan.app.figures.life_answer import life_data
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.tubes import tube_figures, tubes_data
-from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
-from cardan.app.words.life import life_sentences, life_text, tube_lines, tube_sentences
 from example_scenes import Answers, example
 
 ROOT = Path(__file__).parents[2]

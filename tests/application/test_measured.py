@@ -14,14 +14,14 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
+from cardan.app.answers.turn.figures import drive_angles
+from cardan.app.answers.turn.signals_text import signals_text
+from cardan.app.answers.verdict import check_scene
 from cardan.app.command import commands
-from cardan.app.figures.summary import drive_angles
-from cardan.app.figures.verdict import check_scene
 from cardan.app.scene import Scene, stream
 from cardan.app.scene.curves import columns, write_curves
 from cardan.app.scene.motion import Integral, derivatives
 from cardan.app.scene.recorded import Recording
-from cardan.app.words.signals import signals_text
 from example_scenes import ANSWERS
 
 RANDOM = np.random.default_rng(20)

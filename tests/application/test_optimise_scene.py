@@ -14,14 +14,14 @@ import pytest
 from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
+from cardan.app.answers.optimise.figures import optimised
+from cardan.app.answers.optimise.text import change_lines, table_of
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
-from cardan.app.figures.optimise import optimised
-from cardan.app.figures.schema import answers_schema
 from cardan.app.plots import plot_optimise, plot_optimised_states, plot_over_variable
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from cardan.app.scene.edit import map_of, with_values
-from cardan.app.words.optimise import change_lines, table_of
 from cardan.optimisation.arguments import parameters_of
 from cardan.optimisation.problem import Problem
 from example_scenes import EXAMPLES, Answers, example

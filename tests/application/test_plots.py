@@ -28,14 +28,15 @@ from matplotlib.transforms import Bbox
 
 from cardan import reference
 from cardan.app import plots
+from cardan.app.answers.turn.bands import Bands
+from cardan.app.answers.turn.figures import SummaryRow, summary
+from cardan.app.answers.turn.key_figures import key_figures
 from cardan.app.command import commands
-from cardan.app.figures.summary import SummaryRow, summary
-from cardan.app.plots import plot_scene, space, write_picture
-from cardan.app.plots.bands import Bands
-from cardan.app.plots.key_figures import key_figures
-from cardan.app.plots.labels import PlacedLabels
-from cardan.app.plots.space import View
-from cardan.app.plots.style import degree_ticks, text_width
+from cardan.app.pictures import space, style
+from cardan.app.pictures.labels import PlacedLabels
+from cardan.app.pictures.space import View
+from cardan.app.pictures.style import degree_ticks, text_width
+from cardan.app.plots import plot_scene, write_picture
 from cardan.app.scene import Scene, SceneResult
 from cardan.app.scene.study import StudyResult
 from cardan.arrays import FloatArray
@@ -323,7 +324,7 @@ def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
     figure = Figure(layout="constrained")
     axes = figure.add_subplot()
     axes.set_ylim(ticks[0], ticks[-1])
-    plots.style.value_ticks(axes.yaxis)
+    style.value_ticks(axes.yaxis)
     figure.draw_without_rendering()
     shown = [label.get_text() for label in axes.get_yticklabels()]
     assert len({len(text.partition(".")[2]) for text in shown}) == 1

@@ -13,21 +13,21 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+from cardan.app.answers.axial_travel.figures import drawn_slides, scene_slides
+from cardan.app.answers.axial_travel.text import slides_text
+from cardan.app.answers.backlash.figures import scene_backlash
+from cardan.app.answers.backlash.text import backlash_text
+from cardan.app.answers.forces.text import forces_text
+from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.optimise.figures import optimise_data, optimised
+from cardan.app.answers.spline.figures import slip_figures
+from cardan.app.answers.spline.text import slip_text
+from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.steering.figures import steering_figures
+from cardan.app.answers.steering.text import steering_text
+from cardan.app.answers.turn.text import figure_text
 from cardan.app.command import commands
-from cardan.app.figures.backlash import scene_backlash
-from cardan.app.figures.life import needed_life
-from cardan.app.figures.optimise import optimise_data, optimised
-from cardan.app.figures.slides import drawn_slides, scene_slides
-from cardan.app.figures.slip import slip_figures
-from cardan.app.figures.states import forces_of
-from cardan.app.figures.steering import steering_figures
 from cardan.app.scene import Scene
-from cardan.app.words.backlash import backlash_text
-from cardan.app.words.forces import forces_text
-from cardan.app.words.slides import slides_text
-from cardan.app.words.slip import slip_text
-from cardan.app.words.steering import steering_text
-from cardan.app.words.summary import figure_text
 from example_scenes import example
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
 from pages import EXAMPLES, blocks, first_number, printed, rows

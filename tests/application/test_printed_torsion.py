@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cardan.app.figures.torsion import TorsionFigures, needed_torsion
-from cardan.app.figures.torsion_answer import torsion_data
-from cardan.app.figures.torsion_modes import torsion_basics
-from cardan.app.figures.torsion_stability import SpeedRange, UnstableRange
+from cardan.app.answers.torsion.data import torsion_data
+from cardan.app.answers.torsion.figures import TorsionFigures, needed_torsion
+from cardan.app.answers.torsion.modes import torsion_basics
+from cardan.app.answers.torsion.stability import SpeedRange, UnstableRange
+from cardan.app.answers.torsion.text import stability_lines, torsion_check_text, torsion_text
 from cardan.app.scene import Scene
-from cardan.app.words.torsion import stability_lines, torsion_check_text, torsion_text
 from pages import EXAMPLES, blocks, first_number
 
 

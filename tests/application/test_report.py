@@ -31,18 +31,18 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
 from cardan import Driveline, Limits, Load, __version__
+from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.study.maps import heat_map
+from cardan.app.answers.turn.text import figure_text
+from cardan.app.charts.charts import chart
+from cardan.app.charts.drawing import views
+from cardan.app.charts.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.app.command import commands
-from cardan.app.figures.names import column_name, key_name
 from cardan.app.report import write_report
-from cardan.app.report.charts import chart
-from cardan.app.report.drawing import views
-from cardan.app.report.maps import heat_map
 from cardan.app.report.page import environment
-from cardan.app.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.app.scene import Scene
 from cardan.app.scene.starters import STARTERS
 from cardan.app.scene.study import Column
-from cardan.app.words.summary import figure_text
 from cardan.arrays import FloatArray
 from example_scenes import DRIVELINES, EXAMPLES, Answers
 from pages import curves, scales, tables

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.turn.figures import drive_angles
+from cardan.app.answers.turn.signals_text import signals_text
+from cardan.app.answers.turn.text import angles_text
 from cardan.app.command import commands
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.summary import drive_angles
 from cardan.app.files.columns import write_columns
 from cardan.app.report.page import page
 from cardan.app.scene import Scene
 from cardan.app.scene.timing import Sampling, Timing
 from cardan.app.scene.way import Way
-from cardan.app.words.signals import signals_text
-from cardan.app.words.summary import angles_text
 
 TIME = np.arange(1000) * 1e-3
 

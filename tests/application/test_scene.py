@@ -11,13 +11,13 @@ import pytest
 
 import example_scenes
 from cardan import Driveline, Limits, Load, Sweep
-from cardan.app.figures.summary import SummaryRow, drive_angles, summary
+from cardan.app.answers.turn.figures import SummaryRow, drive_angles, summary
+from cardan.app.answers.turn.text import summary_lines, summary_text
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.bearing_section import LENGTHS
 from cardan.app.scene.format import FORMAT
 from cardan.app.scene.forms import FORMS, TEETH
 from cardan.app.scene.help_text import describe
-from cardan.app.words.summary import summary_lines, summary_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 JOINT = "[driveline]\nbends_deg = [8.5]\n"

@@ -16,15 +16,15 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cardan.app.answers.study.text import study_text
+from cardan.app.answers.turn.data import run_data
+from cardan.app.answers.turn.figures import drive_angles, summary
+from cardan.app.answers.turn.text import summary_text
 from cardan.app.command import commands
-from cardan.app.figures.run import run_data
-from cardan.app.figures.summary import drive_angles, summary
 from cardan.app.scene import Scene
 from cardan.app.scene.curves import columns, study_columns
 from cardan.app.scene.format import FORMAT
 from cardan.app.scene.starters import STARTERS
-from cardan.app.words.study import study_text
-from cardan.app.words.summary import summary_text
 from example_scenes import ANSWERS, EXAMPLES, SCENES
 from scene_values import VALUES, as_toml
 from tiers import part

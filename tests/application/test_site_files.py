@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cardan.app.figures.schema import answers_schema
+from cardan.app.answers.schema import answers_schema
 from cardan.app.scene import Scene
 
 DOCS = Path(__file__).parents[2] / "docs"

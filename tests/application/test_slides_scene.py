@@ -14,12 +14,12 @@ from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
 import cardan
+from cardan.app.answers.axial_travel.figures import SceneSlides, drawn_slides, scene_slides
+from cardan.app.answers.axial_travel.text import slides_text
 from cardan.app.command import commands
-from cardan.app.figures.slides import SceneSlides, drawn_slides, scene_slides
 from cardan.app.plots import plot_slide_orders, plot_slides, write_slides
 from cardan.app.scene import Scene
 from cardan.app.scene.errors import SceneError
-from cardan.app.words.slides import slides_text
 from example_scenes import ANSWERS, SCENES, Answers, example, replaced
 
 PATH = example("axial_travel.toml")

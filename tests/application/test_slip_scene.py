@@ -14,12 +14,12 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+from cardan.app.answers.spline.figures import SlipFigures, slip_data, slip_figures
+from cardan.app.answers.spline.text import slip_sentences, slip_text
 from cardan.app.command import commands
-from cardan.app.figures.slip import SlipFigures, slip_data, slip_figures
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from cardan.app.scene.errors import SceneError
-from cardan.app.words.slip import slip_sentences, slip_text
 from example_scenes import ANSWERS, SCENES, example, replaced
 
 TEXT = example("slip.toml").read_text(encoding="utf-8")

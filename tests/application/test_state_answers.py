@@ -14,16 +14,16 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline
+from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.states.text import verdict_lines
+from cardan.app.answers.steering.figures import steering_data, steering_figures
+from cardan.app.answers.verdict import check_scene
+from cardan.app.charts.charts import FRAME, chart
+from cardan.app.charts.samples import Curve, Panel
 from cardan.app.command import commands
-from cardan.app.figures.states import forces_of
-from cardan.app.figures.steering import steering_data, steering_figures
-from cardan.app.figures.verdict import check_scene
 from cardan.app.plots import plot_states, write_picture
 from cardan.app.report import write_report
-from cardan.app.report.charts import FRAME, chart
-from cardan.app.report.samples import Curve, Panel
 from cardan.app.scene import Scene, StatesResult
-from cardan.app.words.states import verdict_lines
 from example_scenes import example
 from pages import curves, figure, page_of, scales
 

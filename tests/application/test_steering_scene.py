@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cardan.app.figures.steering import OnCentre, SteeringFigures, steering_figures
+from cardan.app.answers.steering.figures import OnCentre, SteeringFigures, steering_figures
+from cardan.app.answers.steering.text import steering_sentences
 from cardan.app.scene import Scene
-from cardan.app.words.steering import steering_sentences
 
 TEXT = """\
 [driveline]

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.app.figures.extremes import End, extremes, study_data
-from cardan.app.figures.summary import drive_angles
+from cardan.app.answers.study.extremes import End, extremes, study_data
+from cardan.app.answers.study.text import study_text
+from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.scene import Scene, axes, study
 from cardan.app.scene.curves import study_columns
 from cardan.app.scene.study import Axis, Column, StudyResult
-from cardan.app.words.study import study_text
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"

@@ -16,12 +16,12 @@ pyarrow = pytest.importorskip("pyarrow")
 from pyarrow import parquet  # noqa: E402
 
 from cardan import Driveline, Load  # noqa: E402
+from cardan.app.answers.turn.figures import drive_angles  # noqa: E402
+from cardan.app.answers.turn.text import angles_text, few_samples_text  # noqa: E402
 from cardan.app.command import commands  # noqa: E402
-from cardan.app.figures.summary import drive_angles  # noqa: E402
 from cardan.app.files import map_parquet, recording  # noqa: E402
 from cardan.app.scene import Scene, stream  # noqa: E402
 from cardan.app.scene.curves import write_curves  # noqa: E402
-from cardan.app.words.summary import angles_text, few_samples_text  # noqa: E402
 
 ROWS = 1000
 RANDOM = np.random.default_rng(6)

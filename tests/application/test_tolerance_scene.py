@@ -14,16 +14,25 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.tolerances.data import tolerances_data
+from cardan.app.answers.tolerances.figures import (
+    ToleranceFigures,
+    permitted_tolerances,
+    tolerance_figures,
+)
+from cardan.app.answers.tolerances.text import (
+    percent,
+    permitted_texts,
+    tolerances_text,
+    verdict_texts,
+)
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.tolerance_answers import tolerances_data
-from cardan.app.figures.tolerances import ToleranceFigures, permitted_tolerances, tolerance_figures
-from cardan.app.figures.verdict import verdict
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
-from cardan.app.words.tolerances import percent, permitted_texts, tolerances_text, verdict_texts
 
 ROOT = Path(__file__).parents[2]
 WORKSHOP = ROOT / "examples" / "workshop.toml"

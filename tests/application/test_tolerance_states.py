@@ -12,15 +12,15 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.tolerances.data import tolerances_data
+from cardan.app.answers.tolerances.figures import ToleranceFigure, tolerance_figures
+from cardan.app.answers.tolerances.text import tolerances_text, verdict_texts
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.tolerance_answers import tolerances_data
-from cardan.app.figures.tolerances import ToleranceFigure, tolerance_figures
-from cardan.app.figures.verdict import verdict
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
-from cardan.app.words.tolerances import tolerances_text, verdict_texts
 
 POINTS = np.array([[0, 0, 0], [350, -24, 0], [1650, -86, 0], [3150, -180, 45], [3450, -196, 45]])
 HEIGHTS = (-80, 0, 80)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation
 
-from cardan.app.figures.torsion import TorsionFigures, torsion_figures
+from cardan.app.answers.torsion.figures import TorsionFigures, torsion_figures
 from cardan.app.plots import plot_campbell, plot_stability, plot_torsion, plot_torsion_response
 from cardan.app.report import write_report
 from cardan.app.scene import Scene

@@ -14,16 +14,16 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 import cardan
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.torsion.data import torsion_data
+from cardan.app.answers.torsion.figures import TorsionFigures, torsion_figures
+from cardan.app.answers.torsion.modes import torsion_basics
+from cardan.app.answers.torsion.text import torsion_advice, torsion_sentences, torsion_text
+from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
-from cardan.app.figures.limits import check_data
-from cardan.app.figures.schema import answers_schema
-from cardan.app.figures.torsion import TorsionFigures, torsion_figures
-from cardan.app.figures.torsion_answer import torsion_data
-from cardan.app.figures.torsion_modes import torsion_basics
-from cardan.app.figures.verdict import verdict
 from cardan.app.scene import Scene
 from cardan.app.scene.torsion import TorsionCase
-from cardan.app.words.torsion import torsion_advice, torsion_sentences, torsion_text
 
 ROOT = Path(__file__).parents[2]
 TRUCK, RIG = (ROOT / "examples" / f"{name}_torsion.toml" for name in ("truck", "rig"))

@@ -15,13 +15,13 @@ from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
 from cardan import Driveline, approximations
+from cardan.app.answers.limits.remedies import advice, arrangement, scene_advice
+from cardan.app.answers.limits.remedies_text import remedies
+from cardan.app.answers.limits.root_rule import fork_signs
+from cardan.app.answers.yokes import figures as yokes
 from cardan.app.command import commands
-from cardan.app.figures import yokes
-from cardan.app.figures.advice import advice, arrangement, scene_advice
-from cardan.app.figures.catalogue import fork_signs
 from cardan.app.scene import Scene
 from cardan.app.scene.starters import STARTERS
-from cardan.app.words.advice import remedies
 from cardan.motion import workshop
 from example_scenes import EXAMPLES
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import reference
-from cardan.app.figures.torsion_stability import unstable_regions
+from cardan.app.answers.torsion.stability import unstable_regions
 from cardan.reference import torsion
 
 INF = float("inf")

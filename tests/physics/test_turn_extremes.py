@@ -10,7 +10,7 @@ import pytest
 
 import tiers
 from cardan import OUTPUTS, Driveline, Load, Sweep
-from cardan.app.figures.turn_extremes import peak
+from cardan.app.answers.turn.extremes import peak
 from cardan.arrays import FloatArray
 
 SEARCHED = (

@@ -18,7 +18,7 @@ import pytest
 
 import cardan
 from cardan import OUTPUTS, Driveline, Load, Sweep, reference
-from cardan.app.figures.turn_extremes import peak
+from cardan.app.answers.turn.extremes import peak
 from cardan.reference import design, evaluation, torsion
 from cardan.reference.forces import Forces
 from cardan.wear.axial_travel import SlideName

@@ -7,43 +7,43 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.as_built.figures import as_built_orders
+from cardan.app.answers.as_built.text import as_built_text
+from cardan.app.answers.axial_travel.figures import scene_slides
+from cardan.app.answers.axial_travel.text import slides_text
+from cardan.app.answers.backlash.figures import scene_backlash
+from cardan.app.answers.backlash.text import backlash_text
+from cardan.app.answers.ball_joint.text import ball_joint_text
+from cardan.app.answers.drive_speed.figures import drive_speed
+from cardan.app.answers.drive_speed.text import drive_speed_text
+from cardan.app.answers.forces.text import forces_text
+from cardan.app.answers.life.figures import life_figures
+from cardan.app.answers.life.text import life_remedies, life_verdict_text, tubes_text
+from cardan.app.answers.limits.data import ball_joint_check_data, check_data
+from cardan.app.answers.limits.remedies import scene_advice
+from cardan.app.answers.limits.remedies_text import remedies
+from cardan.app.answers.limits.text import check_text, verdict_lines
+from cardan.app.answers.spline.figures import slip_figures
+from cardan.app.answers.spline.text import slip_text
+from cardan.app.answers.states.figures import forces_of, verdicts
+from cardan.app.answers.states.text import verdicts_text
+from cardan.app.answers.steering.figures import steering_figures
+from cardan.app.answers.steering.text import steering_text
+from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.tolerances.text import tolerance_verdicts_text
+from cardan.app.answers.torsion.modes import torsion_basics
+from cardan.app.answers.torsion.text import torsion_check_text
+from cardan.app.answers.tubes.figures import tube_figures
+from cardan.app.answers.verdict import verdict
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import (
     as_json_text,
     progress_bar,
     say,
 )
-from cardan.app.figures.advice import scene_advice
-from cardan.app.figures.as_built import as_built_orders
-from cardan.app.figures.backlash import scene_backlash
-from cardan.app.figures.drive_speed import drive_speed
-from cardan.app.figures.life import life_figures
-from cardan.app.figures.limits import ball_joint_check_data, check_data
-from cardan.app.figures.slides import scene_slides
-from cardan.app.figures.slip import slip_figures
-from cardan.app.figures.states import forces_of, verdicts
-from cardan.app.figures.steering import steering_figures
-from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.figures.torsion_modes import torsion_basics
-from cardan.app.figures.tubes import tube_figures
-from cardan.app.figures.verdict import verdict
 from cardan.app.scene import load_scene
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
-from cardan.app.words.advice import remedies
-from cardan.app.words.as_built import as_built_text
-from cardan.app.words.backlash import backlash_text
-from cardan.app.words.ball_joint import ball_joint_text
-from cardan.app.words.drive_speed import drive_speed_text
-from cardan.app.words.forces import forces_text
-from cardan.app.words.life import life_remedies, life_verdict_text, tubes_text
-from cardan.app.words.limits import check_text, verdict_lines
-from cardan.app.words.slides import slides_text
-from cardan.app.words.slip import slip_text
-from cardan.app.words.states import verdicts_text
-from cardan.app.words.steering import steering_text
-from cardan.app.words.tolerances import tolerance_verdicts_text
-from cardan.app.words.torsion import torsion_check_text
 
 
 @click.command()

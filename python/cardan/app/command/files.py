@@ -44,7 +44,7 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
 def write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[dict[str, Any]]:
     """Write the picture of a ball joint if the scene names one; yield its path."""
     if case.picture_file:
-        from cardan.app.plots.ball_joint import write_ball_joint_picture
+        from cardan.app.answers.ball_joint.picture import write_ball_joint_picture
 
         path = into / case.picture_file
         write_ball_joint_picture(case, path, title)
@@ -132,6 +132,6 @@ def check_picture(path: Path) -> None:
     """Refuse a file that cannot be written, and a picture without what draws it."""
     check_writable(path)
     if path.suffix in pictures.SUFFIXES:
-        from cardan.app.plots.style import matplotlib
+        from cardan.app.pictures.style import matplotlib
 
         matplotlib()

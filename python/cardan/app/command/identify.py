@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.identification.figures import identification_data
+from cardan.app.answers.identification.text import identification_text
 from cardan.app.command.options import file_argument, json_option
 from cardan.app.command.terminal import as_json_text, say
-from cardan.app.figures.identification import identification_data
-from cardan.app.words.identification import identification_text
 
 
 @click.command()

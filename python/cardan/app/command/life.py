@@ -6,15 +6,15 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.life.data import life_data
+from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.life.picture import write_life
+from cardan.app.answers.life.text import life_text
+from cardan.app.answers.tubes.figures import tube_figures
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
-from cardan.app.figures.life import needed_life
-from cardan.app.figures.life_answer import life_data
-from cardan.app.figures.tubes import tube_figures
-from cardan.app.plots.life import write_life
 from cardan.app.scene.scene import Scene
-from cardan.app.words.life import life_text
 
 
 @click.command()

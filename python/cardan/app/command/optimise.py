@@ -7,17 +7,17 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.optimise.figures import optimise_data, optimised
+from cardan.app.answers.optimise.picture import write_optimise_picture
+from cardan.app.answers.optimise.text import optimise_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import file_option, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
-from cardan.app.figures.optimise import optimise_data, optimised
 from cardan.app.files.whole_file import check_writable, whole_file
-from cardan.app.plots.optimise import write_optimise_picture
 from cardan.app.scene.document import read_text
 from cardan.app.scene.edit import with_values
 from cardan.app.scene.errors import SceneError
 from cardan.app.scene.scene import Scene
-from cardan.app.words.optimise import optimise_text
 
 
 @click.command()

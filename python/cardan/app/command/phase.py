@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.yokes.figures import yoke_settings
+from cardan.app.answers.yokes.text import yoke_text
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
-from cardan.app.figures.yokes import yoke_settings
 from cardan.app.scene.scene import Scene
-from cardan.app.words.yokes import yoke_text
 
 
 @click.command()

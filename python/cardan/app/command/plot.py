@@ -7,16 +7,16 @@ from typing import get_args
 
 import click
 
+from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.backlash.figures import drawn_backlash
+from cardan.app.answers.ball_joint.picture import write_ball_joint_picture
+from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.turn.abscissa import Over
 from cardan.app.command.files import check_output, check_picture
 from cardan.app.command.options import file_option, scene_argument
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.figures.backlash import drawn_backlash
-from cardan.app.figures.scene_forces import scene_force_paths
-from cardan.app.figures.slides import drawn_slides
 from cardan.app.files.pictures import SUFFIXES
 from cardan.app.plots import plot_forces, save, write_backlash, write_picture, write_slides
-from cardan.app.plots.abscissa import Over
-from cardan.app.plots.ball_joint import write_ball_joint_picture
 from cardan.app.scene import load_scene
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.arrays.errors import ArgumentValueError

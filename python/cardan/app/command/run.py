@@ -8,6 +8,26 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.as_built.figures import as_built_orders
+from cardan.app.answers.as_built.text import as_built_text
+from cardan.app.answers.axial_travel.figures import scene_slides
+from cardan.app.answers.axial_travel.text import slides_text
+from cardan.app.answers.backlash.figures import scene_backlash
+from cardan.app.answers.backlash.text import backlash_text
+from cardan.app.answers.ball_joint.text import ball_joint_text
+from cardan.app.answers.forces.text import forces_text
+from cardan.app.answers.spline.figures import slip_figures
+from cardan.app.answers.spline.text import slip_text
+from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.states.text import OF_DRIVELINE, states_text
+from cardan.app.answers.steering.figures import steering_figures
+from cardan.app.answers.steering.text import steering_text
+from cardan.app.answers.study.extremes import StudyTable
+from cardan.app.answers.study.text import study_text
+from cardan.app.answers.turn.data import ball_joint_run_data, run_data
+from cardan.app.answers.turn.figures import drive_angles, summary
+from cardan.app.answers.turn.signals_text import signals_text
+from cardan.app.answers.turn.text import few_samples_text, summary_text
 from cardan.app.command.files import (
     check_folder,
     check_for_cluster,
@@ -26,31 +46,11 @@ from cardan.app.command.terminal import (
     say,
     say_before_files,
 )
-from cardan.app.figures.as_built import as_built_orders
-from cardan.app.figures.backlash import scene_backlash
-from cardan.app.figures.extremes import StudyTable
-from cardan.app.figures.run import ball_joint_run_data, run_data
-from cardan.app.figures.slides import scene_slides
-from cardan.app.figures.slip import slip_figures
-from cardan.app.figures.states import forces_of
-from cardan.app.figures.steering import steering_figures
-from cardan.app.figures.summary import drive_angles, summary
 from cardan.app.scene import load_scene
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.cluster import StudyFolder
 from cardan.app.scene.help_text import describe
 from cardan.app.scene.states import StatesResult
-from cardan.app.words.as_built import as_built_text
-from cardan.app.words.backlash import backlash_text
-from cardan.app.words.ball_joint import ball_joint_text
-from cardan.app.words.forces import forces_text
-from cardan.app.words.signals import signals_text
-from cardan.app.words.slides import slides_text
-from cardan.app.words.slip import slip_text
-from cardan.app.words.states import OF_DRIVELINE, states_text
-from cardan.app.words.steering import steering_text
-from cardan.app.words.study import study_text
-from cardan.app.words.summary import few_samples_text, summary_text
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")

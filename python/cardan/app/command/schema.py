@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.schema import answers_schema
 from cardan.app.command.options import file_option
 from cardan.app.command.terminal import as_json_text, say
-from cardan.app.figures.schema import answers_schema
 from cardan.app.files.whole_file import whole_file
 from cardan.app.scene.scene import Scene
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.turn.figures import recorded_angles
+from cardan.app.answers.turn.signals_text import signals_text
+from cardan.app.answers.turn.text import angles_text, few_samples_text
 from cardan.app.command.files import missing_samples
 from cardan.app.command.options import into_option, scene_argument, units_option
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.figures.summary import recorded_angles
 from cardan.app.scene.streaming import stream
-from cardan.app.words.signals import signals_text
-from cardan.app.words.summary import angles_text, few_samples_text
 
 
 @click.command()

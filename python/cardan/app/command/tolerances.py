@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.tolerances.data import tolerances_data
+from cardan.app.answers.tolerances.figures import needed_tolerances, permitted_tolerances
+from cardan.app.answers.tolerances.picture import write_tolerances
+from cardan.app.answers.tolerances.text import tolerances_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
-from cardan.app.figures.tolerance_answers import tolerances_data
-from cardan.app.figures.tolerances import needed_tolerances, permitted_tolerances
-from cardan.app.plots.tolerances import write_tolerances
 from cardan.app.scene.scene import Scene
-from cardan.app.words.tolerances import tolerances_text
 
 
 @click.command()

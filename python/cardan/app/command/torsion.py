@@ -6,15 +6,15 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.torsion.data import torsion_data
+from cardan.app.answers.torsion.figures import needed_torsion
+from cardan.app.answers.torsion.picture import PICTURES, plot_torsion
+from cardan.app.answers.torsion.text import torsion_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
-from cardan.app.figures.torsion import needed_torsion
-from cardan.app.figures.torsion_answer import torsion_data
-from cardan.app.plots.style import save
-from cardan.app.plots.torsion import PICTURES, plot_torsion
+from cardan.app.pictures.style import save
 from cardan.app.scene.scene import Scene
-from cardan.app.words.torsion import torsion_text
 
 
 @click.command()

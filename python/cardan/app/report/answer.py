@@ -6,22 +6,27 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.figures.advice import advice
-from cardan.app.figures.drive_speed import drive_speed
-from cardan.app.figures.slip import slip_figures
-from cardan.app.figures.states import forces_of
-from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.figures.verdict import Verdict
-from cardan.app.report.limits import groups, shown, verdict_data, verdict_of
-from cardan.app.report.motion import deviates, turn_motion
-from cardan.app.report.samples import Samples
+from cardan.app.answers.drive_speed.figures import drive_speed
+from cardan.app.answers.drive_speed.text import heading_text, sentences
+from cardan.app.answers.forces.text import largest_text, reasons
+from cardan.app.answers.limits.page import groups, shown, verdict_data, verdict_of
+from cardan.app.answers.limits.remedies import advice
+from cardan.app.answers.limits.remedies_text import (
+    BEST_OF_STATES,
+    advice_text,
+    arrangement_text,
+    remedies,
+)
+from cardan.app.answers.spline.figures import slip_figures
+from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.tolerances.text import verdict_texts
+from cardan.app.answers.turn.text import figure_text, range_ends
+from cardan.app.answers.verdict import Verdict
+from cardan.app.answers.yokes.text import phases_text, tooth_lines, yoke_lines
+from cardan.app.charts.motion import deviates, turn_motion
+from cardan.app.charts.samples import Samples
 from cardan.app.scene.scene import Scene
-from cardan.app.words.advice import BEST_OF_STATES, advice_text, arrangement_text, remedies
-from cardan.app.words.drive_speed import heading_text, sentences
-from cardan.app.words.forces import largest_text, reasons
-from cardan.app.words.summary import figure_text, range_ends
-from cardan.app.words.tolerances import verdict_texts
-from cardan.app.words.yokes import phases_text, tooth_lines, yoke_lines
 from cardan.design.check import Check
 from cardan.design.judged import counted
 from cardan.motion.workshop import SAME_YOKE

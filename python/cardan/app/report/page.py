@@ -13,33 +13,33 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan import __version__
-from cardan.app.figures.life import life_figures
-from cardan.app.figures.slides import scene_slides
-from cardan.app.figures.slip import slip_figures
-from cardan.app.figures.steering import steering_figures
-from cardan.app.figures.tolerances import tolerance_figures
-from cardan.app.figures.torsion import torsion_figures
-from cardan.app.figures.tubes import tube_figures
-from cardan.app.figures.verdict import verdict
-from cardan.app.figures.yokes import yoke_settings
+from cardan.app.answers.axial_travel.figures import scene_slides
+from cardan.app.answers.axial_travel.page import slides_section
+from cardan.app.answers.ball_joint.page import ball_joint, page_data
+from cardan.app.answers.forces.page import force_views
+from cardan.app.answers.life.figures import life_figures
+from cardan.app.answers.life.page import life
+from cardan.app.answers.limits.page import limits_table
+from cardan.app.answers.optimise.page import optimise
+from cardan.app.answers.spline.figures import slip_figures
+from cardan.app.answers.spline.page import slip
+from cardan.app.answers.states.page import states
+from cardan.app.answers.steering.figures import steering_figures
+from cardan.app.answers.steering.page import steering
+from cardan.app.answers.study.page import study
+from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.tolerances.page import tolerances
+from cardan.app.answers.torsion.figures import torsion_figures
+from cardan.app.answers.torsion.page import torsion
+from cardan.app.answers.tubes.figures import tube_figures
+from cardan.app.answers.verdict import verdict
+from cardan.app.answers.yokes.figures import yoke_settings
+from cardan.app.charts import tables
+from cardan.app.charts.charts import chart, decimals
+from cardan.app.charts.drawing import drawing
+from cardan.app.charts.samples import Panel, Samples, evaluated
 from cardan.app.files.progress import Progress
-from cardan.app.report import tables
 from cardan.app.report.answer import answer
-from cardan.app.report.ball_joint import ball_joint, page_data
-from cardan.app.report.charts import chart, decimals
-from cardan.app.report.drawing import drawing
-from cardan.app.report.forces import force_views
-from cardan.app.report.life import life
-from cardan.app.report.limits import limits_table
-from cardan.app.report.optimise import optimise
-from cardan.app.report.samples import Panel, Samples, evaluated
-from cardan.app.report.slides import slides_section
-from cardan.app.report.slip import slip
-from cardan.app.report.states import states
-from cardan.app.report.steering import steering
-from cardan.app.report.study import study
-from cardan.app.report.tolerances import tolerances
-from cardan.app.report.torsion import torsion
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.states import StatesResult
@@ -107,7 +107,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
 
 
 def _ball_joint_page(scene: BallJointScene) -> str:
-    template = environment().get_template("ball_joint_page.html")
+    template = environment().get_template("ball_joint/whole_page.html")
     style = _part("page.css")
     return template.render(page_data(scene), version=__version__, style=style, date=_today())
 
@@ -143,7 +143,9 @@ def environment() -> Environment:
 
 
 def _part(name: str) -> str:
-    path = resources.files("cardan.app.report").joinpath("templates", name)
+    part, _, of_part = name.partition("/")
+    folder = f"answers/{part}" if of_part else "report/templates"
+    path = resources.files("cardan.app").joinpath(folder, of_part or name)
     return path.read_text(encoding="utf-8")
 
 

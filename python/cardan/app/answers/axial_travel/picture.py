@@ -1,0 +1,110 @@
+"""How far shafts slide over the turn because their axes do not meet."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import cardan.app.answers.turn.panel as panel
+from cardan.app.pictures.style import (
+    MM,
+    STYLE,
+    WIDTH,
+    add_title,
+    drawing,
+    legend_above,
+    line_style,
+    matplotlib,
+    save,
+)
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.wear.axial_travel import SlideName, Slides
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_ORDERS = range(1, 7)
+
+
+def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = None) -> Axes:
+    """Draw how far a shaft or a pin of each joint slides over the turn.
+
+    Args:
+        slides: the slides of one driveline, as ``Driveline.slides`` returns them.
+        of: what slides, as for ``Slides.at``.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: the slides of a batch, an unknown slide, more joints than can be told apart.
+    """
+    _check_single(slides, of)
+    turn = np.asarray(panel.TURN)
+    curves = slides.at(turn, of)
+    with drawing(ax) as axes:
+        panel.draw(axes, np.degrees(turn), list(zip(_names(curves), curves, strict=True)))
+        axes.set_xlabel("drive angle [deg]")
+        axes.set_ylabel(f"slide of the {of.replace('_', ' ')}")
+        legend_above(axes)
+    return axes
+
+
+def plot_slide_orders(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = None) -> Axes:
+    """Draw the amplitudes of a slide of each joint by orders of the drive's rotation.
+
+    Arguments and errors are those of ``plot_slides``.
+    """
+    _check_single(slides, of)
+    sizes = slides.amplitudes(list(_ORDERS), of)
+    width = 0.8 / len(sizes)
+    with drawing(ax, height_mm=45.0) as axes:
+        for joint, (name, heights) in enumerate(zip(_names(sizes), sizes, strict=True)):
+            places = np.asarray(_ORDERS) + (joint - (len(sizes) - 1) / 2.0) * width
+            axes.bar(places, heights, 0.9 * width, label=name, color=line_style(joint)["color"])
+        axes.set_xticks(list(_ORDERS))
+        axes.set_xlabel("order of the drive's rotation")
+        axes.set_ylabel(f"amplitude of the {of.replace('_', ' ')}")
+        legend_above(axes)
+    return axes
+
+
+def write_slides(slides: Slides, path: str | PathLike[str], title: str = "") -> None:
+    """Write the axial travel of the shafts over the turn and by order, lengths in mm.
+
+    Args:
+        slides: the slides of one driveline in mm.
+        path: the picture; its suffix names the format.
+        title: heading, if any.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        OSError: the file cannot be written.
+        ValueError: as for ``plot_slides``; an unknown suffix.
+    """
+    with matplotlib().rc_context(STYLE):
+        from matplotlib import pyplot
+
+        figure, (over, orders) = pyplot.subplots(
+            2, figsize=(WIDTH, 95.0 * MM), layout="constrained"
+        )
+        try:
+            plot_slides(slides, ax=over)
+            plot_slide_orders(slides, ax=orders)
+            over.set_ylabel("axial travel [mm]")
+            orders.set_ylabel("amplitude [mm]")
+            add_title(figure, title)
+            save(figure, path)
+        finally:
+            pyplot.close(figure)
+
+
+def _names(rows: FloatArray) -> list[str]:
+    return [f"joint {joint}" for joint in range(len(rows))]
+
+
+def _check_single(slides: Slides, of: SlideName) -> None:
+    if slides.travel(of).ndim != 1:
+        raise ArgumentValueError("slides", "are those of a batch; a picture shows one driveline")

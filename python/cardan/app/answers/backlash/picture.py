@@ -1,0 +1,120 @@
+"""The backlash loop of a driveline, and its lash over the turn."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cardan.app.answers.backlash.figures import TURN, Backlash
+from cardan.app.pictures.style import (
+    MM,
+    STYLE,
+    THIN,
+    WIDTH,
+    add_title,
+    degree_ticks,
+    drawing,
+    legend_above,
+    line_style,
+    matplotlib,
+    save,
+    value_ticks,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_CLOSE = 1e-3
+"""Loops whose lash differs by less than this share are drawn as one."""
+
+
+def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
+    """Draw torque over the angle of the last shaft while the drive is held: the backlash loop.
+
+    There is a loop at the drive angle with the largest lash and one at that with the least, unless
+    they are nearly the same. Between the flanks the shaft is loose; on a flank the crosses wind up.
+
+    Args:
+        found: lash and wind-up, from ``cardan.app.answers.backlash.figures``.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Returns:
+        the axes, with the angle in degrees from the middle of the play.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
+    apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]
+    turn = np.degrees(np.asarray(TURN))
+    with drawing(ax, height_mm=55.0) as axes:
+        axes.axhline(0.0, **THIN)
+        axes.axvline(0.0, **THIN)
+        for place, sample in enumerate((most, least) if apart else (most,)):
+            angle, torque = found.loop(sample)
+            axes.plot(
+                np.degrees(angle),
+                torque,
+                label=f"at {turn[sample]:.4g}°: loose by {np.degrees(found.lash[sample]):.4g}°",
+                **line_style(place),
+            )
+        axes.set_xlabel("angle of the last shaft, drive held [deg]")
+        axes.set_ylabel(f"torque at the {found.end} [N m]")
+        value_ticks(axes.xaxis)
+        value_ticks(axes.yaxis)
+        axes.grid(visible=True)
+        legend_above(axes, ncols=2)
+    return axes
+
+
+def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
+    """Draw how far the last shaft is loose over the turn, and how far the torque winds it up.
+
+    Arguments and errors are those of ``plot_backlash``.
+    """
+    turn = np.degrees(np.asarray(TURN))
+    with drawing(ax, height_mm=45.0) as axes:
+        axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))
+        both = found.lash + 2.0 * found.wind_up
+        if np.any(found.wind_up):
+            label = f"from {found.torque:.4g} to \N{MINUS SIGN}{found.torque:.4g} N m"
+            axes.plot(turn, np.degrees(both), label=label, **line_style(1))
+        axes.set_xlim(0.0, 360.0)
+        axes.set_ylim(0.0, 1.1 * np.degrees(np.max(both)))
+        degree_ticks(axes.xaxis, 0.0, 360.0)
+        value_ticks(axes.yaxis)
+        axes.set_xlabel("drive angle [deg]")
+        axes.set_ylabel("angle of the last shaft [deg]")
+        axes.grid(visible=True)
+        legend_above(axes)
+    return axes
+
+
+def write_backlash(found: Backlash, path: str | PathLike[str], title: str = "") -> None:
+    """Write the loop and the lash over the turn as a picture, 80 mm wide.
+
+    Args:
+        found: lash and wind-up.
+        path: of the picture; its suffix names the format.
+        title: heading, if any.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        OSError: the file cannot be written.
+        ValueError: an unknown suffix.
+    """
+    with matplotlib().rc_context(STYLE):
+        from matplotlib import pyplot
+
+        figure, (loop, lash) = pyplot.subplots(
+            2, figsize=(WIDTH, 110.0 * MM), height_ratios=(55.0, 45.0), layout="constrained"
+        )
+        try:
+            plot_backlash(found, ax=loop)
+            plot_lash(found, ax=lash)
+            add_title(figure, title)
+            save(figure, path)
+        finally:
+            pyplot.close(figure)

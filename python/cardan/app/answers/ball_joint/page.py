@@ -1,0 +1,98 @@
+"""The section of a ball joint: verdict, figures, the pressure in section and as a curve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.ball_joint.figures import (
+    BallJointFigures,
+    ball_joint_figures,
+    fitting_curve,
+    pressure_curve,
+    section,
+)
+from cardan.app.answers.ball_joint.text import ball_joint_lines, verdict_text
+from cardan.app.answers.limits.page import shown
+from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.verdict import verdict
+from cardan.app.charts.charts import chart
+from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.tables import Table
+from cardan.app.scene.ball_joint import BallJointCase
+from cardan.app.scene.ball_joint_scene import BallJointScene
+from cardan.arrays import FloatArray
+
+# Of the drawing: pixels of a ball radius, ball radii of the peak pressure and of the seat.
+_SCALE, _PEAK, _SEAT = 100.0, 0.5, 0.7
+_ARROWS = 13
+
+
+def ball_joint(case: BallJointCase) -> dict[str, Any]:
+    """Return a ball joint as plain data for ``ball_joint.html``."""
+    found = ball_joint_figures(case)
+    theta, pressure = pressure_curve(case)
+    curves = [Curve("pressure on the seat", 1e-6 * pressure)]
+    fit = fitting_curve(case, theta)
+    if fit is not None:
+        curves += [Curve("without clearance", 1e-6 * fit)]
+    if found.allowable is not None and found.weaker is not None:
+        level = np.full_like(theta, 1e-6 * found.allowable)
+        curves += [Curve(f"allowable for the {found.weaker.part}", level)]
+    panel = Panel("Pressure on the seat", "MPa", tuple(curves))
+    return {
+        "class": shown(found.verdict),
+        "verdict": list(verdict_text(case, found)),
+        "table": Table("Ball joint", ("Figure", "Value"), ball_joint_lines(case, found)),
+        "chart": chart(panel, np.degrees(theta), "angle from the line of the load [deg]"),
+        "drawing": _drawing(case, found),
+    }
+
+
+def page_data(scene: BallJointScene) -> dict[str, Any]:
+    """Return what the page of a ball joint alone shows."""
+    return {
+        "title": scene.title or Path(scene.name).name,
+        "name": Path(scene.name).name,
+        "ball_joint": ball_joint(scene.ball_joint),
+        "verdict": verdict(scene).word,
+    }
+
+
+def _drawing(case: BallJointCase, found: BallJointFigures) -> dict[str, Any]:
+    """Paths of ball, seat and pressure, the load pointing down."""
+    theta, pressure = pressure_curve(case)
+    touches = np.abs(theta) <= found.contact_angle
+    height = _PEAK * pressure[touches] / found.peak
+    around = np.linspace(0.0, 2.0 * np.pi, 181)
+    arrows, arrow_pressure = pressure_curve(case, _ARROWS)
+    return {
+        "ball": _path(around, np.zeros_like(around)),
+        "seat": _ring(theta, np.full_like(theta, _SEAT)),
+        "pressure": _ring(theta[touches], height),
+        "arrows": [
+            _path(np.full(2, angle), np.array([0.0, _PEAK * size / found.peak]))
+            for angle, size in zip(arrows, arrow_pressure, strict=True)
+            if size > 0.0
+        ],
+        "load": f"{figure_text(case.load)} N",
+        "peak": f"{figure_text(1e-6 * found.peak)} MPa",
+        "spoken": (
+            f"Ball and seat in section: the pressure is largest in line with the load, "
+            f"{figure_text(1e-6 * found.peak)} MPa"
+        ),
+    }
+
+
+def _ring(theta: FloatArray, height: FloatArray) -> str:
+    """The outline of what lies between the surface of the ball and a height over it."""
+    back = theta[::-1]
+    return _path(np.concatenate([theta, back]), np.concatenate([0.0 * theta, height[::-1]])) + "Z"
+
+
+def _path(theta: FloatArray, height: FloatArray) -> str:
+    across, up = section(theta, height)
+    points = zip(_SCALE * across, -_SCALE * up, strict=True)
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)

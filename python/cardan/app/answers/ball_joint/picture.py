@@ -1,0 +1,190 @@
+"""The pressure of a ball joint: on the seat in section, and over the angle from the load."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cardan.app.answers.ball_joint.figures import (
+    ball_joint_figures,
+    fitting_curve,
+    pressure_curve,
+    section,
+)
+from cardan.app.answers.turn.text import figure_text
+from cardan.app.pictures.style import (
+    MM,
+    STYLE,
+    THIN,
+    add_title,
+    degree_ticks,
+    drawing,
+    legend_above,
+    line_style,
+    matplotlib,
+    save,
+    value_ticks,
+)
+from cardan.app.scene.ball_joint import BallJointCase
+from cardan.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# In ball radii: how far the peak pressure stands out, how thick the seat is drawn, the arrows.
+_PEAK, _SEAT = 0.55, 0.75
+_ARROWS = 15
+_PAGE = (170.0, 78.0)
+
+
+def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
+    """Return a picture of a ball joint, 170 mm wide: the pressure in section and as a curve.
+
+    Args:
+        case: the ball joint of a scene.
+        title: heading.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
+        plot_seat_section(case, ax=left)
+        plot_seat_pressure(case, ax=right)
+        add_title(figure, title, 90)
+    return figure
+
+
+def write_ball_joint_picture(
+    case: BallJointCase, path: str | PathLike[str], title: str = ""
+) -> None:
+    """Write the picture of a ball joint in the format that the path's suffix names.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
+    save(plot_ball_joint(case, title), path)
+
+
+def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
+    """Draw ball and seat in section, with the pressure at right angles to the surface.
+
+    The pressure is drawn outwards from the surface of the ball, where it acts on the seat; the
+    longest arrow is the peak pressure.
+
+    Args:
+        case: the ball joint of a scene.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    theta, pressure = pressure_curve(case)
+    found = ball_joint_figures(case)
+    with drawing(ax, height_mm=78.0) as axes:
+        around = np.linspace(-np.pi, np.pi, 361)
+        axes.fill(*section(around, 0.0), facecolor="0.92", edgecolor="0.35", linewidth=0.8)
+        seat = _ring(theta, np.zeros_like(theta), np.full_like(theta, _SEAT))
+        axes.fill(
+            *seat, facecolor="white", edgecolor="0.35", linewidth=0.8, hatch="////", alpha=0.3
+        )
+        height = _PEAK * pressure / found.peak
+        blue = line_style(0)["color"]
+        axes.fill(*_ring(theta, np.zeros_like(theta), height), facecolor=blue, alpha=0.25)
+        axes.plot(*section(theta, height), color=blue)
+        _arrows(axes, case, found.peak)
+        for side in (-1.0, 1.0):
+            edge = np.full(2, side * found.contact_angle)
+            axes.plot(*section(edge, np.array([-1.0, _SEAT])), **THIN)
+        axes.annotate(
+            "",
+            (0.0, -0.15),
+            (0.0, 0.75),
+            arrowprops={"arrowstyle": "-|>", "color": "black", "linewidth": 1.2},
+        )
+        axes.text(0.07, 0.35, f"{figure_text(case.load)} N", parse_math=False)
+        across, down = section(np.array(0.0), _SEAT + 0.04)
+        axes.text(
+            float(across),
+            float(down),
+            f"{figure_text(1e-6 * found.peak)} MPa",
+            ha="center",
+            va="top",
+            parse_math=False,
+        )
+        axes.text(0.0, 1.06, f"ball radius {figure_text(1e3 * case.joint.radius)} mm", ha="center")
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+    return axes
+
+
+def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
+    """Draw the pressure on the seat over the angle from the load, beside what is allowable.
+
+    Args:
+        case: the ball joint of a scene.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    theta, pressure = pressure_curve(case)
+    fit = fitting_curve(case, theta)
+    found = ball_joint_figures(case)
+    degrees = np.degrees(theta)
+    with drawing(ax, height_mm=60.0) as axes:
+        axes.plot(degrees, 1e-6 * pressure, label="pressure", **line_style(0))
+        top = found.peak
+        if fit is not None:
+            axes.plot(degrees, 1e-6 * fit, label="without clearance", **line_style(1))
+        if found.allowable is not None and found.weaker is not None:
+            label = f"allowable, {found.weaker.part}"
+            axes.axhline(1e-6 * found.allowable, label=label, **line_style(3))
+            top = max(top, found.allowable)
+        axes.grid(visible=True)
+        axes.set_xlim(degrees[0], degrees[-1])
+        axes.set_ylim(0.0, 1.05e-6 * top)
+        degree_ticks(axes.xaxis, degrees[0], degrees[-1])
+        value_ticks(axes.yaxis)
+        axes.set_xlabel("angle from the line of the load [deg]")
+        axes.set_ylabel("pressure [MPa]")
+        legend_above(axes)
+    return axes
+
+
+def _ring(theta: FloatArray, inner: FloatArray, outer: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The outline of what lies between two heights over the ball."""
+    inside, outside = section(theta, inner), section(theta, outer)
+    return (
+        np.concatenate([inside[0], outside[0][::-1]]),
+        np.concatenate([inside[1], outside[1][::-1]]),
+    )
+
+
+def _arrows(axes: Axes, case: BallJointCase, peak: float) -> None:
+    """Arrows of the pressure, from the surface of the ball into the seat."""
+    theta, pressure = pressure_curve(case, _ARROWS)
+    for angle, height in zip(theta, _PEAK * pressure / peak, strict=True):
+        if height < 0.05 * _PEAK:
+            continue
+        (x0, x1), (y0, y1) = section(np.full(2, angle), np.array([0.0, height]))
+        axes.annotate(
+            "",
+            (x1, y1),
+            (x0, y0),
+            arrowprops={
+                "arrowstyle": "-|>,head_length=0.25,head_width=0.12",
+                "color": line_style(0)["color"],
+                "linewidth": 0.7,
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+            },
+        )

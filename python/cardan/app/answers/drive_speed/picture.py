@@ -1,0 +1,54 @@
+"""The speed of a drive of finite inertia over the turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import cardan.app.answers.turn.panel as panel
+from cardan.app.pictures.style import drawing, legend_above
+from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def plot_drive_speed(
+    line: Driveline,
+    inertias: ArrayLike,
+    *,
+    labels: Sequence[str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the speed of the freely running drive over its mean, for one or several inertias.
+
+    Args:
+        line: one driveline.
+        inertias: moment of inertia of each shaft in kg m², ``(n + 1,)``, or several such rows.
+        labels: what to call the rows; by default the inertia of shaft 0.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ValueError: labels that are not one per row, more rows than can be told apart, and as for
+            ``Driveline.free_running``.
+    """
+    rows = np.atleast_2d(np.asarray(inertias, dtype=np.float64))
+    names = [f"{row[0]:g} kg m²" for row in rows] if labels is None else list(labels)
+    if len(names) != len(rows):
+        raise ArgumentValueError(
+            "labels", f"has {len(names)} entries; there are {len(rows)} curves"
+        )
+    turn = np.asarray(panel.TURN)
+    free = line.free_running(rows)
+    curves = np.moveaxis(np.asarray(free.speed_ratio(turn[:, np.newaxis])), -1, 0)
+    with drawing(ax) as axes:
+        drawn = list(zip(names, 100.0 * (curves - 1.0), strict=True))
+        panel.draw(axes, np.degrees(turn), drawn)
+        axes.set_xlabel("drive angle [deg]")
+        axes.set_ylabel("drive speed, off its mean [%]")
+        legend_above(axes)
+    return axes

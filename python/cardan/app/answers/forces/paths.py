@@ -1,0 +1,123 @@
+"""The paths of force vectors over the turn, seen along the shafts of joints and bearings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cardan.app.answers.forces.turn_forces import FORCES, ForceSource, force_source
+from cardan.app.answers.rounding import first_peak
+from cardan.app.answers.turn.extremes import period_of
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.sweep import Sweep
+
+PER_DEGREE = 2
+"""Samples of a path per degree of drive angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForcePath:
+    """The force of one joint or bearing over the period after which it repeats.
+
+    That is half a turn, and with deviations of the joints a whole one.
+
+    It is seen along a shaft, looking from the drive towards the output. The force of a joint is
+    seen along the shaft that the joint supports: it has no part along that shaft.
+
+    Attributes:
+        per: what it is a force of.
+        item: number of the joint or bearing.
+        shaft: the shaft along which it is seen.
+        up: the axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"``
+            for a shaft that runs along y.
+        angle_deg: drive angles in degrees from 0 to the period, ``(samples,)``.
+        across: part of the force to the right in N, ``(samples,)``.
+        upwards: part of the force upwards in N, ``(samples,)``.
+        state: over states, the name of the one in which the force is largest.
+    """
+
+    per: ForceSource
+    item: int
+    shaft: int
+    up: Literal["y", "z"]
+    angle_deg: FloatArray
+    across: FloatArray
+    upwards: FloatArray
+    state: str = ""
+
+    @property
+    def label(self) -> str:
+        """What it is a force of, in words."""
+        return f"{self.per} {self.item}{self.state and f', in {self.state}'}"
+
+    @property
+    def part_of_turn(self) -> str:
+        """Over which part of a turn it goes, in words."""
+        return "a turn" if self.angle_deg[-1] > 180.0 else "half a turn"
+
+    @property
+    def largest(self) -> int:
+        """Index of the first sample at which the force is largest, except for rounding."""
+        return first_peak(np.hypot(self.across, self.upwards))[0]
+
+    @property
+    def size(self) -> float:
+        """The largest force of its samples in N."""
+        return float(np.hypot(self.across[self.largest], self.upwards[self.largest]))
+
+
+def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> ForcePath:
+    """Return the path of one force of one driveline at a constant load.
+
+    Args:
+        line: one driveline.
+        per: ``"joint"`` or ``"bearing"``.
+        item: number of the joint or bearing.
+        load: a constant load.
+
+    Raises:
+        ValueError: a force that is not determinate; lengths that are missing.
+    """
+    per_turn = 360 * PER_DEGREE
+    count = round(period_of(line) / math.tau * per_turn) + 1
+    name = f"{per}_force"
+    period = Sweep.revolutions(count / per_turn, per_turn)
+    force = line.evaluate(period, name, load=load)[name][item]
+    if per == "bearing":
+        shaft = line.bearings[item][0]
+    else:
+        driving, driven = (
+            float(np.max(np.abs(force @ line.directions[item + side]))) for side in (0, 1)
+        )
+        shaft = item + (driven <= driving)
+    along = line.directions[shaft]
+    up, across, upwards = _view(along)
+    angle_deg = np.arange(count) / PER_DEGREE
+    return ForcePath(per, item, shaft, up, angle_deg, force @ across, force @ upwards)
+
+
+def force_paths(line: Driveline, load: Load, outputs: Iterable[str] = FORCES) -> list[ForcePath]:
+    """Return the paths of the forces of every joint, then of every bearing.
+
+    Takes the arguments of ``force_figures`` and raises its errors.
+    """
+    paths = []
+    for name in outputs:
+        per = force_source(name)
+        count = line.n_joints if per == "joint" else line.n_bearings
+        paths += [force_path(line, per, item, load) for item in range(count)]
+    return paths
+
+
+def _view(along: FloatArray) -> tuple[Literal["y", "z"], FloatArray, FloatArray]:
+    """The axis that points up, and unit vectors to the right and upwards, across a shaft."""
+    up: Literal["y", "z"] = "z" if abs(along[1]) > 0.9 else "y"
+    across = np.cross(along, np.eye(3)["xyz".index(up)])
+    across /= np.linalg.norm(across)
+    return up, across, np.cross(across, along)

@@ -1,0 +1,162 @@
+"""The paths of the force vectors of joints and bearings over the turn."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath, force_path
+from cardan.app.answers.turn.text import figure_text
+from cardan.app.pictures.style import (
+    LINES,
+    MM,
+    STYLE,
+    THIN,
+    add_title,
+    drawing,
+    matplotlib,
+    value_ticks,
+)
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_MARKS = np.arange(0, 180, 30) * PER_DEGREE
+_COLUMNS, _PANEL = 3, (56.0, 58.0)  # mm
+# A path that is smaller than this share of its distance from 0 has no room for drive angles.
+_SMALL = 0.15
+# Points from a mark to its drive angle, and beside an axis if the angle would lie on it.
+_AWAY, _ASIDE, _ON_AXIS = 10.0, 6.0, 0.2
+
+
+def plot_force_hodograph(
+    line: Driveline,
+    per: Literal["joint", "bearing"] = "bearing",
+    item: int = 0,
+    *,
+    load: Load,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the path of the force of a joint or bearing over the turn, seen along a shaft.
+
+    The view is from the drive towards the output, with y upwards (z, along y). The arrow is the
+    largest force; drive angles of half a turn are marked. The path is closed. It is passed twice in
+    a turn, and once if the joints have deviations. The force of a bearing is the one on its shaft,
+    and has no part along it. That of a joint is the one on its driven shaft, seen along the shaft
+    that the joint supports: it has no part along that.
+
+    Args:
+        line: one driveline.
+        per: ``"joint"`` or ``"bearing"``.
+        item: index of the joint or bearing.
+        load: a constant load.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        IndexError: a joint or bearing that does not exist.
+        ValueError: a batch, forces that are not determinate, lengths that are missing.
+    """
+    if line.shape:
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )
+    if per not in ("joint", "bearing"):
+        raise ArgumentValueError("per", f"is {per!r}; it must be 'joint' or 'bearing'")
+    count = line.n_joints if per == "joint" else line.n_bearings
+    path = force_path(line, per, item_index("item", item, count), load)
+    with drawing(ax, height_mm=76.0) as axes:
+        draw_path(axes, path)
+    return axes
+
+
+def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
+    """Return a page with the path of every force, each on its own scale.
+
+    Args:
+        paths: what to draw.
+        title: heading.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        columns = min(_COLUMNS, len(paths))
+        rows = -(-len(paths) // columns)
+        size = (columns * _PANEL[0] * MM, (rows * _PANEL[1] + 6.0) * MM)
+        figure = Figure(figsize=size, layout="constrained")
+        for number, path in enumerate(paths, 1):
+            draw_path(figure.add_subplot(rows, columns, number), path)
+        add_title(figure, title, 30 * columns)
+    return figure
+
+
+def draw_path(axes: Axes, path: ForcePath) -> None:
+    """Draw one path, with the vector of the largest force from 0."""
+    x, y = path.across, path.upwards
+    style = LINES[0]
+    axes.axhline(0.0, zorder=1.0, **THIN)
+    axes.axvline(0.0, zorder=1.0, **THIN)
+    axes.plot(x, y, **style)
+    largest = path.largest
+    size = path.size
+    if size > 0.0:
+        axes.annotate(
+            "",
+            (x[largest], y[largest]),
+            (0.0, 0.0),
+            arrowprops={
+                "arrowstyle": "-|>,head_width=0.18,head_length=0.4",
+                "shrinkA": 0,
+                "shrinkB": 0,
+                "color": "0.1",
+                "linewidth": 0.9,
+            },
+        )
+    span = max(float(np.ptp(x)), float(np.ptp(y)))
+    if span > _SMALL * size:
+        axes.plot(x[_MARKS], y[_MARKS], "o", color=style["color"])
+        _name_angles(axes, path)
+    axes.set_aspect("equal", adjustable="datalim")
+    # Room around the path for the angles.
+    axes.margins(0.32)
+    value_ticks(axes.xaxis, 4)
+    value_ticks(axes.yaxis, 4)
+    axes.set_xlabel("force to the right [N]")
+    axes.set_ylabel(f"force upwards, towards {path.up} [N]")
+    axes.grid(visible=True)
+    heading = f"{path.per.capitalize()} {path.item}, up to {figure_text(size)} N"
+    state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
+    text = f"{heading}\n{state}seen along shaft {path.shaft}"
+    axes.set_title(text, loc="left", parse_math=False)
+
+
+def _name_angles(axes: Axes, path: ForcePath) -> None:
+    """Write drive angles outside the path, beside their marks."""
+    points = np.stack([path.across, path.upwards], axis=-1)
+    middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2.0
+    for mark in _MARKS:
+        outwards = points[mark] - middle
+        outwards /= max(float(np.linalg.norm(outwards)), 1e-300)
+        # Above the horizontal axis and the arrow, beside the vertical one.
+        aside = np.where(np.abs(outwards) < _ON_AXIS, _ASIDE, 0.0)
+        axes.annotate(
+            f"{path.angle_deg[mark]:g}°",
+            points[mark],
+            xytext=tuple(_AWAY * outwards + aside),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize="small",
+            bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.0},
+        )

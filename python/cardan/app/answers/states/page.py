@@ -1,0 +1,107 @@
+"""The section of the states: verdict and figures of each, and charts over them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.limits.page import shown
+from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.states.figures import state_name, verdicts, without_common
+from cardan.app.answers.states.text import verdict_lines
+from cardan.app.answers.study.extremes import extremes
+from cardan.app.answers.turn.text import figure_text
+from cardan.app.charts.charts import chart
+from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.tables import Table
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.states import StatesResult
+from cardan.app.scene.units import in_degrees
+from cardan.arrays import FloatArray
+from cardan.design.check import Check
+
+_MOST_DRAWN = 8
+
+
+def states(
+    scene: Scene, table: StatesResult, found: Check, yokes: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Return verdicts, tables and charts of the states as plain data for ``states.html``.
+
+    Args:
+        scene: the scene.
+        table: its figures in every state.
+        found: its check, as ``check_scene`` makes it.
+        yokes: the setting that serves all states, as ``yoke_settings`` makes it, if there is one.
+    """
+    each = verdicts(scene, found)
+    return {
+        "verdicts": [
+            {"class": shown(state["verdict"]), "state": name, "words": words}
+            for state, (name, words) in zip(each, verdict_lines(each), strict=True)
+        ],
+        "tables": [_values(table), _worst(table)],
+        "charts": _charts(scene, table, yokes),
+    }
+
+
+def _values(table: StatesResult) -> Table:
+    """A row for each state: the values of its keys and its figures."""
+    columns = [[f"{value:.6g}" for value in axis.values] for axis in table.states.axes]
+    heads = [key_name(axis.key) for axis in table.states.axes]
+    for column in table.columns:
+        values, _ = in_degrees(table.values[column.name], column.unit)
+        columns.append([figure_text(float(value)) for value in values])
+        heads.append(column_name(column))
+    rows = list(zip(table.states.names, *columns, strict=True))
+    return Table(f"Figures of {table.states.count} states", ("State", *heads), rows)
+
+
+def _worst(table: StatesResult) -> Table:
+    rows = []
+    for each in extremes(table):
+        cells = [column_name(each.column)]
+        for end in (each.least, each.largest):
+            cells += [figure_text(end.value), state_name(table, end) or "all"]
+        rows.append(cells)
+    return Table("Least and largest", ("Figure", "Least", "in state", "Largest", "in state"), rows)
+
+
+def _charts(
+    scene: Scene, table: StatesResult, yokes: dict[str, Any] | None
+) -> list[dict[str, Any]]:
+    axes, count = table.states.axes, table.states.count
+    if count < 2:
+        return []
+    x, label = np.arange(float(count)), "state, counted from 0"
+    named: tuple[str, Sequence[str]] | None = None
+    if len(axes) == 1 and np.all(np.diff(axes[0].values) > 0.0):
+        x, label = axes[0].values, key_name(axes[0].key)
+    else:
+        common, names = without_common(table.states.names)
+        named = key_name(common or "state"), names
+    made = []
+    for column in table.columns[:_MOST_DRAWN]:
+        values, unit = in_degrees(table.values[column.name], column.unit)
+        if not np.isfinite(values).all():
+            continue
+        curves = [Curve("as the yokes are", values)]
+        if column.name == "equivalent_bend":
+            curves += _compared(scene, yokes, count)
+        heading = column_name(column).partition(" [")[0]
+        made.append(chart(Panel(heading, unit, tuple(curves)), x, label, named=named))
+    return made
+
+
+def _compared(scene: Scene, yokes: dict[str, Any] | None, count: int) -> list[Curve]:
+    """Curves beside the equivalent bend: with the best common setting, and the limit."""
+    limit = scene.limits.figures["equivalent_bend_deg"].limit
+    curves = []
+    if yokes:
+        bends = yokes["states"]["equivalent_bend_deg"]
+        setting = "on_teeth" if "on_teeth" in bends else "best"
+        best: FloatArray = np.array(bends[setting])
+        curves.append(Curve("with the best common setting", best))
+    return [*curves, Curve(f"limit {limit:g} deg", np.full(count, limit))]

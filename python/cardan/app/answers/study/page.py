@@ -1,0 +1,182 @@
+"""The section of a study: what varies, its best driveline, extremes, curves and maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.limits.page import at_keys, groups
+from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.rounding import ROUNDING, alike
+from cardan.app.answers.study.extremes import End, extremes
+from cardan.app.answers.study.maps import heat_map
+from cardan.app.answers.turn.text import figure_text, range_ends
+from cardan.app.charts.charts import chart, some
+from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.tables import Table
+from cardan.app.scene.axes import Axis
+from cardan.app.scene.study import StudyResult
+from cardan.app.scene.units import in_degrees
+from cardan.arrays import FloatArray
+from cardan.design.check import Check
+
+# Shares of a limit that differ by less are equal.
+_EQUAL = 1e-6
+
+# Figures that are drawn, curves that one chart can tell apart, points of a curve.
+_MOST_DRAWN, _MOST_CURVES, _MOST_POINTS = 12, 6, 1000
+
+
+def study(result: StudyResult, found: Check) -> dict[str, Any]:
+    """Return tables, charts and maps of a study as plain data for the page.
+
+    Args:
+        result: the study.
+        found: the check of its drivelines in the order of its rows, as ``check_scene`` makes it.
+    """
+    tables = [_extremes(result)]
+    if not result.axes:
+        return {"tables": tables, "best": None, "charts": [], "maps": [], "notes": []}
+    varied = [
+        (key_name(a.key), str(len(a.values)), f"{np.min(a.values):.6g} to {np.max(a.values):.6g}")
+        for a in result.axes
+    ]
+    caption = f"What varies: {result.rows} drivelines"
+    tables.insert(0, Table(caption, ("Input", "Values", "Range"), varied))
+    row, ties = _best(found)
+    place = np.unravel_index(row, result.shape)
+    best = {"at": _at(result.axes, place), "groups": groups(_only(found, row)), "ties": ties}
+    drawn = _drawn(result, place)
+    return {"tables": tables, "best": best, **drawn}
+
+
+def _extremes(result: StudyResult) -> Table:
+    rows = []
+    for found in extremes(result):
+        name, low, high = column_name(found.column), found.least.value, found.largest.value
+        if not (math.isfinite(low) and math.isfinite(high)):
+            rows.append([name, "", "not finite", *("" for _ in result.axes)])
+        elif alike(low, high) or not found.least.at:
+            rows.append([name, "", figure_text(low), *("any" for _ in result.axes)])
+        else:
+            ends = zip(("least", "largest"), range_ends(low, high), strict=True)
+            for (which, text), end in zip(ends, (found.least, found.largest), strict=True):
+                rows.append([name, which, text, *_places(result, end)])
+    keys = [f"at {key_name(axis.key)}" for axis in result.axes]
+    return Table("Extremes", ("Figure", "", "Value", *keys), rows)
+
+
+def _places(result: StudyResult, end: End) -> list[str]:
+    """The value of each key there; "any" of one on which the figure does not depend."""
+    return [f"{end.at[axis.key]:.6g}" if axis.key in end.at else "any" for axis in result.axes]
+
+
+def _best(found: Check) -> tuple[int, int]:
+    """The row whose largest share of a limit is least, and how many rows are as good.
+
+    Of these it is the one with the least excitation that is not judged, where there is any.
+    """
+    values = {finding.figure: np.ravel(finding.value) for finding in found.findings}
+    shares = [
+        values[finding.figure] / finding.limit.limit
+        for finding in found.findings
+        if finding.limit and not finding.needs_speed
+    ]
+    worst = np.max(shares, axis=0)
+    worst = np.where(np.isnan(worst), np.inf, worst)
+    # Bends that cancel leave the root of what is rounding.
+    rows = np.flatnonzero(worst <= np.min(worst) + _EQUAL)
+    others = [values[finding.figure][rows] for finding in found.findings if not finding.limit]
+    excitation = np.sum(others, axis=0) if others else np.zeros(len(rows))
+    least = excitation <= np.min(excitation) * (1.0 + ROUNDING) + ROUNDING
+    return int(rows[np.argmax(least)]), int(np.count_nonzero(least))
+
+
+def _only(found: Check, row: int) -> Check:
+    """The check of one driveline of the study."""
+
+    def one(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else np.ravel(values)[row]
+
+    findings = [
+        replace(
+            finding,
+            value=np.ravel(finding.value)[row],
+            at_unit_speed=one(finding.at_unit_speed),
+            worst_at={},
+        )
+        for finding in found.findings
+    ]
+    return replace(found, findings=tuple(findings))
+
+
+def _at(axes: Sequence[Axis], place: Sequence[Any]) -> str:
+    """Keys with their values at a place, in words."""
+    return at_keys({axis.key: axis.values[i] for axis, i in zip(axes, place, strict=True)})
+
+
+def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
+    """Charts over one key with a curve for each value of a second, or maps over both.
+
+    A second key of more values than a chart has curves makes maps. Further keys are held where
+    the best driveline has them.
+    """
+    order = sorted(
+        (i for i in range(len(result.axes)) if len(result.axes[i].values) > 1),
+        key=lambda i: -len(result.axes[i].values),
+    )
+    keys, held = order[:2], order[2:]
+    drawn: dict[str, Any] = {"charts": [], "maps": [], "notes": []}
+    if not keys:
+        return drawn
+    notes = drawn["notes"]
+    if held:
+        at = _at([result.axes[i] for i in held], [best[i] for i in held])
+        notes.append(f"Drawn for the best driveline's {at}.")
+    axes = [result.axes[i] for i in keys]
+    # A list in a scene need not rise.
+    ascending = [np.argsort(axis.values, kind="stable") for axis in axes]
+    infinite = []
+    for column in result.columns[:_MOST_DRAWN]:
+        index: list[Any] = list(best)
+        for i in keys:
+            index[i] = slice(None)
+        values, unit = in_degrees(result.values[column.name][tuple(index)], column.unit)
+        # The longer key comes first.
+        values = values.T if keys != sorted(keys) else values
+        values = values[np.ix_(*ascending)]
+        grids = [axis.values[rising] for axis, rising in zip(axes, ascending, strict=True)]
+        name = column_name(column)
+        heading = name.partition(" [")[0]
+        if not np.isfinite(values).all():
+            infinite.append(name)
+        elif len(keys) == 2 and len(grids[1]) > _MOST_CURVES:
+            labels = [key_name(axis.key) for axis in axes]
+            x, y = grids
+            drawn["maps"].append(heat_map(Panel(heading, unit, ()), x, y, values.T, labels))
+        else:
+            drawn["charts"].append(_chart(Panel(heading, unit, ()), axes, grids, values))
+    if infinite:
+        notes.append(f"Not drawn, because some values are not finite: {'; '.join(infinite)}.")
+    count = len(result.columns)
+    if count > _MOST_DRAWN:
+        notes.append(f"The first {_MOST_DRAWN} of {count} figures are drawn.")
+    return drawn
+
+
+def _chart(
+    panel: Panel, axes: list[Axis], grids: list[FloatArray], values: FloatArray
+) -> dict[str, Any]:
+    points = some(len(grids[0]), _MOST_POINTS)
+    labels = [key_name(axes[0].key)]
+    if len(grids) == 2:
+        labels = [_at([axes[1]], [i]) for i in np.argsort(axes[1].values, kind="stable")]
+    curves = tuple(
+        Curve(label, values[points, i] if len(grids) == 2 else values[points])
+        for i, label in enumerate(labels)
+    )
+    return chart(replace(panel, curves=curves), grids[0][points], key_name(axes[0].key))

@@ -1,0 +1,175 @@
+"""A study as a map, or as a curve where it varies one key alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cardan.app.answers.rounding import ROUNDING, flat_limits
+from cardan.app.pictures.style import (
+    LINES,
+    THIN,
+    degree_ticks,
+    drawing,
+    legend_above,
+    number,
+    value_ticks,
+)
+from cardan.app.scene.study import StudyResult
+from cardan.app.scene.units import ENDINGS, in_degrees, split
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.design.limits import MAX_EQUIVALENT_BEND
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.contour import QuadContourSet
+
+_FEW = 5
+
+_LIMIT: Mapping[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.6}
+
+
+def plot_study(
+    study: StudyResult,
+    column: str = "equivalent_bend",
+    *,
+    limit: float | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a figure over the one or two keys that a study varies.
+
+    Two keys make a map, the first of them along x, whose lines carry their values; a key of five
+    values or fewer makes a curve for each.
+
+    Args:
+        study: the ``study`` of an evaluated scene.
+        column: name of one of its columns.
+        limit: a value to mark, in SI units; by default that of the catalogues for the equivalent
+            bend, none for other columns.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Returns:
+        the axes, with angles in degrees.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: an unknown column, a study of no key or more than two.
+    """
+    if column not in study.values:
+        raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
+    varied = [axis for axis in study.axes if len(axis.values) > 1]
+    if len(varied) not in (1, 2):
+        count = f"{len(varied)} keys" if varied else "no key"
+        raise ValueError(f"the study varies {count}; a picture shows 1 or 2")
+    unit = next(known.unit for known in study.columns if known.name == column)
+    # A list in a scene need not rise.
+    orders = [np.argsort(axis.values) for axis in varied]
+    values: Any = np.ma.masked_invalid(study.values[column].squeeze()[np.ix_(*orders)])
+    if limit is None and column == "equivalent_bend":
+        limit = MAX_EQUIVALENT_BEND
+    if unit == "rad":
+        limit = None if limit is None else float(np.degrees(limit))
+    values, unit = in_degrees(values, unit)
+    marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
+    heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
+    keys = [axis.key for axis in varied]
+    grid = [axis.values[order] for axis, order in zip(varied, orders, strict=True)]
+    if len(grid) == 2 and len(grid[0]) < len(grid[1]) and len(grid[0]) <= _FEW:
+        keys, grid, values = keys[::-1], grid[::-1], values.T
+    with drawing(ax, height_mm=62.0) as axes:
+        if len(grid) == 2 and len(grid[1]) > _FEW:
+            _map(axes, grid[0], grid[1], values.T, limit)
+            # Contours are nothing for a legend.
+            axes.plot([], [], label=marked, **_LIMIT)
+            axes.set_title(heading, loc="left")
+            _label(axes.yaxis, keys[1])
+            title = ""
+        else:
+            rows = np.atleast_2d(values.T)
+            names = [number(value) for value in grid[1]] if len(grid) == 2 else [""]
+            for i, (name, row) in enumerate(zip(names, rows, strict=True)):
+                axes.plot(grid[0], row, label=name, **LINES[i])
+            if limit is not None:
+                axes.axhline(limit, label=marked, **THIN)
+            axes.grid(visible=True)
+            axes.set_ylabel(heading)
+            value_ticks(axes.yaxis)
+            title = _name(keys[1]) if len(grid) == 2 else ""
+        _label(axes.xaxis, keys[0])
+        if axes.get_legend_handles_labels()[1]:
+            legend_above(axes, title=title, alignment="right", ncols=4)
+    return axes
+
+
+def _map(axes: Axes, x: FloatArray, y: FloatArray, z: FloatArray, limit: float | None) -> None:
+    from matplotlib import colormaps
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = float(np.min(z)), float(np.max(z))
+    flat = flat_limits(low, high, 1.0)
+    levels = flat or MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(low, high)
+    # Light enough for black lines and figures, and the lighter the smaller, in grey as well.
+    colours = colormaps["Blues"](np.linspace(0.02, 0.55, len(levels) - 1))
+    axes.contourf(x, y, z, levels=levels, colors=colours)
+    if flat:
+        return
+    near = ROUNDING * (high - low)
+    taken = math.inf if limit is None else limit
+    inner = [level for level in levels if low < level < high and abs(level - taken) > near]
+    lines = axes.contour(x, y, z, levels=inner, colors="0.15", linewidths=0.5)
+    for text in axes.clabel(lines, fmt=number, fontsize="small", manual=_middles(lines)):
+        # A 6 on its side could be a 9; long figures need the direction of their lines.
+        if len(text.get_text()) < 3:
+            text.set_rotation(0.0)
+    if limit is not None and low < limit < high:
+        # Contours have their styles in the plural.
+        style: Mapping[str, Any] = {f"{name}s": [value] for name, value in _LIMIT.items()}
+        axes.contour(x, y, z, levels=[limit], **style)
+
+
+def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
+    """The middle of the longest part of each line that is long enough for its figures."""
+    longest = [max(parts, key=len) for parts in lines.allsegs if parts]
+    whole = np.ptp(np.concatenate(longest), axis=0) if longest else None
+    return [
+        (float(part[len(part) // 2][0]), float(part[len(part) // 2][1]))
+        for part in longest
+        if np.max(np.ptp(part, axis=0) / whole) > 0.15
+    ]
+
+
+# What an entry of a list is, and the number of the first one.
+_ENTRIES = {
+    "bends_deg": ("bend, joint", 0),
+    "twists_deg": ("twist, shaft", 1),
+    "phases_deg": ("phase, shaft", 1),
+    "slopes_vertical_deg": ("slope in side view, shaft", 0),
+    "slopes_horizontal_deg": ("slope in top view, shaft", 0),
+    "projected_bends_vertical_deg": ("bend in side view, joint", 0),
+    "projected_bends_horizontal_deg": ("bend in top view, joint", 0),
+    "inertias_kgm2": ("inertia, shaft", 0),
+}
+
+
+def _name(key: str) -> str:
+    """A scene's key as a label: ``phases_deg.0`` as ``phase, shaft 1 [deg]``."""
+    name, dot, place = key.partition(".")
+    quantity, ending = split(name)
+    unit = f" [{ENDINGS[ending].symbol}]" if ending else ""
+    if name in _ENTRIES and place.isdecimal():
+        entry, first = _ENTRIES[name]
+        return f"{entry} {first + int(place)}{unit}"
+    return f"{quantity.replace('_', ' ')}{dot}{place}{unit}"
+
+
+def _label(axis: Axis, key: str) -> None:
+    axis.set_label_text(_name(key))
+    if _name(key).endswith("[deg]"):
+        degree_ticks(axis, *axis.get_view_interval())
+    else:
+        value_ticks(axis)

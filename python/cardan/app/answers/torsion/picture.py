@@ -1,0 +1,273 @@
+"""Torsional vibration: response over speed, Campbell diagram, stability over speed and bend."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
+from cardan.app.answers.torsion.stability import stability_map
+from cardan.app.pictures.style import (
+    LINES,
+    MM,
+    STYLE,
+    THIN,
+    WIDTH,
+    degree_ticks,
+    drawing,
+    legend_above,
+    line_style,
+    matplotlib,
+    value_ticks,
+)
+from cardan.app.scene.units import RPM
+from cardan.arrays.errors import ArgumentValueError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PICTURES = ("response", "campbell", "stability")
+"""The pictures of torsional vibration."""
+
+_SPEED = "drive speed [rpm]"
+_PANEL, _AROUND = 42.0, 16.0  # mm
+_BAND, _UNSTABLE, _MISSING = "#BFD9EA", "#D55E00", "0.6"
+_CRITICAL: Mapping[str, Any] = {**THIN, "linestyle": (0, (4, 1.5))}
+# Points of a map; more would not be seen at 80 mm.
+_SPEEDS, _BENDS = 121, 41
+# The map goes up to this bend in degrees, or to twice the bend of the scene.
+_LEAST_TOP, _MOST_TOP = 40.0, 85.0
+
+
+def plot_torsion(found: TorsionFigures, picture: str = "response", title: str = "") -> Figure:
+    """Draw one of ``PICTURES`` of a scene's torsional vibration.
+
+    Args:
+        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
+        picture: which one.
+        title: over the picture, or "".
+
+    Returns:
+        a figure of 80 mm width; that of the response has a panel for each compliant shaft.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: an unknown picture.
+    """
+    if picture not in PICTURES:
+        known = ", ".join(PICTURES)
+        raise ArgumentValueError("picture", f"is {picture!r}; it must be one of {known}")
+    shafts = found.response.compliant if picture == "response" else (0,)
+    height = (_AROUND + _PANEL * len(shafts)) * MM
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        axes = figure.subplots(len(shafts), squeeze=False, sharex=True)[:, 0]
+        if title:
+            figure.suptitle(title, fontsize=7.0, parse_math=False, wrap=True)
+        if picture == "campbell":
+            plot_campbell(found, ax=axes[0])
+        elif picture == "stability":
+            plot_stability(found, ax=axes[0])
+        else:
+            for number, shaft in enumerate(shafts):
+                plot_torsion_response(found, shaft, ax=axes[number])
+                axes[number].label_outer()
+                if number > 0:
+                    axes[number].get_legend().remove()
+    return figure
+
+
+def plot_torsion_response(
+    found: TorsionFigures, shaft: int | None = None, *, ax: Axes | None = None
+) -> Axes:
+    """Draw least, mean and largest torque of a shaft over the drive speed, resonances marked.
+
+    Args:
+        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
+        shaft: a compliant shaft; by default the first.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: a shaft that is not compliant.
+    """
+    compliant = found.response.compliant
+    chosen = compliant[0] if shaft is None else shaft
+    if chosen not in compliant:
+        known = ", ".join(map(str, compliant))
+        raise ArgumentValueError("shaft", f"is {chosen}; compliant shafts: {known}")
+    place = compliant.index(chosen)
+    least, mean, most = (
+        getattr(found.response, f"torque_{name}")[place] for name in ("min", "mean", "max")
+    )
+    rpm = found.speed / RPM
+    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+        axes.fill_between(rpm, least, most, color=_BAND, linewidth=0.0, label="over a turn")
+        axes.plot(rpm, most, **{**LINES[0], "linewidth": 0.8})
+        axes.plot(rpm, least, **{**LINES[0], "linewidth": 0.8})
+        axes.plot(rpm, mean, label="mean", **LINES[1])
+        axes.axhline(0.0, **{**THIN, "linewidth": 0.5})
+        _mark_ranges(axes, found)
+        _mark_critical(axes, found)
+        axes.set_xlim(rpm[0], rpm[-1])
+        _finish(axes, f"torque of shaft {chosen} [N m]")
+    return axes
+
+
+def _finish(axes: Axes, heading: str) -> None:
+    """Label the axes of a picture over the drive speed."""
+    axes.set_xlabel(_SPEED)
+    axes.set_ylabel(heading)
+    axes.grid(visible=True)
+    axes.set_axisbelow(True)
+    value_ticks(axes.xaxis)
+    value_ticks(axes.yaxis)
+    legend_above(axes)
+
+
+def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
+    """Mark speeds at which the motion is unstable, or not known."""
+    known: tuple[tuple[str, str, str, list[tuple[float, float]]], ...] = (
+        ("unstable", _UNSTABLE, "////", [(part.start, part.stop) for part in found.unstable]),
+        ("not known", _MISSING, "....", [(part.start, part.stop) for part, _ in found.missing]),
+    )
+    for label, colour, hatch, parts in known:
+        for number, (start, stop) in enumerate(parts):
+            axes.axvspan(
+                start / RPM,
+                stop / RPM,
+                facecolor="none",
+                edgecolor=colour,
+                hatch=hatch,
+                linewidth=0.0,
+                label=label if number == 0 else None,
+            )
+
+
+def _mark_critical(axes: Axes, found: TorsionFigures) -> None:
+    """Draw a line at each critical speed that the joints excite; its order at the top."""
+    across = axes.get_xaxis_transform()
+    written: list[float] = []
+    span = (found.speed[-1] - found.speed[0]) / RPM
+    for number, critical in enumerate(_excited(found)):
+        speed = critical.speed / RPM
+        label = "critical, with order" if number == 0 else None
+        axes.axvline(speed, label=label, **_CRITICAL)
+        # Labels of lines that lie close to each other would cover each other.
+        if all(abs(speed - other) > 0.04 * span for other in written):
+            axes.annotate(
+                f"{critical.order}",
+                (speed, 1.0),
+                xycoords=across,
+                xytext=(1.5, -1.5),
+                textcoords="offset points",
+                va="top",
+            )
+            written.append(speed)
+
+
+def _excited(found: TorsionFigures) -> list[CriticalSpeed]:
+    """The critical speeds of even orders in the range, those with larger torques first."""
+    inside = [part for part in found.critical_speeds if part.inside and part.order % 2 == 0]
+    return sorted(inside, key=lambda part: -np.nan_to_num(part.amplitude, nan=np.inf))
+
+
+def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
+    """Draw natural frequencies and the frequencies of the orders over the drive speed.
+
+    Where a line of an order crosses a natural frequency there is a critical speed. The speed range
+    of the scene is shaded.
+
+    Args:
+        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: more orders than can be told apart.
+    """
+    low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
+    right = 1.05 * high
+    if not _excited(found):
+        # Up to the next critical speed, unless it is far away.
+        above = [part.speed / RPM for part in found.critical_speeds if part.speed / RPM > high]
+        right = min([1.1 * speed for speed in above if speed < 2.0 * high], default=right)
+    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+        axes.axvspan(low, high, color="0.93", linewidth=0.0, label="speed range")
+        frequencies = [mode.frequency / (2.0 * np.pi) for mode in found.modes]
+        top = 1.25 * max(frequencies)
+        for number, (mode, frequency) in enumerate(zip(found.modes, frequencies, strict=True)):
+            axes.axhline(frequency, label="natural frequency" if number == 0 else None, **_CRITICAL)
+            axes.annotate(
+                f"shaft {mode.shaft}",
+                (0.0, frequency),
+                xytext=(2.0, 1.5),
+                textcoords="offset points",
+            )
+        for number, order in enumerate(found.torsion.orders):
+            axes.plot(
+                [0.0, right],
+                [0.0, order * right / 60.0],
+                label=f"order {order}",
+                **line_style(number),
+            )
+        crossings = [
+            (part.speed / RPM, found.modes[part.mode].frequency / (2.0 * np.pi))
+            for part in found.critical_speeds
+        ]
+        points = np.array(crossings).reshape(-1, 2)
+        axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
+        axes.set_xlim(0.0, right)
+        axes.set_ylim(0.0, top)
+        _finish(axes, "frequency [Hz]")
+    return axes
+
+
+def plot_stability(
+    found: TorsionFigures, joint: int | None = None, *, ax: Axes | None = None
+) -> Axes:
+    """Draw where the motion is unstable, over drive speed and the bend of one joint.
+
+    The bends go from 0 to 40°, or to twice the bend of the scene if that is more, up to 85°. The
+    other joints have the bends of the scene.
+
+    Args:
+        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
+        joint: which joint; by default the one with the largest bend.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: a joint that does not exist.
+    """
+    bends = np.degrees(found.torsion.system.line.bends)
+    top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * float(np.max(bends))))
+    speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)
+    grid = stability_map(found.torsion, speed, np.radians(np.linspace(0.0, top, _BENDS)), joint)
+    rpm, degrees = grid.speed / RPM, np.degrees(grid.bend)
+    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+        from matplotlib.patches import Patch
+
+        shown = (
+            ("unstable", _UNSTABLE, np.where(grid.found, grid.largest, 1.0), 1.0 + 1e-9),
+            ("not known", _MISSING, np.where(grid.found, 0.0, 1.0), 0.5),
+        )
+        handles: list[Any] = []
+        for label, colour, values, edge in shown:
+            if np.any(values > edge):
+                axes.contourf(rpm, degrees, values, levels=[edge, np.inf], colors=[colour])
+                handles.append(Patch(facecolor=colour, label=label))
+        handles.append(axes.axhline(bends[grid.joint], label="bend of the scene", **_CRITICAL))
+        if np.all(grid.stable):
+            axes.annotate("stable", (0.5, 0.5), xycoords="axes fraction", ha="center")
+        axes.set_xlabel(_SPEED)
+        axes.set_ylabel(f"bend of joint {grid.joint} [deg]")
+        value_ticks(axes.xaxis)
+        degree_ticks(axes.yaxis, 0.0, float(degrees[-1]))
+        legend_above(axes, handles=handles)
+    return axes

@@ -1,0 +1,141 @@
+"""Curves of one quantity over the drive angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cardan.app.answers.rounding import flat_limits
+from cardan.app.answers.turn.bands import Bands
+from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
+from cardan.app.scene.units import in_degrees
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
+from cardan.evaluation.outputs import Output
+from cardan.evaluation.sweep import Sweep
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TURN = Sweep.revolutions(721 / 720, 720)
+"""A turn in steps of half a degree, both ends included."""
+
+
+def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:
+    """Return values of an output with angles in degrees, and the unit in brackets."""
+    converted, unit = in_degrees(values, output.unit)
+    return converted, unit and f" [{unit}]"
+
+
+def draw(
+    axes: Axes,
+    angle_deg: FloatArray,
+    curves: Iterable[tuple[str, FloatArray]],
+    scale: float = 1.0,
+) -> None:
+    """Draw curves by their labels, after those already drawn.
+
+    Args:
+        axes: where.
+        angle_deg: drive angles, ``(samples,)``; recorded ones need not rise, and NaN
+            leaves a gap.
+        curves: label and values of each, ``(samples,)``.
+        scale: what values that are all 0 would be measured in.
+    """
+    for place, (label, curve) in enumerate(curves, len(axes.get_lines())):
+        axes.plot(angle_deg, curve, label=label, **line_style(place))
+    first, last = float(np.nanmin(angle_deg)), float(np.nanmax(angle_deg))
+    degree_ticks(axes.xaxis, first, last)
+    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    _frame(axes, first, last, drawn, scale)
+
+
+def draw_stems(
+    axes: Axes, orders: FloatArray, curves: Sequence[tuple[str, FloatArray]], width: float
+) -> None:
+    """Draw amplitudes by order as stems, those of one order side by side; none where they are 0.
+
+    Args:
+        axes: where.
+        orders: multiples of the drive's rotation, ``(orders,)``.
+        curves: label and amplitudes of each, ``(orders,)``.
+        width: of the stems of one order together, in orders.
+    """
+    apart = width / len(curves)
+    for place, (label, sizes) in enumerate(curves):
+        there = sizes > 0.0
+        at = orders[there] + (place - (len(curves) - 1) / 2.0) * apart
+        colour = line_style(place)["color"]
+        axes.vlines(at, 0.0, sizes[there], color=colour)
+        marker = MARKERS[place % len(MARKERS)]
+        axes.plot(at, sizes[there], marker, color=colour, markersize=4.0, label=label)
+
+
+def draw_bands(
+    axes: Axes, bands: Bands, curves: Iterable[tuple[str, FloatArray]], scale: float = 1.0
+) -> None:
+    """Draw curves of many turns: bands of the extremes of each part, a line of its mean.
+
+    Args:
+        axes: where.
+        bands: the parts of the run.
+        curves: label and values of each, ``(samples,)``.
+        scale: what values that are all 0 would be measured in.
+    """
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import StepPatch
+
+    edges, drawn = bands.edges, []
+    for place, (label, curve) in enumerate(curves):
+        least, largest, mean = bands.extremes(curve)
+        style = line_style(place)
+        colour = to_rgb(style["color"])
+        look: dict[str, Any] = {
+            "baseline": least,
+            "facecolor": (*colour, 0.22),
+            "edgecolor": colour,
+            "linewidth": 0.4,
+            "fill": True,
+        }
+        axes.add_artist(StepPatch(largest, edges, **look))
+        axes.plot((edges[:-1] + edges[1:]) / 2.0, mean, label=label, **style)
+        drawn += [least, largest]
+    value_ticks(axes.xaxis)
+    _frame(axes, float(edges[0]), float(edges[-1]), np.concatenate(drawn), scale)
+
+
+def _frame(axes: Axes, first: float, last: float, drawn: FloatArray, scale: float) -> None:
+    """Set grid, ticks of the values and both limits."""
+    axes.grid(visible=True)
+    if last > first:
+        axes.set_xlim(first, last)
+    value_ticks(axes.yaxis)
+    low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
+    room = 0.05 * (high - low)
+    axes.set_ylim(flat_limits(low, high, scale) or (low - room, high + room))
+
+
+def names(
+    line: Driveline, labels: Sequence[str] | None, components: Sequence[str] | None = None
+) -> list[str]:
+    """Return what to call the curves of a driveline or a batch.
+
+    Raises:
+        ValueError: labels that are not one per curve.
+    """
+    if components is not None:
+        known = list(components)
+    elif not line.shape:
+        known = [""]
+    elif line.n_joints == 1:
+        known = [f"bend {bend:.4g}°" for bend in np.degrees(line.bends[:, 0])]
+    else:
+        known = [f"driveline {i}" for i in range(line.shape[0])]
+    if labels is not None and len(labels) != len(known):
+        raise ArgumentValueError(
+            "labels", f"has {len(labels)} entries; there are {len(known)} curves"
+        )
+    return known if labels is None else list(labels)

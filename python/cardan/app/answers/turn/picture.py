@@ -1,0 +1,255 @@
+"""The picture of a whole scene: one page."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cardan.app.answers.states.picture import height_mm, plot_states
+from cardan.app.answers.study.picture import plot_study
+from cardan.app.answers.turn.abscissa import Abscissa, Over, abscissa
+from cardan.app.answers.turn.figures import summary
+from cardan.app.answers.turn.key_figures import key_figures
+from cardan.app.answers.turn.quantities import MOST, DrawnQuantity, quantities
+from cardan.app.pictures.driveline import plot_driveline
+from cardan.app.pictures.style import (
+    MM,
+    STYLE,
+    WIDTH,
+    add_title,
+    matplotlib,
+    number,
+    save,
+    text_width,
+    value_ticks,
+)
+from cardan.app.scene.scene import Scene, SceneResult
+from cardan.app.scene.states import StatesResult
+from cardan.app.scene.units import RPM
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Millimetres: A4 across, its margin, the sketch and the table beside it, the panels below.
+_PAGE, _MARGIN = (297.0, 210.0), 12.0
+_SKETCH, _SKETCH_HEIGHTS = 176.0, (60.0, 80.0)
+_GAP, _BESIDE, _OVER, _UNDER = 4.0, 14.0, 10.0, 5.0
+_TITLE_LINE, _LINE = 5.2, 3.4
+# Lines of the key figures that long values may take.
+_SPARE = 3
+_LOW = 8.0
+_IN_ONE_ROW = 3
+
+
+def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
+    """Return a page, A4 across, of everything that the scene evaluates.
+
+    It has a sketch of the driveline, the key figures, and a panel for each quantity, with a curve
+    for each shaft or joint on one scale: at most 6, those that vary most. The components of a
+    vector have a panel each; those across the driveline share a scale, that along it has its own.
+    Up to three turns are drawn over the drive angle in degrees; of more turns bands show the
+    extremes of each turn, or span of time, and lines the mean of its samples. With the speed of the
+    drive given, acceleration is in rad/s² instead of a ratio.
+
+    Args:
+        result: an evaluated scene.
+        over: ``"turns"``, ``"time"`` or ``"orders"``, amplitudes by multiples of the drive's
+            rotation; by default the time where it was recorded, and else the turns.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: times that were not recorded; orders of less than a turn or of a drive that
+            turns back.
+    """
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
+        along = abscissa(result.scene, over)
+        drawn = quantities(result)
+        top = _title(figure, result.scene)
+        height = _SKETCH_HEIGHTS[len(drawn) <= _IN_ONE_ROW]
+        _sketch(figure, result.scene, top, height)
+        _key_figures(figure, result, top, height)
+        foot = _notes(figure, result.scene, drawn, along)
+        _panels(figure, drawn, along, top - height - _GAP, foot)
+    return figure
+
+
+def write_picture(
+    result: SceneResult,
+    path: str | PathLike[str],
+    column: str | None = None,
+    *,
+    over: Over | None = None,
+) -> None:
+    """Write the picture of a scene in the format that the path's suffix names.
+
+    Args:
+        result: an evaluated scene.
+        path: file to write.
+        column: a figure of the scene's study, to draw over its keys as ``plot_study`` does, or of
+            its states, as ``plot_states`` does.
+        over: what to draw the scene over, as ``plot_scene`` takes it.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix or column, a study of no key or more than two, what
+            ``plot_scene`` cannot draw.
+    """
+    save(plot_scene(result, over=over) if column is None else _study(result, column), path)
+
+
+def _study(result: SceneResult, column: str) -> Figure:
+    scene = result.scene
+    if result.study is None:
+        raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
+    states = result.study if isinstance(result.study, StatesResult) else None
+    height = height_mm(states.states.count) if states else 66.0
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(WIDTH, height * MM), layout="constrained")
+        axes = figure.add_subplot()
+        if states:
+            limits = scene.limits.figures if column == "equivalent_bend" else {}
+            limit = limits.get("equivalent_bend_deg")
+            bound = None if limit is None else float(np.radians(limit.maximum))
+            plot_states(states, column, limit=bound, ax=axes)
+        else:
+            plot_study(result.study, column, ax=axes)
+        add_title(figure, scene.title)
+    return figure
+
+
+def _text(figure: Figure, x: float, y: float, text: str, align: str = "left", **font: str) -> None:
+    """Write at a place in millimetres from the page's lower left corner."""
+    place = x / _PAGE[0], y / _PAGE[1]
+    figure.text(*place, text, ha=align, va="baseline", parse_math=False, fontdict=dict(font))
+
+
+def _axes(figure: Figure, left: float, low: float, width: float, height: float, name: str) -> Axes:
+    """Make axes at a place in millimetres."""
+    place = (left / _PAGE[0], low / _PAGE[1], width / _PAGE[0], height / _PAGE[1])
+    return figure.add_axes(place, label=name)
+
+
+def _title(figure: Figure, scene: Scene) -> float:
+    """Write title and angles; return what is left of the page's height."""
+    y = _PAGE[1] - _MARGIN
+    for text in textwrap.wrap(scene.title or "Driveline", 100 if scene.title.isascii() else 60)[:3]:
+        _text(figure, _MARGIN, y, text, fontsize="x-large", fontweight="bold")
+        y -= _TITLE_LINE
+    driven = scene.driven_angle_deg
+    angles = scene.drive_angle_deg if driven is None else driven
+    first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
+    shaft = "drive" if driven is None else "driven"
+    said = [f"{shaft} angle {first}° to {last}°", f"{len(angles)} samples"]
+    said[1] += f" of {scene.recording.name}" if scene.recording else ""
+    if scene.speed:
+        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)} rpm"]
+    _text(figure, _MARGIN, y - 0.5, ", ".join(said))
+    return y - 5.0
+
+
+def _rpm(speed: float) -> str:
+    return number(float(f"{speed / RPM:.6g}"))
+
+
+def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
+    known = scene.without_missing().line
+    line = known[0] if known.shape else known
+    axes = _axes(figure, _MARGIN, top - height, _SKETCH, height, "driveline")
+    points = None if known.shape else scene.points
+    plot_driveline(line, points=points, length_unit=scene.length_unit, ax=axes)
+
+
+def _key_figures(figure: Figure, result: SceneResult, top: float, height: float) -> None:
+    left, right = _MARGIN + _SKETCH + _GAP, _PAGE[0] - _MARGIN
+    y, size = top - _LINE, float(STYLE["font.size"])
+    _text(figure, left, y, "Key figures", fontweight="bold")
+    for label, value in key_figures(summary(result), int(height / _LINE) - _SPARE):
+        y -= _LINE
+        _text(figure, left, y, label)
+        wide = text_width(label, size) + text_width(value, size) + 2.0 * size
+        # A value that does not fit beside its label goes below it.
+        y -= _LINE if 25.4 / 72.0 * wide > right - left else 0.0
+        _text(figure, right, y, value, "right")
+
+
+def _panels(
+    figure: Figure,
+    drawn: Sequence[DrawnQuantity],
+    along: Abscissa,
+    top: float,
+    foot: float,
+) -> None:
+    """Fill the page between two heights with panels, row by row."""
+    count = len(drawn)
+    rows = 1 if count <= _IN_ONE_ROW else 2 if count <= 8 else -(-count // 4)
+    columns = -(-count // rows)
+    width = (_PAGE[0] - 2.0 * _MARGIN) / columns
+    height = (top - foot) / rows
+    by_scale: dict[str, list[Axes]] = {}
+    for i, quantity in enumerate(drawn):
+        row, column = divmod(i, columns)
+        low = top - (row + 1) * height
+        axes = _axes(
+            figure,
+            _MARGIN + column * width + _BESIDE,
+            low + _UNDER,
+            width - _BESIDE - _GAP,
+            height - _OVER - _UNDER,
+            quantity.heading,
+        )
+        quantity.draw(axes, along, 0.8 * _BESIDE / 25.4 * 72.0)
+        if rows > 2:
+            value_ticks(axes.yaxis, 3)
+        by_scale.setdefault(quantity.scale, []).append(axes)
+        # The lowest panel of each column names what is along it.
+        if i + columns >= count:
+            axes.set_xlabel(along.label, labelpad=1.0)
+    for sharing in by_scale.values():
+        limits = [axes.get_ylim() for axes in sharing]
+        for axes in sharing:
+            axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+
+
+def _notes(figure: Figure, scene: Scene, drawn: Sequence[DrawnQuantity], along: Abscissa) -> float:
+    """Write what the panels cannot say; return the height above it."""
+    said = []
+    if scene.line.shape:
+        said.append("The driveline is drawn with the bends of the first sample.")
+    if scene.driven_angle_deg is not None:
+        said.append("Angles among the key figures are drive angles.")
+    if along.note:
+        said.append(along.note)
+    if any(quantity.left_out for quantity in drawn):
+        said.append(
+            f"Panels show the {MOST} shafts, joints or bearings that vary most; "
+            "those that their legends do not name are left out."
+        )
+    if vectors := list(dict.fromkeys(quantity.vector for quantity in drawn if quantity.vector)):
+        what = " and ".join(vectors).capitalize()
+        said.append(f"{_axes_named(scene)}. {what} across the driveline have a separate scale.")
+    lines = textwrap.wrap(" ".join(said), 200)
+    for i, line in enumerate(reversed(lines)):
+        _text(figure, _MARGIN, _LOW + _LINE * i, line)
+    # Between the panels and the notes are the name of what is along them, and some room.
+    return _LOW + _LINE * len(lines) + 5.0
+
+
+def _axes_named(scene: Scene) -> str:
+    """Whose axes the components of vectors have."""
+    line = scene.line[0] if scene.line.shape else scene.line
+    if scene.points is not None:
+        return "x, y, z: axes of the points"
+    if np.array_equal(line.directions[0], (1, 0, 0)) and np.array_equal(line.normals[0], (0, 0, 1)):
+        return "x: along shaft 0; z: normal of the bend plane of joint 0; y: in that plane"
+    return "x, y, z: axes in which the scene gives its shafts"

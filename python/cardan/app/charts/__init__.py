@@ -1,0 +1,1 @@
+"""Charts, drawings and tables of the page, as SVG and HTML."""

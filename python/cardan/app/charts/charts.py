@@ -1,0 +1,161 @@
+"""Charts as data for SVG: axes with units, curves that dashes alone tell apart, a cursor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.app.charts.name_axis import NameAxis, name_axis
+from cardan.app.charts.samples import Panel
+from cardan.arrays import FloatArray
+
+
+class _Frame(NamedTuple):
+    width: int = 360
+    height: int = 180
+    left: int = 56
+    right: int = 344
+    top: int = 8
+    bottom: int = 142
+
+
+FRAME = _Frame()
+"""Of every chart and map, in units of its drawing."""
+
+_DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
+
+# A curve that varies less than this beside its panel's scale or its own size is flat: it would
+# fill the chart with rounding.
+_FLAT = 1e-9
+
+
+def chart(
+    panel: Panel,
+    x: FloatArray,
+    x_label: str,
+    first: int | None = None,
+    named: tuple[str, Sequence[str]] | None = None,
+) -> dict[str, Any]:
+    """Return heading, ticks, curves and legend as plain data for the macro ``chart``.
+
+    Args:
+        panel: what to draw.
+        x: abscissa of the curves, ``(samples,)``.
+        x_label: what it is, with its unit.
+        first: number of the first curve, by which the script finds it to set its cursor; without
+            one the chart has no cursor.
+        named: what the samples are and the name of each, which replace ``x_label`` and the values
+            of ``x`` where they fit; the samples are then as far from each other.
+    """
+    low, high, flat = _extent(panel)
+    y_ticks = ticks(low, high)
+    low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
+    start, stop = float(np.min(x)), float(np.max(x))
+    stop = stop if stop > start else start + 1.0
+    names = _names(named[1]) if named else None
+    if names:
+        x, start, stop = np.arange(float(len(names.texts))), -0.5, len(names.texts) - 0.5
+
+    def across(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
+        return FRAME.left + (FRAME.right - FRAME.left) * (value - start) / (stop - start)
+
+    def up(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
+        return FRAME.bottom - (FRAME.bottom - FRAME.top) * (value - low) / (high - low)
+
+    if names:
+        x_label = named[0] if named else x_label
+        marks = list(zip(x.tolist(), names.texts, strict=True))
+    else:
+        marks = [(mark, number(mark)) for mark in ticks_of(x_label, start, stop)]
+    lines = []
+    for i, curve in enumerate(panel.curves, first or 0):
+        # A gap stays a gap.
+        values = 0.0 * curve.values + np.nanmean(curve.values) if flat else curve.values
+        points = [f"{a:.1f},{b:.1f}" for a, b in zip(across(x), up(values), strict=True)]
+        pieces = [" ".join(points[piece]) for piece in _pieces(values)]
+        lines.append({"number": i, "label": curve.label, "pieces": pieces})
+    heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
+    return {
+        "frame": FRAME._replace(height=FRAME.height + round(names.room)) if names else FRAME,
+        "moves": first is not None,
+        "heading": heading,
+        "spoken": f"{heading} over {x_label}, from {low:.4g} to {high:.4g}",
+        "x_label": x_label,
+        "x_ticks": [(f"{across(mark):.1f}", text) for mark, text in marks],
+        "tilt": names.tilt if names else 0,
+        "y_ticks": [(f"{up(t):.1f}", f"{up(t) + 4:.1f}", number(t)) for t in y_ticks],
+        "lines": lines,
+        "unit": panel.unit,
+        "left_out": panel.left_out,
+    }
+
+
+def _names(names: Sequence[str]) -> NameAxis | None:
+    """The names below the frame, each in the middle of its share of the axis, if they fit."""
+    edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)
+    return name_axis(names, ((edges[:-1] + edges[1:]) / 2.0).tolist(), FRAME.width)
+
+
+def decimals(panel: Panel) -> int:
+    """Return how many decimals show a panel's values to about four digits of their variation."""
+    low, high, flat = _extent(panel)
+    size = max(abs(low), abs(high))
+    digits = 3 - math.floor(math.log10(size if flat else min(size, high - low)))
+    return min(9, max(0, digits))
+
+
+def number(value: float) -> str:
+    """Write a round number with a true minus sign."""
+    return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")
+
+
+def some(count: int, most: int) -> NDArray[np.intp]:
+    """Places from the first to the last of ``count``, evenly spread, at most ``most``."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
+
+
+def _pieces(values: FloatArray) -> list[slice]:
+    """The runs of values that are numbers."""
+    gaps = np.flatnonzero(np.diff(np.isnan(values), prepend=True, append=True))
+    return [slice(*ends) for ends in gaps.reshape(-1, 2).tolist()]
+
+
+def _extent(panel: Panel) -> tuple[float, float, bool]:
+    values = np.concatenate([curve.values for curve in panel.curves])
+    return scale_of(values[~np.isnan(values)], panel.scale)
+
+
+def scale_of(values: FloatArray, scale: float) -> tuple[float, float, bool]:
+    """Least and largest value with some room if they are the same but for rounding, and whether."""
+    low, high = float(np.min(values)), float(np.max(values))
+    noise = _FLAT * max(scale, abs(low), abs(high))
+    if high - low > noise:
+        return low, high, False
+    middle = (low + high) / 2.0
+    room = 0.05 * abs(middle) if abs(middle) > noise else scale or 1.0
+    return middle - room, middle + room, True
+
+
+def ticks(low: float, high: float, about: float = 4.0) -> Sequence[float]:
+    """Round numbers from at or below ``low`` to at or above ``high``, some ``about`` steps."""
+    rough = (high - low) / about
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(part * power for part in (1.0, 2.0, 2.5, 5.0, 10.0) if part * power >= rough)
+    return [step * i for i in range(math.floor(low / step), math.ceil(high / step) + 1)]
+
+
+def ticks_of(label: str, low: float, high: float) -> Sequence[float]:
+    """Round numbers within an axis: of an angle parts of the turn, of a count whole numbers."""
+    marks = _degree_ticks(low, high) if "deg" in label and high - low > 2.0 else ticks(low, high)
+    counted = label.endswith("counted from 0")
+    return [mark for mark in marks if low <= mark <= high and not (counted and mark % 1.0)]
+
+
+def _degree_ticks(low: float, high: float) -> Sequence[float]:
+    span = high - low
+    step = next((step for step in _DEGREES if span <= 5 * step), 360 * math.ceil(span / 1800.0))
+    return [float(step * i) for i in range(math.ceil(low / step), math.floor(high / step) + 1)]

@@ -1,0 +1,319 @@
+"""What the page of a scene shows sample by sample: every curve, and the pins for the drawing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cardan.app.answers.forces.turn_forces import shortest_arm
+from cardan.app.answers.rounding import alike, first_peak
+from cardan.app.answers.turn.extremes import magnitudes, peak, values_of
+from cardan.app.charts.motion import as_built
+from cardan.app.scene.angles import Angles
+from cardan.app.scene.scene import Scene, SceneResult
+from cardan.app.scene.units import RPM
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import Output
+
+NOMINAL_TORQUE = 100.0
+"""Drive torque in N m that is assumed where a scene gives no torque and no inertia in motion."""
+
+_PER_TURN = 720
+
+# More than a screen can show; a longer recording appears with every n-th of its samples.
+_MOST = 2000
+
+_MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+_LOADED = ("torque", "support_moment", "bending_driving", "bending_driven")
+
+_MOST_CURVES = 6
+
+# Times that begin so many lengths of the recording after 0 are those of a clock.
+_EPOCH = 100.0
+
+# Moments below this share of the largest torque are rounding.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line of a chart: what it is of and its values, ``(samples,)``; NaN where it has none."""
+
+    label: str
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One chart.
+
+    Attributes:
+        heading: the quantity.
+        unit: of its values, "" for a ratio.
+        curves: the lines.
+        scale: a size beside which a billionth is rounding.
+        left_out: how many smaller curves there would be beside them.
+    """
+
+    heading: str
+    unit: str
+    curves: tuple[Curve, ...]
+    scale: float = 1.0
+    left_out: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class PeakSample:
+    """Where a quantity of a shaft or joint is largest.
+
+    Attributes:
+        output: the quantity.
+        item: the shaft or joint.
+        size: magnitude, in the unit of the output.
+        at_deg: first such drive angle in degrees; ``None`` where all are alike.
+        vector: the components there, ``(3,)``; ``None`` of a scalar.
+        state: over states, the name of the one in which it is largest.
+    """
+
+    output: Output
+    item: int
+    size: float
+    at_deg: float | None
+    vector: FloatArray | None
+    state: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A scene evaluated for the page.
+
+    Attributes:
+        result: motion of all shafts, torques and moments at every sample.
+        nominal: whether ``NOMINAL_TORQUE`` is assumed for the load.
+        shown: which of the samples the curves and the drawing show.
+    """
+
+    result: SceneResult
+    nominal: bool
+    shown: slice
+
+    @property
+    def angle_deg(self) -> FloatArray:
+        """Drive angles shown, in degrees, ``(samples,)``."""
+        return self.result.scene.drive_angle_deg[self.shown]
+
+    @property
+    def time(self) -> FloatArray | None:
+        """Times shown in s, ``(samples,)``, if they were recorded; those of an epoch begin at 0."""
+        time = self.result.scene.time
+        if time is None:
+            return None
+        far = abs(float(time[0])) > _EPOCH * float(time[-1] - time[0])
+        return (time - time[0] if far else time)[self.shown]
+
+    @property
+    def every(self) -> int:
+        """Of how many samples one is shown."""
+        return int(self.shown.step)
+
+    @property
+    def largest_torque(self) -> float:
+        """Largest torque in any shaft in N m."""
+        return float(np.max(np.abs(self.result.values["torque"])))
+
+    @property
+    def assumed(self) -> str:
+        """What loads are for, where the scene gives none: an ending of their headings."""
+        return (
+            f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
+            if self.nominal
+            else ""
+        )
+
+    @cached_property
+    def peaks(self) -> list[PeakSample]:
+        """The largest magnitudes of the loads and other quantities of every shaft and joint.
+
+        They are those of a whole turn and of all states, found between the samples; of a recording
+        those of all samples. Of the motion there are closed forms.
+        """
+        return list(self._peaks())
+
+    def _peaks(self) -> Iterator[PeakSample]:
+        for output, item, values in self.result.curves():
+            # An angle grows without end.
+            if output.name in (*_MOTION, "angle"):
+                continue
+            noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
+            if output.unit == "N":
+                noise /= shortest_arm(self.result.scene.line)
+            size, angle, there, state = self._peak(output, item, values)
+            vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
+            if size <= noise:
+                size, angle, state = 0.0, None, ""
+            yield PeakSample(output, item, size, angle, vector, state)
+
+    def _peak(
+        self, output: Output, item: int, values: FloatArray
+    ) -> tuple[float, float | None, FloatArray, str]:
+        """Size, drive angle in degrees if it has one, value there, and the state."""
+        scene = self.result.scene
+        if scene.recording is not None:
+            sizes = magnitudes(output, values)
+            place, everywhere = first_peak(sizes)
+            at = None if everywhere else float(scene.drive_angle_deg[place])
+            return float(sizes[place]), at, values[place], ""
+        each = []
+        for state, line, driving in self._states:
+            load = driving if output.needs_load else None
+            each.append((peak(line, output.name, item, load), line, load, state))
+        found, line, load, state = max(each, key=lambda one: one[0].value)
+        if alike(min(one[0].value for one in each), found.value):
+            state = ""
+        first = found.places[0] if found.places else 0.0
+        there = values_of(line, output.name, item, first, load)
+        return found.value, math.degrees(first) if found.places else None, there, state
+
+    @cached_property
+    def _states(self) -> list[tuple[str, Driveline, Load | None]]:
+        """Name, driveline and load of each state; of a scene without states those of the scene."""
+        scene = self.result.scene
+        if not scene.states:
+            return [("", scene.line_as_built, scene.load_case)]
+        loads = [scene.states.load(i) for i in range(scene.states.count)]
+        return [
+            (
+                name,
+                as_built(scene, scene.states.driveline(i)),
+                scene.load_case if self.nominal else loads[i],
+            )
+            for i, name in enumerate(scene.states.names)
+        ]
+
+    def support_peaks(self) -> list[PeakSample]:
+        """Return the peak of every shaft's support moment."""
+        return [peak for peak in self.peaks if peak.output.name == "support_moment"]
+
+    def panels(self) -> list[Panel]:
+        """Return the charts, a quantity each, of the samples shown."""
+        scene = self.result.scene
+        found: dict[Output, dict[int, FloatArray]] = {}
+        for output, item, values in self.result.curves():
+            # The drive's own motion is no curve to look at.
+            if output.needs_load or output.per == "joint" or item > 0:
+                sizes = np.linalg.norm(values, axis=-1) if output.vector else values
+                found.setdefault(output, {})[item] = sizes
+        panels = list(self._drive())
+        for output, curves in found.items():
+            heading, unit, factor = output.label, output.unit, 1.0
+            scale = self.largest_torque if output.needs_load else 1.0
+            if output.vector:
+                heading += ", magnitude"
+            if unit == "rad":
+                unit, factor = "deg", math.degrees(1.0)
+            if output.name == "acceleration_ratio" and scene.speed:
+                heading, unit, scale = "acceleration", "rad/s²", scene.speed**2
+                heading += " at constant drive speed" if scene.accelerates else ""
+                speed = scene.load_case.speed if scene.load_case else 0.0
+                curves = {item: speed**2 * values for item, values in curves.items()}
+            if output.needs_load:
+                heading += self.assumed
+            # The last shaft is what a driveline is there for.
+            always = scene.line.n_joints if output.per == "shaft" else None
+            by_size = sorted(curves, key=lambda item: (item == always, np.ptp(curves[item])))
+            chosen = tuple(
+                Curve(f"{output.per} {item}", factor * curves[item][self.shown])
+                for item in sorted(by_size[-_MOST_CURVES:])
+            )
+            left_out = len(curves) - len(chosen)
+            panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
+        return panels
+
+    def _drive(self) -> Iterator[Panel]:
+        """The speed of a drive that was recorded over time."""
+        scene = self.result.scene
+        if scene.time is None or scene.load_case is None:
+            return
+        speed = np.broadcast_to(scene.load_case.speed / RPM, scene.time.shape)
+        curve = Curve("shaft 0", np.asarray(speed)[self.shown])
+        yield Panel("drive speed", "rpm", (curve,), float(np.max(np.abs(speed))) or 1.0)
+
+    def pins(self) -> FloatArray:
+        """Return the pins of every cross at the samples shown, as ``pins`` does."""
+        line, angle = self.result.scene.line, self.result.drive_angle[self.shown]
+        return pins(line[self.shown] if line.shape else line, angle)
+
+    def directions(self) -> FloatArray:
+        """Return the shafts' directions, ``(samples, n + 1, 3)`` or a single sample for all."""
+        line = self.result.scene.line
+        return line.directions[self.shown] if line.shape else line.directions[np.newaxis]
+
+
+def evaluated(scene: Scene) -> Samples:
+    """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
+    scene = scene.without_missing()
+    if scene.recording is None:
+        turn = Angles.uniform(1.0, _PER_TURN, float(scene.drive_angle_deg[0]))
+        scene = replace(scene, drive_angle_deg=turn.degrees, angle=turn.drive)
+    extra = tuple(name for name in scene.quantities if name not in _MOTION + _LOADED)
+    scene = replace(
+        scene,
+        quantities=(*_MOTION, *_LOADED, *extra),
+        shafts=tuple(range(scene.line.n_joints + 1)),
+        joints=None,
+        study=None,
+        load_case=scene.load_case or Load(),
+        # Few samples need no short cuts, and what is rounding shall be that of doubles.
+        options={},
+    )
+    result = scene.run()
+    nominal = not np.any(result.values["torque"]) and not _loaded_in_states(scene)
+    if nominal:
+        load = Load(drive_torque=NOMINAL_TORQUE, speed=scene.speed)
+        result = replace(scene, load_case=load).run()
+    every = math.ceil(len(scene.drive_angle_deg) / _MOST)
+    return Samples(result, nominal, slice(None, None, every))
+
+
+def _loaded_in_states(scene: Scene) -> bool:
+    """Whether a state has a torque, which [load] need not have."""
+    states = scene.states
+    loads = [states.load(i) for i in range(states.count)] if states else []
+    return any(load is not None and bool(np.any(load.torque)) for load in loads)
+
+
+def pins(line: Driveline, angle: FloatArray) -> FloatArray:
+    """Return unit vectors along the driving and the driven pin of every joint.
+
+    They follow from the geometry alone: a cross keeps its pins at right angles, a shaft carries
+    its output-side pin at its phase from its input-side one.
+
+    Args:
+        line: one driveline, or one per angle.
+        angle: drive angles in rad, ``(samples,)``.
+
+    Returns:
+        ``(samples, n, 2, 3)``.
+    """
+    return np.stack(list(_crosses(line, angle)), axis=1)
+
+
+def _crosses(line: Driveline, angle: FloatArray) -> Iterator[FloatArray]:
+    normal = line.normals[..., 0, :]
+    in_plane = np.cross(normal, line.directions[..., 0, :])
+    cosine, sine = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    driving = cosine * in_plane + sine * normal
+    for joint in range(line.n_joints):
+        along = line.directions[..., joint + 1, :]
+        driven = np.cross(along, driving)
+        driven = driven / np.linalg.norm(driven, axis=-1, keepdims=True)
+        yield np.stack([driving, driven], axis=1)
+        if joint < line.n_joints - 1:
+            phase = line.phases[..., joint, np.newaxis]
+            driving = np.cos(phase) * driven + np.sin(phase) * np.cross(along, driven)

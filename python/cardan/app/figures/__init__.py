@@ -1,1 +1,0 @@
-"""Figures of scenes that reports, pictures and printed tables have in common."""

@@ -1,0 +1,1 @@
+"""What pictures have in common, and those of joints and drivelines without a scene."""

@@ -1,0 +1,202 @@
+"""How pictures look, and how they become files."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cardan.app.files.pictures import SUFFIXES
+from cardan.app.files.whole_file import whole_file
+from cardan.app.pictures.glyphs import with_glyphs
+from cardan.arrays.errors import ArgumentValueError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+STYLE: Mapping[str, Any] = {
+    "font.size": 7.0,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 7.0,
+    "axes.titlepad": 3.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "lines.markersize": 3.0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "svg.hashsalt": "cardan",
+}
+"""Settings of matplotlib for pictures of 80 mm, for ``matplotlib.rc_context``."""
+
+MM = 1.0 / 25.4
+WIDTH = 80.0 * MM
+
+# Okabe and Ito's palette, which the colour-blind can tell apart; in grey the dashes alone do.
+LINES: tuple[Mapping[str, Any], ...] = (
+    {"color": "#0072B2", "linestyle": "-"},
+    {"color": "#D55E00", "linestyle": (0, (4, 1.5))},
+    {"color": "#009E73", "linestyle": (0, (1, 1.2))},
+    {"color": "#000000", "linestyle": (0, (6, 1.5, 1, 1.5))},
+    {"color": "#CC79A7", "linestyle": (0, (8, 2))},
+    {"color": "#56B4E9", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+)
+"""Colour and dashes of the curves of one picture, in turn."""
+
+THIN: Mapping[str, Any] = {"color": "0.35", "linestyle": "-", "linewidth": 0.7}
+"""A line that helps to read the curves."""
+
+MARKERS = "os^Dvx"
+"""Shapes of the points of one picture, in turn."""
+
+_TICKS = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)  # degrees
+
+
+def matplotlib() -> Any:  # noqa: ANN401 - a module that may be missing
+    """Return the module.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    try:
+        import matplotlib
+    except ModuleNotFoundError:
+        hint = "a picture needs matplotlib: pip install 'cardan[plot]'"
+        raise ModuleNotFoundError(hint) from None
+    return matplotlib
+
+
+@contextlib.contextmanager
+def drawing(
+    ax: Axes | None, projection: str | None = None, height_mm: float = 50.0
+) -> Iterator[Axes]:
+    """Give the axes to draw on: those of the caller, as they are, or new ones in our style."""
+    if ax is not None:
+        if projection is not None and ax.name != projection:
+            raise ArgumentValueError(
+                "ax", f"has projection {ax.name!r}; this picture needs {projection!r}"
+            )
+        yield ax
+        return
+    with matplotlib().rc_context(STYLE):
+        from matplotlib import pyplot
+
+        figure = pyplot.figure(figsize=(WIDTH, height_mm * MM), layout="constrained")
+        try:
+            yield figure.add_subplot(projection=projection)
+        except BaseException:
+            pyplot.close(figure)
+            raise
+
+
+def save(figure: Figure, path: str | PathLike[str]) -> None:
+    """Write a figure in the format that the path's suffix names, the same bytes every time.
+
+    Characters that the figure's font lacks are taken from another installed font; a warning names
+    those that none has.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
+    suffix = Path(path).suffix
+    if suffix not in SUFFIXES:
+        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
+    with matplotlib().rc_context(STYLE), with_glyphs(figure), whole_file(path) as file:
+        figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
+
+
+def add_title(figure: Figure, title: str, width: int = 48) -> None:
+    """Write the title of a scene above a figure, as it is, in lines of at most so many letters."""
+    if title:
+        figure.suptitle(textwrap.fill(title, width), fontsize=8.0, parse_math=False)
+
+
+def line_style(number: int) -> Mapping[str, Any]:
+    """Return colour and dashes of a picture's curve.
+
+    Raises:
+        ValueError: more curves than can be told apart.
+    """
+    if number >= len(LINES):
+        raise ValueError(f"a picture shows at most {len(LINES)} curves that can be told apart")
+    return LINES[number]
+
+
+def degree_ticks(axis: Axis, low: float, high: float) -> None:
+    """Put ticks at round degrees."""
+    from matplotlib.ticker import MultipleLocator
+
+    span = high - low
+    if span > _TICKS[0]:
+        step = next((step for step in _TICKS if span <= 5 * step), 360 * math.ceil(span / 1800.0))
+        axis.set_major_locator(MultipleLocator(step))
+
+
+def value_ticks(axis: Axis, most: int = 5) -> None:
+    """Put ticks at round values in full: an offset beside the axis would cover its heading.
+
+    All of an axis have as many decimals.
+    """
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+    axis.set_major_formatter(
+        FuncFormatter(lambda tick, _: _as_others(tick, axis.get_majorticklocs()))
+    )
+
+
+def _as_others(tick: float, others: Iterable[float]) -> str:
+    """Write a tick with as many decimals as those beside it need."""
+    texts = [number(other) for other in others]
+    if any("e" in text for text in texts):
+        return number(tick)
+    decimals = max(len(text.partition(".")[2]) for text in texts)
+    return f"{tick:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+
+
+def number(value: float) -> str:
+    """Return a number as labels show it."""
+    return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")
+
+
+def text_width(text: str, size: float) -> float:
+    """Return how wide a line of text is, in points, with room for glyphs rounded to pixels."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    # There is no path of no letters.
+    if not text.strip():
+        return 0.0
+    path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
+    return 1.06 * float(np.max(path.vertices[:, 0]))
+
+
+def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes
+    """Put the legend over the right end of the axes, where no curve is."""
+    axes.legend(
+        **{
+            "loc": "lower right",
+            "bbox_to_anchor": (1.0, 1.02),
+            "ncols": 3,
+            "frameon": False,
+            "borderaxespad": 0.0,
+            "borderpad": 0.0,
+            "handlelength": 1.7,
+            "handletextpad": 0.3,
+            "columnspacing": 0.7,
+            **options,
+        }
+    )

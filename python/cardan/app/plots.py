@@ -1,0 +1,111 @@
+"""Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
+
+Every ``plot_`` function but ``plot_scene``, ``plot_forces``, ``plot_ball_joint``,
+``plot_optimise`` and ``plot_torsion`` draws on the axes that it is given as ``ax`` and returns
+them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. These
+five return a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in
+dashes as well as colour, so that they can be told apart in grey.
+
+>>> import cardan.app.plots
+>>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
+>>> axes = cardan.plots.plot_curves(line, "speed_ratio")  # doctest: +SKIP
+>>> cardan.plots.save(axes.figure, "ratio.svg")  # doctest: +SKIP
+"""
+
+from cardan.app.answers.axial_travel.picture import plot_slide_orders, plot_slides, write_slides
+from cardan.app.answers.backlash.picture import plot_backlash, plot_lash, write_backlash
+from cardan.app.answers.ball_joint.picture import (
+    plot_ball_joint,
+    plot_seat_pressure,
+    plot_seat_section,
+)
+from cardan.app.answers.drive_speed.picture import plot_drive_speed
+from cardan.app.answers.forces.picture import plot_force_hodograph, plot_forces
+from cardan.app.answers.life.picture import plot_heat, plot_pin_load, plot_sizes, write_life
+from cardan.app.answers.optimise.picture import (
+    plot_optimise,
+    plot_optimised_states,
+    plot_over_variable,
+)
+from cardan.app.answers.states.picture import plot_states
+from cardan.app.answers.study.picture import plot_study
+from cardan.app.answers.tolerances.picture import (
+    plot_tolerance_shares,
+    plot_tolerances,
+    write_tolerances,
+)
+from cardan.app.answers.torsion.picture import (
+    plot_campbell,
+    plot_stability,
+    plot_torsion,
+    plot_torsion_response,
+)
+from cardan.app.answers.turn.picture import plot_scene, write_picture
+from cardan.app.files.pictures import SUFFIXES
+from cardan.app.pictures.bend_vectors import plot_bend_vectors
+from cardan.app.pictures.catalogue import (
+    plot_angle_error,
+    plot_driven_angle,
+    plot_largest_angle_error,
+    plot_non_uniformity,
+)
+from cardan.app.pictures.curves import plot_curves
+from cardan.app.pictures.double_joint import plot_double_joint
+from cardan.app.pictures.driveline import plot_driveline, yoke_pins
+from cardan.app.pictures.grossmann import plot_bending_moments, plot_torque_ratio
+from cardan.app.pictures.harmonics import plot_harmonics
+from cardan.app.pictures.hodograph import plot_hodograph
+from cardan.app.pictures.result import plot_result
+from cardan.app.pictures.style import STYLE, save
+from cardan.app.pictures.thoma import plot_small_angle
+
+__all__ = [
+    "STYLE",
+    "SUFFIXES",
+    "plot_angle_error",
+    "plot_backlash",
+    "plot_ball_joint",
+    "plot_bend_vectors",
+    "plot_bending_moments",
+    "plot_campbell",
+    "plot_curves",
+    "plot_double_joint",
+    "plot_drive_speed",
+    "plot_driveline",
+    "plot_driven_angle",
+    "plot_force_hodograph",
+    "plot_forces",
+    "plot_harmonics",
+    "plot_heat",
+    "plot_hodograph",
+    "plot_largest_angle_error",
+    "plot_lash",
+    "plot_non_uniformity",
+    "plot_optimise",
+    "plot_optimised_states",
+    "plot_over_variable",
+    "plot_pin_load",
+    "plot_result",
+    "plot_scene",
+    "plot_seat_pressure",
+    "plot_seat_section",
+    "plot_sizes",
+    "plot_slide_orders",
+    "plot_slides",
+    "plot_small_angle",
+    "plot_stability",
+    "plot_states",
+    "plot_study",
+    "plot_tolerance_shares",
+    "plot_tolerances",
+    "plot_torque_ratio",
+    "plot_torsion",
+    "plot_torsion_response",
+    "save",
+    "write_backlash",
+    "write_life",
+    "write_picture",
+    "write_slides",
+    "write_tolerances",
+    "yoke_pins",
+]

@@ -1,1 +1,0 @@
-"""Printed text: what the command and the report say in words."""
