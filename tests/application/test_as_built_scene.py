@@ -13,13 +13,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan import Driveline
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.as_built.figures import ORDERS, as_built_orders
 from cardan.app.answers.as_built.text import BY_DRAWING
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import SummaryRow, summary
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, SceneError
@@ -105,14 +105,14 @@ def test_commands_and_report_show_order_1(tmp_path: Path) -> None:
 @pytest.mark.parametrize("radians", [False, True])
 def test_answers_have_the_orders(radians: bool) -> None:
     scene = Scene.parse(TEXT)
-    data = run_data(scene, summary(scene.run()), None, [], radians=radians)
+    data = run_data(Answer(scene), summary(scene.run()), None, [], radians=radians)
     ANSWERS.validate(data)
     first = data["as_built"][0]
     assert (first["shaft"], first["order"]) == (2, 1)
     error = first["as_built"]["angle_error_rad" if radians else "angle_error_deg"]
     exact = BUILT.harmonics([1], outputs="angle_error").angle_error[0]
     assert error == pytest.approx(exact if radians else np.degrees(exact), rel=1e-9)
-    checked = check_data(scene, verdict(scene))
+    checked = check_data(Answer(scene))
     ANSWERS.validate(checked)
     assert len(checked["as_built"]) == len(ORDERS)
 
@@ -316,6 +316,6 @@ def test_the_state_with_the_largest_order_1_is_told() -> None:
     orders = built.harmonics(ORDERS, outputs="angle_error").angle_error
     np.testing.assert_allclose(found.angle_error[0], orders, rtol=1e-9, atol=1e-12)
     assert found.state == "high"
-    data = check_data(scene, verdict(scene))
+    data = check_data(Answer(scene))
     ANSWERS.validate(data)
     assert data["as_built"][0]["state"] == "high"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash, scene_backlash
-from cardan.app.answers.backlash.text import backlash_text
+from cardan.app.answers.backlash.text import words as backlash_text
 from cardan.app.command import commands
 from cardan.app.plots import plot_backlash, plot_lash, write_backlash
 from cardan.app.scene import Scene, SceneError

@@ -14,13 +14,12 @@ from click.testing import CliRunner
 
 from cardan import BallJoint, Scene
 from cardan.app.answers.ball_joint.figures import (
-    ball_joint_data,
     ball_joint_figures,
     pressure_curve,
 )
-from cardan.app.answers.ball_joint.page import ball_joint as drawn_case
-from cardan.app.answers.ball_joint.text import ball_joint_text
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.ball_joint.figures import data as ball_joint_data
+from cardan.app.answers.ball_joint.text import words as ball_joint_text
+from cardan.app.answers.printed import figure_text
 from cardan.app.command import commands
 from cardan.app.plots import plot_ball_joint
 from cardan.app.report import write_report
@@ -300,9 +299,9 @@ def test_the_picture_shows_the_pressure() -> None:
 
 
 def test_arrows_on_the_page_are_as_long_as_the_pressure() -> None:
-    case = BallJointScene.parse(TEXT).ball_joint
-    assert case
-    drawing = drawn_case(case)["drawing"]
+    alone = BallJointScene.parse(TEXT)
+    case = alone.ball_joint
+    drawing = PARTS["ball_joint"].section(Answer(alone), case)["drawing"]
 
     def points(path: str) -> np.ndarray:
         return np.array([pair.split() for pair in path.strip("MZ").split("L")], float)
@@ -325,10 +324,10 @@ def test_arrows_on_the_page_are_as_long_as_the_pressure() -> None:
 def test_the_section_of_the_page_shows_the_pressure() -> None:
     """Over the ball, the outline stands as high as the pressure, and nowhere else."""
     loose = replaced(TEXT, ("clearance_mm = 0.01", "clearance_mm = 0.1"))
-    case = BallJointScene.parse(loose).ball_joint
-    assert case
+    alone = BallJointScene.parse(loose)
+    case = alone.ball_joint
     found = ball_joint_figures(case)
-    drawing = drawn_case(case)["drawing"]
+    drawing = PARTS["ball_joint"].section(Answer(alone), case)["drawing"]
     outline = np.array([pair.split() for pair in drawing["pressure"][1:-1].split("L")], float)
     inner, outer = outline[: len(outline) // 2], outline[len(outline) // 2 :][::-1]
     # 100 units are the radius of the ball, the load points down.

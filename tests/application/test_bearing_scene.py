@@ -13,8 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
-from cardan.app.answers.forces.figures import SceneForces, forces_data, scene_forces
-from cardan.app.answers.forces.text import force_rows, forces_text
+from cardan.app.answers.forces.figures import SceneForces, scene_forces
+from cardan.app.answers.forces.figures import data as forces_data
+from cardan.app.answers.forces.text import force_rows
+from cardan.app.answers.forces.text import words as forces_text
 from cardan.app.answers.forces.turn_forces import force_figures
 from cardan.app.answers.turn.figures import summary
 from cardan.app.answers.turn.picture import plot_scene

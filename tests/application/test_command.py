@@ -21,9 +21,9 @@ import pytest
 from click.testing import Result
 
 import cardan
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import CHECK_SCHEMA, check_data
 from cardan.app.answers.limits.text import check_text
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.command.files import wrote
 from cardan.app.files.columns import write_columns
@@ -382,13 +382,13 @@ def test_catalogue_and_practice_are_judged_apart(tmp_path: Path) -> None:
 
 def test_advice_follows_the_verdict() -> None:
     scene = Scene.load(TRUCK)
-    found = verdict(scene)
+    found = Answer(scene)
     text = check_text(found)
     assert text.splitlines()[-1] == str(found.motion).splitlines()[-1]
     assert check_text(found, ["make joint 1 14°"]) == (
         f"{text}\n\nWhat would help:\n- make joint 1 14°"
     )
-    assert check_data(scene, found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
+    assert check_data(found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import cardan
 from cardan.app.answers.drive_speed.figures import SHARE, drive_speed
-from cardan.app.answers.drive_speed.text import drive_speed_text
+from cardan.app.answers.drive_speed.text import words as drive_speed_text
 from cardan.app.command import commands
 from cardan.app.plots import plot_drive_speed
 from cardan.app.scene import Scene

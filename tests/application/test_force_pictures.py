@@ -17,9 +17,10 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 
 from cardan import Driveline, Load
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import scene_force_paths
-from cardan.app.answers.forces.page import force_views
 from cardan.app.answers.forces.paths import ForcePath, force_paths
+from cardan.app.answers.table import PARTS
 from cardan.app.charts.tables import inputs
 from cardan.app.command import commands
 from cardan.app.pictures.driveline import _BEARING
@@ -50,6 +51,12 @@ def path_of(axes: Axes) -> np.ndarray:
 
 
 # --- hodographs ------------------------------------------------------------------------------
+
+
+def force_views(scene: Scene) -> list[dict[str, Any]]:
+    answer = Answer(scene)
+    found = answer["forces"]
+    return list(PARTS["forces"].section(answer, found)["views"]) if found else []
 
 
 @pytest.mark.parametrize("bearing", range(5))

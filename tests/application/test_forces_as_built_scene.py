@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -13,17 +14,17 @@ from click.testing import CliRunner
 from matplotlib import pyplot
 
 from cardan import Driveline, Load
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import scene_force_paths, scene_forces
-from cardan.app.answers.forces.page import force_views
-from cardan.app.answers.forces.text import force_rows, forces_text
+from cardan.app.answers.forces.text import force_rows
+from cardan.app.answers.forces.text import words as forces_text
 from cardan.app.answers.forces.turn_forces import force_figures
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
-from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import summary
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.plots import plot_force_hodograph, plot_hodograph
 from cardan.app.report import write_report
@@ -49,6 +50,11 @@ def command(*arguments: str | Path) -> str:
     done = CliRunner().invoke(commands(), [*map(str, arguments)])
     assert done.exit_code in (0, 1), done.output
     return done.stdout
+
+
+def views_of(scene: Scene) -> list[dict[str, Any]]:
+    answer = Answer(scene)
+    return list(PARTS["forces"].section(answer, answer["forces"])["views"])
 
 
 def order(values: np.ndarray, number: int) -> float:
@@ -119,15 +125,15 @@ def test_words_and_answers_have_order_1(tmp_path: Path) -> None:
     assert ideal is not None
     assert "order 1" not in forces_text(ideal)
     scene = Scene.parse(DRAWN)
-    assert "order_1_N" not in json.dumps(check_data(scene, verdict(scene)))
+    assert "order_1_N" not in json.dumps(check_data(Answer(scene)))
     page = tmp_path / "page.html"
     write_report(Scene.parse(TEXT), page)
     words = page.read_text(encoding="utf-8")
     assert "order 1</th>" in words
     assert "it is passed once in a turn, since the joints have deviations." in words
-    assert "over a turn" in force_views(Scene.parse(TEXT))[0]["spoken"]
-    assert "over half a turn" in force_views(scene)[0]["spoken"]
-    said = run_data(Scene.parse(TEXT), summary(Scene.parse(TEXT).run()), None, [])
+    assert "over a turn" in views_of(Scene.parse(TEXT))[0]["spoken"]
+    assert "over half a turn" in views_of(scene)[0]["spoken"]
+    said = run_data(Answer(Scene.parse(TEXT)), summary(Scene.parse(TEXT).run()), None, [])
     ANSWERS.validate(said)
 
 
@@ -185,7 +191,7 @@ def test_studies_and_states_have_forces_as_built(section: str) -> None:
                 peak = np.linalg.norm(force, axis=-1).max()
                 assert table[f"bearing_force_{item}_peak_N"][i] == pytest.approx(peak, rel=1e-9)
         return
-    found = forces_of(scene)
+    found = Answer(scene)["forces"]
     assert found is not None
     assert found.has_order_1
     of_states = [force_figures(line, LOAD) for line in each]

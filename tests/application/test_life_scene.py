@@ -15,13 +15,14 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.data import life_data
 from cardan.app.answers.life.figures import LifeFigures, life_figures, needed_life
-from cardan.app.answers.life.text import life_sentences, life_text, tube_lines, tube_sentences
+from cardan.app.answers.life.text import life_sentences
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
-from cardan.app.answers.tubes.figures import tube_figures, tubes_data
-from cardan.app.answers.verdict import verdict
+from cardan.app.answers.tubes.figures import data as tubes_data
+from cardan.app.answers.tubes.text import tube_lines, tube_sentences
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -176,8 +177,8 @@ def test_limits_of_a_type_are_judged() -> None:
     assert "Joint 1 is bent by 18°; its type permits 15°." in list(life_sentences(found))
     fast = figures(f"{SCENE}{limits}[life]\nspeed_rpm = [10, 1501]\n")
     assert [joint.speed_bend.passes for joint in fast.joints] == [False, False]
-    assert verdict(Scene.parse(f"{SCENE}{limits}")).beyond
-    assert not verdict(Scene.parse(SCENE)).beyond
+    assert Answer(Scene.parse(f"{SCENE}{limits}")).of_verdict("beyond")
+    assert not Answer(Scene.parse(SCENE)).of_verdict("beyond")
 
 
 def test_a_driveline_that_turns_backwards_is_judged_by_the_size_of_its_speed() -> None:
@@ -295,7 +296,7 @@ def test_life_needs_joints_and_a_load() -> None:
 
 def test_tubes_are_those_of_the_library() -> None:
     scene = Scene.parse(f"{SCENE}{TUBE}permitted_stress_MPa = 12\nleast_margin = 5\n")
-    (found,) = tube_figures(scene)
+    (found,) = Answer(scene)["tubes"]
     own = cardan.tube(0.09, 0.003, length=1.5)
     assert found.shaft == 1
     assert found.stiffness == pytest.approx(own.stiffness)
@@ -307,17 +308,17 @@ def test_tubes_are_those_of_the_library() -> None:
     assert found.stress == pytest.approx(own.shear_stress(found.torque))
     assert (found.stress_passes, found.margin_passes) == (False, False)
     assert len(list(tube_sentences([found]))) == 2
-    assert verdict(scene).beyond
+    assert Answer(scene).of_verdict("beyond")
     mild = f"{SCENE}{TUBE}permitted_stress_MPa = 13\nleast_margin = 4\n"
-    assert tube_figures(Scene.parse(mild))[0].passes
-    assert not verdict(Scene.parse(mild)).beyond
-    assert list(tube_sentences(tube_figures(Scene.parse(mild)))) == []
-    turning = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))[0]
+    assert Answer(Scene.parse(mild))["tubes"][0].passes
+    assert not Answer(Scene.parse(mild)).of_verdict("beyond")
+    assert list(tube_sentences(Answer(Scene.parse(mild))["tubes"])) == []
+    turning = Answer(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))["tubes"][0]
     assert turning.torque is turning.stress is None
     assert turning.speed_rpm == pytest.approx(900.0)
-    backwards = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = -900\n{TUBE}"))[0]
+    backwards = Answer(Scene.parse(f"{TWO}[load]\nspeed_rpm = -900\n{TUBE}"))["tubes"][0]
     assert backwards.margin == turning.margin
-    alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
+    alone = Answer(Scene.parse(f"{TWO}{TUBE}"))["tubes"][0]
     assert alone.stress is alone.margin is None
     assert alone.passes
 
@@ -338,14 +339,14 @@ def test_tubes_bear_the_load_in_every_state_and_step() -> None:
         (duty.format("[50, 60]"), 400.0 / math.cos(math.radians(24.0)), "turn", 1600.0),
         (duty.format("[50, 900]"), 900.0 / math.cos(math.radians(18.0)), "lift", 1600.0),
     ):
-        (found,) = tube_figures(Scene.parse(text + section))
+        (found,) = Answer(Scene.parse(text + section))["tubes"]
         assert found.torque == pytest.approx(torque, rel=1e-9)
         assert found.torque_in == place
         assert found.speed_rpm == pytest.approx(rpm)
         assert dict(tube_lines(found))["largest torque"].endswith(f" N m in {place}")
         (data,) = tubes_data((found,))
         assert (data["torque_Nm"], data["torque_in"]) == (found.torque, place)
-    (same,) = tube_figures(Scene.parse(text.replace("[18, 24]", "[18, 18]")))
+    (same,) = Answer(Scene.parse(text.replace("[18, 24]", "[18, 18]")))["tubes"]
     assert same.torque_in == ""
     assert dict(tube_lines(same))["largest torque"].endswith(" N m")
 
@@ -353,7 +354,7 @@ def test_tubes_bear_the_load_in_every_state_and_step() -> None:
 def test_tubes_take_their_lengths_from_points() -> None:
     points = "[driveline]\npoints_mm = [[0,0,0],[300,0,0],[700,300,0],[1200,300,50]]\n"
     scene = Scene.parse(f"{points}[tubes]\nshafts = [0, 1]\nouter_diameter_mm = [60, 70]\n")
-    found = tube_figures(scene)
+    found = Answer(scene)["tubes"]
     assert found[0].mass == pytest.approx(cardan.tube(0.06, length=0.3).mass)
     assert found[1].mass == pytest.approx(cardan.tube(0.07, length=0.5).mass)
 
@@ -364,11 +365,12 @@ def test_the_example_answers(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     scene = Scene.load(CONVEYOR)
     found = needed_life(scene)
-    assert life_text(found, tube_figures(scene)) in done.output
+    for part, each in Answer(scene).parts("life"):
+        assert part.text(each) in done.output
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
     data = json.loads(command("life", CONVEYOR, "--json").output)
     ANSWERS.validate(data)
-    assert data == life_data(scene)
+    assert data == life_data(Answer(scene))
     assert data["chosen_size"] == "1550"
     assert data["steps"][0]["bends_deg"] == [12.0, 18.0]
     assert found.decisive is not None
@@ -381,7 +383,7 @@ def test_the_example_answers(tmp_path: Path) -> None:
     answer = json.loads(command("check", CONVEYOR, "--json").output)
     ANSWERS.validate(answer)
     assert answer["advice"][-1] == advice
-    ANSWERS.validate(check_data(scene, verdict(scene)))
+    ANSWERS.validate(check_data(Answer(scene)))
 
 
 def test_the_page_has_the_life(tmp_path: Path, answered: Answers) -> None:

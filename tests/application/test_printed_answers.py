@@ -13,19 +13,12 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
-from cardan.app.answers.axial_travel.figures import drawn_slides, scene_slides
-from cardan.app.answers.axial_travel.text import slides_text
-from cardan.app.answers.backlash.figures import scene_backlash
-from cardan.app.answers.backlash.text import backlash_text
-from cardan.app.answers.forces.text import forces_text
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.life.figures import needed_life
 from cardan.app.answers.optimise.figures import optimise_data, optimised
-from cardan.app.answers.spline.figures import slip_figures
-from cardan.app.answers.spline.text import slip_text
-from cardan.app.answers.states.figures import forces_of
-from cardan.app.answers.steering.figures import steering_figures
-from cardan.app.answers.steering.text import steering_text
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
+from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.scene import Scene
 from example_scenes import example
@@ -296,23 +289,19 @@ def test_spline() -> None:
 
 
 SECTIONS = {
-    "bearings": lambda scene: forces_text(needed(forces_of(scene))),
-    "worn_joints": lambda scene: backlash_text(needed(scene_backlash(scene))),
-    "slip": lambda scene: slip_text(needed(slip_figures(scene))),
-    "axial_travel": lambda scene: slides_text(needed(scene_slides(scene))),
-    "steering-column": lambda scene: steering_text(needed(steering_figures(scene))),
+    "bearings": "forces",
+    "worn_joints": "backlash",
+    "slip": "spline",
+    "axial_travel": "axial_travel",
+    "steering-column": "steering",
 }
-
-
-def needed(figures: _Figures | None) -> _Figures:
-    assert figures is not None
-    return figures
 
 
 @pytest.mark.parametrize("name", SECTIONS)
 def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None:
     scene = Scene.load(example(f"{name}.toml"))
-    section = SECTIONS[name](scene)
+    answer, part = Answer(scene), PARTS[SECTIONS[name]]
+    section = part.text(answer[part.name])
     ran, checked = printed("run", name, "--into", tmp_path), printed("check", name)
     for text in (ran, checked):
         assert text.count(f"\n\n{section}\n") == 1

@@ -12,7 +12,8 @@ from cardan.app.answers.torsion.data import torsion_data
 from cardan.app.answers.torsion.figures import TorsionFigures, needed_torsion
 from cardan.app.answers.torsion.modes import torsion_basics
 from cardan.app.answers.torsion.stability import SpeedRange, UnstableRange
-from cardan.app.answers.torsion.text import stability_lines, torsion_check_text, torsion_text
+from cardan.app.answers.torsion.text import brief as torsion_check_text
+from cardan.app.answers.torsion.text import stability_lines, torsion_text
 from cardan.app.scene import Scene
 from pages import EXAMPLES, blocks, first_number
 

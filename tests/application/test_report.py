@@ -32,8 +32,8 @@ from selenium.webdriver.remote.webelement import WebElement
 
 from cardan import Driveline, Limits, Load, __version__
 from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.printed import figure_text
 from cardan.app.answers.study.maps import heat_map
-from cardan.app.answers.turn.text import figure_text
 from cardan.app.charts.charts import chart
 from cardan.app.charts.drawing import views
 from cardan.app.charts.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins

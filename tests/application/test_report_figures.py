@@ -18,9 +18,9 @@ from cardan import Driveline, Load
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.life.figures import needed_life
 from cardan.app.answers.optimise.figures import optimised
+from cardan.app.answers.printed import figure_text
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.torsion.figures import torsion_figures
-from cardan.app.answers.turn.text import figure_text
 from cardan.app.scene import Scene
 from example_scenes import Answers, example
 from pages import curves, figure, legend_of, page_of, scales, tables, value

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.app.scene import Scene
 from heights import HEIGHTS, NAMES, POINTS, SPEED, drivelines, scene_text
 from pages import curves, figure, page_of, tables

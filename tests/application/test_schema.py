@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import drive_angles, summary
@@ -222,7 +223,7 @@ def shows(scene: Scene) -> None:
     for radians in (False, True):
         rows, angles = summary(result), drive_angles(scene, radians=radians)
         assert summary_text(rows, angles, radians=radians)
-        answer = run_data(scene, rows, result.study, [], radians=radians)
+        answer = run_data(Answer(scene), rows, result.study, [], radians=radians)
         ANSWERS.validate(json.loads(json.dumps(answer, allow_nan=False)))
         assert columns(result, radians=radians)
         if result.study:

@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 import cardan
 from cardan.app.answers.axial_travel.figures import SceneSlides, drawn_slides, scene_slides
-from cardan.app.answers.axial_travel.text import slides_text
+from cardan.app.answers.axial_travel.text import words as slides_text
 from cardan.app.command import commands
 from cardan.app.plots import plot_slide_orders, plot_slides, write_slides
 from cardan.app.scene import Scene

@@ -14,10 +14,10 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline
-from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.limits.figures import check_scene
 from cardan.app.answers.states.text import verdict_lines
-from cardan.app.answers.steering.figures import steering_data, steering_figures
-from cardan.app.answers.verdict import check_scene
+from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import FRAME, chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.command import commands
@@ -163,9 +163,9 @@ def test_speeds_of_states_are_checked_with_their_own_state() -> None:
 
 
 def test_forces_are_those_of_the_worst_state() -> None:
-    found = forces_of(Scene.parse(TRUCK))
+    found = Answer(Scene.parse(TRUCK))["forces"]
     assert found
-    each = [forces_of(Scene.parse(single(height))) for height in HEIGHTS]
+    each = [Answer(Scene.parse(single(height)))["forces"] for height in HEIGHTS]
     for i, force in enumerate(found.forces):
         largest = [own.forces[i].figures.largest for own in each if own]
         assert force.figures.largest == max(largest)
@@ -271,7 +271,7 @@ def test_states_that_set_the_yokes_have_no_common_setting(tmp_path: Path) -> Non
 def test_steering_over_the_tilt_of_a_column() -> None:
     """Against pins carried by a rotation matrix, and ratios to the left and to the right."""
     scene = Scene.parse(COLUMN)
-    found = steering_figures(scene)
+    found = Answer(scene)["steering"]
     assert found
     lines, drawn = scene.drivelines(), scene.line
     normal, along = drawn.normals[0], drawn.directions[0]
@@ -319,9 +319,9 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
         near = COLUMN.replace("centre_deg = 10", f"centre_deg = {best + off!r}")
         assert words in " ".join(run("check", near, tmp_path)[1].split())
     exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
-    own = steering_figures(Scene.parse(exact))
+    own = Answer(Scene.parse(exact))["steering"]
     assert own
-    assert [one.keys() & {"state"} for one in steering_data(own)["on_centre"]] == [set()]
+    assert [one.keys() & {"state"} for one in PARTS["steering"].data(own)["on_centre"]] == [set()]
     symmetric = exact.replace("centre_deg = 0", f"centre_deg = {own.each[0].turn_to_quick_deg!r}")
     assert "Left and right are symmetric." in run("check", symmetric, tmp_path)[1]
 
@@ -463,7 +463,7 @@ def test_the_report_has_the_loads_of_the_worst_state(tmp_path: Path) -> None:
     alone = answer("phase", single(-160), tmp_path / "one")["catalogue"]["present"]
     rule = np.radians(alone["equivalent_bend_deg"])
     assert f"as in the scene {exact:.4f} {np.degrees(rule):.4f} " in text
-    forces = forces_of(given)
+    forces = Answer(given)["forces"]
     assert forces
     for force in forces.forces:
         row = force.figures

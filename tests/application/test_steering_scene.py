@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cardan.app.answers.steering.figures import OnCentre, SteeringFigures, steering_figures
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.steering.figures import OnCentre, SteeringFigures
 from cardan.app.answers.steering.text import steering_sentences
 from cardan.app.scene import Scene
 
@@ -21,7 +22,7 @@ centre_deg = 25
 
 def test_a_turn_of_the_yoke_leads_to_the_largest_and_to_the_least_ratio() -> None:
     scene = Scene.parse(TEXT)
-    found = steering_figures(scene)
+    found = Answer(scene)["steering"]
     assert found is not None
     (one,) = found.each
     ratio = scene.line.evaluate(np.linspace(0.0, np.pi, 721), "speed_ratio").speed_ratio

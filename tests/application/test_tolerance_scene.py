@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import cardan
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.tolerances.data import tolerances_data
@@ -28,7 +29,6 @@ from cardan.app.answers.tolerances.text import (
     tolerances_text,
     verdict_texts,
 )
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
 from cardan.app.report import write_report
@@ -173,7 +173,7 @@ def test_the_answer_fits_its_schema(tmp_path: Path) -> None:
     result = command("tolerances", WORKSHOP, "--json")
     assert result.exit_code == 0
     assert json.loads(result.stdout) == data
-    checked = check_data(scene(TEXT), verdict(scene(TEXT)))
+    checked = check_data(Answer(scene(TEXT)))
     ANSWERS.validate(checked)
     assert checked["tolerances"]["figures"] == data["figures"]
     small = TEXT.replace("[10, 10]", "[1, 1]").replace("bends_deg = 0.1 ", "bends_deg = 0.01 ")

@@ -12,12 +12,12 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.tolerances.data import tolerances_data
 from cardan.app.answers.tolerances.figures import ToleranceFigure, tolerance_figures
 from cardan.app.answers.tolerances.text import tolerances_text, verdict_texts
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -163,7 +163,7 @@ def test_answers_check_report_and_picture(tmp_path: Path) -> None:
     assert [state["state"] for state in entry["states"]] == ["low", "rest", "high"]
     assert entry["worst"] == max(state["worst"] for state in entry["states"])
     assert entry["worst_in"] == "low"
-    checked = check_data(given, verdict(given))
+    checked = check_data(Answer(given))
     ANSWERS.validate(checked)
     assert checked["tolerances"]["figures"] == data["figures"]
     path = tmp_path / "truck.toml"

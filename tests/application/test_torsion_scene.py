@@ -14,13 +14,13 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 import cardan
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.torsion.data import torsion_data
 from cardan.app.answers.torsion.figures import TorsionFigures, torsion_figures
 from cardan.app.answers.torsion.modes import torsion_basics
 from cardan.app.answers.torsion.text import torsion_advice, torsion_sentences, torsion_text
-from cardan.app.answers.verdict import verdict
 from cardan.app.command import commands
 from cardan.app.scene import Scene
 from cardan.app.scene.torsion import TorsionCase
@@ -418,13 +418,13 @@ def test_check_advises() -> None:
         "Whittaker-Hill equation, one compliant shaft)"
     ) in flat
     scene = Scene.load(RIG)
-    data = check_data(scene, verdict(scene))
+    data = check_data(Answer(scene))
     ANSWERS.validate(data)
     assert data["torsion"]["bend_rules"][0]["exceeded"] is True
     assert [part["inside"] for part in data["torsion"]["critical_speeds"]] == [True, True, True]
     # Advice is no limit: a driveline within the limits passes with it.
     quiet = Scene.parse(JOINT.replace("[20]", "[2]"))
-    assert check_data(quiet, verdict(quiet))["passes"] is True
+    assert check_data(Answer(quiet))["passes"] is True
 
 
 def test_check_is_silent_where_nothing_is_wrong() -> None:

@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cardan.app.answers.as_built.figures import ORDERS, as_built_orders
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.as_built.figures import ORDERS
 from cardan.app.answers.as_built.text import BY_DRAWING, as_built_rows
 from cardan.app.answers.forces.text import force_rows, headings
 from cardan.app.answers.limits.root_rule import fork_signs
+from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.states.figures import forces_of
 from cardan.app.answers.turn.figures import within_turn
-from cardan.app.answers.turn.text import figure_text, range_ends
 from cardan.app.charts.motion import deviates, equivalent, turn_motion
 from cardan.app.charts.samples import PeakSample, Samples
 from cardan.app.scene.bearings import has_lengths
@@ -137,17 +137,17 @@ def _drive(scene: Scene) -> list[tuple[str, str]]:
     return given
 
 
-def results(samples: Samples) -> list[Table]:
+def results(samples: Samples, answer: Answer) -> list[Table]:
     """Return motion and loads of every shaft, loads of joints and bearings, and the harmonics."""
     scene = samples.result.scene
     tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
     if any(peak.output.per == "bearing" for peak in samples.peaks):
         tables.append(_largest(samples, "bearing"))
-    forces = forces_of(scene)
+    forces = answer["forces"]
     if forces and forces.forces:
         caption = f"Forces over a turn [N]{samples.assumed}"
         tables.append(Table(caption, ("", *headings(forces)), force_rows(forces)))
-    if built := as_built_orders(scene):
+    if built := answer["as_built"]:
         heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
         rows = [*as_built_rows(built)]
         tables.append(

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.data import life_data
 from cardan.app.answers.life.figures import needed_life
 from cardan.app.answers.life.picture import write_life
-from cardan.app.answers.life.text import life_text
-from cardan.app.answers.tubes.figures import tube_figures
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
@@ -37,14 +36,14 @@ def command(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan life conveyor.toml --json
     """
     loaded = Scene.load(scene)
-    found = needed_life(loaded)
+    found, answer = needed_life(loaded), Answer(loaded)
     if output is not None:
         check_output(loaded, output)
         write_life(found, output)
     say_answer(
         loaded.title,
-        lambda: life_text(found, tube_figures(loaded)),
-        lambda: life_data(loaded),
+        lambda: "\n\n".join(part.text(each) for part, each in answer.parts("life")),
+        lambda: life_data(answer),
         output,
         as_json=as_json,
     )

@@ -8,20 +8,8 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.as_built.figures import as_built_orders
-from cardan.app.answers.as_built.text import as_built_text
-from cardan.app.answers.axial_travel.figures import scene_slides
-from cardan.app.answers.axial_travel.text import slides_text
-from cardan.app.answers.backlash.figures import scene_backlash
-from cardan.app.answers.backlash.text import backlash_text
-from cardan.app.answers.ball_joint.text import ball_joint_text
-from cardan.app.answers.forces.text import forces_text
-from cardan.app.answers.spline.figures import slip_figures
-from cardan.app.answers.spline.text import slip_text
-from cardan.app.answers.states.figures import forces_of
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.states.text import OF_DRIVELINE, states_text
-from cardan.app.answers.steering.figures import steering_figures
-from cardan.app.answers.steering.text import steering_text
 from cardan.app.answers.study.extremes import StudyTable
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import ball_joint_run_data, run_data
@@ -122,7 +110,7 @@ def command(
         assert whole.study
         files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
         study = StudyFolder(whole.study, into / str(whole.table_file))
-    rows = summary(result)
+    rows, answer = summary(result), Answer(whole)
     angles = drive_angles(whole, radians=radians)
     of_samples = whole.recording or (whole.study and whole.study.quantities)
     warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
@@ -131,7 +119,7 @@ def command(
     if as_json:
         # The files first: of a study on a cluster they hold the figures.
         written = list(files)
-        say(as_json_text(run_data(whole, rows, study, written, radians=radians)))
+        say(as_json_text(run_data(answer, rows, study, written, radians=radians)))
         return
     if whole.title:
         say_before_files(f"{whole.title}\n")
@@ -142,20 +130,8 @@ def command(
         say_before_files(f"\n{OF_DRIVELINE}")
     if whole.missing:
         say_before_files(f"\n{missing_of(whole)}")
-    if built := as_built_orders(whole):
-        say_before_files(f"\n{as_built_text(built, radians=radians)}")
-    if loose := scene_backlash(whole):
-        say_before_files(f"\n{backlash_text(loose, radians=radians)}")
-    if forces := forces_of(whole):
-        say_before_files(f"\n{forces_text(forces, radians=radians)}")
-    if slip := slip_figures(whole):
-        say_before_files(f"\n{slip_text(slip)}")
-    if moved := scene_slides(whole):
-        say_before_files(f"\n{slides_text(moved)}")
-    if steered := steering_figures(whole):
-        say_before_files(f"\n{steering_text(steered)}")
-    if whole.ball_joint:
-        say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
+    for part, found in answer.parts("run"):
+        say_before_files(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
         say_before_files(f"\n{states_text(result.study, radians=radians)}")
     elif result.study:
@@ -171,12 +147,13 @@ def command(
 def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
     if scene.picture_file:
         check_picture(into / scene.picture_file)
-    files = write_ball_joint(scene.ball_joint, into, scene.title)
+    files, answer = write_ball_joint(scene.ball_joint, into, scene.title), Answer(scene)
     if as_json:
-        say(as_json_text(ball_joint_run_data(scene, list(files), radians=radians)))
+        say(as_json_text(ball_joint_run_data(answer, list(files), radians=radians)))
         return
     if scene.title:
         say_before_files(f"{scene.title}\n")
-    say_before_files(ball_joint_text(scene.ball_joint, radians=radians))
+    for part, found in answer.parts("run"):
+        say_before_files(part.text(found, radians=radians))
     for entry in files:
         say_before_files(f"\n{wrote(**entry)}")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.drive_speed.figures import drive_speed
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.drive_speed.text import heading_text, sentences
 from cardan.app.answers.forces.text import largest_text, reasons
 from cardan.app.answers.limits.page import groups, shown, verdict_data, verdict_of
@@ -17,12 +17,8 @@ from cardan.app.answers.limits.remedies_text import (
     arrangement_text,
     remedies,
 )
-from cardan.app.answers.spline.figures import slip_figures
-from cardan.app.answers.states.figures import forces_of
-from cardan.app.answers.tolerances.figures import tolerance_figures
+from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.tolerances.text import verdict_texts
-from cardan.app.answers.turn.text import figure_text, range_ends
-from cardan.app.answers.verdict import Verdict
 from cardan.app.answers.yokes.text import phases_text, tooth_lines, yoke_lines
 from cardan.app.charts.motion import deviates, turn_motion
 from cardan.app.charts.samples import Samples
@@ -48,21 +44,18 @@ _SMOOTH = {
 _SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the best teeth"}
 
 
-def answer(
-    scene: Scene, samples: Samples, judged: Verdict, yokes: dict[str, Any] | None
-) -> dict[str, Any]:
+def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None) -> dict[str, Any]:
     """Return the three answers as plain data for ``answer.html``.
 
     Args:
-        scene: the scene.
-        samples: the same evaluated for the page.
-        judged: the verdict on it, with its check.
+        answer: the answer to the scene.
+        samples: the scene evaluated for the page.
         yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
     """
-    found = judged.motion
+    scene, found = answer.scene, answer.motion
     assert found is not None
     return {
-        "verdict": verdict_data(judged),
+        "verdict": verdict_data(answer),
         "smooth": _smooth(scene, found),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
@@ -72,15 +65,15 @@ def answer(
             else "The bends vary along the recording. Yoke settings are given for fixed bends only."
         ),
         "remedies": _of_one_joint(scene),
-        "drive_speed": _drive_speed(scene),
-        "forces": _forces(samples),
-        "spline": _spline(scene),
-        "toleranced": _toleranced(scene),
+        "drive_speed": _drive_speed(answer),
+        "forces": _forces(answer),
+        "spline": _spline(answer),
+        "toleranced": _toleranced(answer),
     }
 
 
-def _toleranced(scene: Scene) -> list[str]:
-    found = tolerance_figures(scene)
+def _toleranced(answer: Answer) -> list[str]:
+    found = answer["tolerances"]
     return verdict_texts(found) if found else []
 
 
@@ -160,25 +153,25 @@ def _of_one_joint(scene: Scene) -> list[str]:
     return remedies(advice(scene.line, float(limit)))
 
 
-def _forces(samples: Samples) -> list[str]:
+def _forces(answer: Answer) -> list[str]:
     """The largest force of a bearing, and why forces are not known."""
-    found = forces_of(samples.result.scene)
+    found = answer["forces"]
     return [] if found is None else [*filter(None, [largest_text(found)]), *reasons(found)]
 
 
-def _spline(scene: Scene) -> str:
+def _spline(answer: Answer) -> str:
     """What the axial force of a spline adds to the loads of the bearings."""
-    found = slip_figures(scene)
+    found = answer["spline"]
     if found is None or found.force is None:
         return ""
     return (
-        f"The spline of shaft {found.slip.shaft} adds an axial force of up to "
+        f"The spline of shaft {found.shaft} adds an axial force of up to "
         f"{figure_text(found.force)} N while it slides."
     )
 
 
-def _drive_speed(scene: Scene) -> dict[str, Any] | None:
-    found = drive_speed(scene)
+def _drive_speed(answer: Answer) -> dict[str, Any] | None:
+    found = answer["drive_speed"]
     if found is None:
         return None
     words = [f"{text[:1].upper()}{text[1:]}." for text in sentences(found)]

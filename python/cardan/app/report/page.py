@@ -13,33 +13,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan import __version__
-from cardan.app.answers.axial_travel.figures import scene_slides
-from cardan.app.answers.axial_travel.page import slides_section
-from cardan.app.answers.ball_joint.page import ball_joint, page_data
-from cardan.app.answers.forces.page import force_views
-from cardan.app.answers.life.figures import life_figures
-from cardan.app.answers.life.page import life
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.page import limits_table
 from cardan.app.answers.optimise.page import optimise
-from cardan.app.answers.spline.figures import slip_figures
-from cardan.app.answers.spline.page import slip
 from cardan.app.answers.states.page import states
-from cardan.app.answers.steering.figures import steering_figures
-from cardan.app.answers.steering.page import steering
 from cardan.app.answers.study.page import study
-from cardan.app.answers.tolerances.figures import tolerance_figures
-from cardan.app.answers.tolerances.page import tolerances
-from cardan.app.answers.torsion.figures import torsion_figures
-from cardan.app.answers.torsion.page import torsion
-from cardan.app.answers.tubes.figures import tube_figures
-from cardan.app.answers.verdict import verdict
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.charts import tables
 from cardan.app.charts.charts import chart, decimals
 from cardan.app.charts.drawing import drawing
 from cardan.app.charts.samples import Panel, Samples, evaluated
 from cardan.app.files.progress import Progress
-from cardan.app.report.answer import answer
+from cardan.app.report.answer import first_answer
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.states import StatesResult
@@ -55,8 +40,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         return _ball_joint_page(scene)
     template = environment().get_template("page.html")
     result = scene.run(progress)
-    samples, judged = evaluated(scene), verdict(scene)
-    found = judged.motion
+    samples, answer = evaluated(scene), Answer(scene)
+    found = answer.motion
     assert found is not None
     # Of one joint there is nothing to set, and for recorded bends no setting.
     fixed = scene.line.n_joints > 1 and not scene.line.shape
@@ -64,13 +49,10 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     yokes = yoke_settings(scene) if fixed else None
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
-    joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
-    spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
-    toleranced, vibration = tolerance_figures(scene), torsion_figures(scene)
-    moved = scene_slides(scene)
+    table = result.study
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
-        answer(scene, samples, judged, yokes),
+        first_answer(answer, samples, yokes),
         version=__version__,
         style=_part("page.css"),
         script=_part("page.js"),
@@ -83,33 +65,38 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         date=_today(),
         every=samples.every,
         inputs=tables.inputs(scene),
-        results=[limits_table(found), *tables.results(samples)],
+        results=[limits_table(found), *tables.results(samples, answer)],
         study=None if table is None or over_states else study(table, found),
         states=states(scene, over_states, found, yokes) if over_states else None,
         charts=[
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
-        force_paths=force_views(scene),
-        ball_joint=joint,
-        slides=slides_section(scene, moved) if moved else None,
-        slip=slip(spline) if spline else None,
-        steering=steering(steered) if steered else None,
-        torsion=torsion(vibration) if vibration else None,
+        parts=_parts(answer),
         optimise=optimise(scene),
-        tolerances=tolerances(toleranced, scene.tolerances, scene.tolerance_arms)
-        if toleranced and scene.tolerances
-        else None,
-        life=life(life_figures(scene), tube_figures(scene)),
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
 
 
+def _parts(answer: Answer) -> list[dict[str, Any]]:
+    """The sections of the parts; a section of views without any is none."""
+    sections = [part.section(answer, found) for part, found in answer.parts("report")]
+    return [section for section in sections if section.get("views") != []]
+
+
 def _ball_joint_page(scene: BallJointScene) -> str:
+    answer = Answer(scene)
     template = environment().get_template("ball_joint/whole_page.html")
-    style = _part("page.css")
-    return template.render(page_data(scene), version=__version__, style=style, date=_today())
+    return template.render(
+        title=scene.title or Path(scene.name).name,
+        name=Path(scene.name).name,
+        parts=_parts(answer),
+        verdict=answer.verdict,
+        version=__version__,
+        style=_part("page.css"),
+        date=_today(),
+    )
 
 
 def _today() -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
 from cardan.app.answers.study.extremes import finite_or_none
 from cardan.app.scene.scene import Scene
@@ -96,8 +97,8 @@ def _orders(scene: Scene, shaft: int, halves: FloatArray | None, state: str) -> 
     )
 
 
-def as_built_data(found: list[ShaftOrders], *, radians: bool = False) -> list[dict[str, Any]]:
-    """Return the orders as plain data for JSON, as ``AS_BUILT_SCHEMA`` describes it."""
+def data(found: list[ShaftOrders], *, radians: bool = False) -> list[dict[str, Any]]:
+    """Return the orders as plain data for JSON, as ``SCHEMA`` describes it."""
     angle, turned = ("rad", float) if radians else ("deg", math.degrees)
     entries = []
     for each in found:
@@ -124,7 +125,7 @@ _AMPLITUDES = record(
     },
 )
 
-AS_BUILT_SCHEMA: Mapping[str, Any] = {
+SCHEMA: Mapping[str, Any] = {
     "type": "array",
     "description": "amplitudes by order of joints as built, if the scene gives deviations or "
     "tolerances of them",
@@ -144,4 +145,9 @@ AS_BUILT_SCHEMA: Mapping[str, Any] = {
         },
     ),
 }
-"""JSON Schema of ``as_built_data``."""
+"""JSON Schema of ``data``."""
+
+
+def find(answer: Answer) -> list[ShaftOrders]:
+    """Return the figures of an answer's scene."""
+    return as_built_orders(answer.scene)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cardan.app.answers.as_built.figures import ORDERS, ShaftOrders
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.design.wrapping import fill
 
 BY_DRAWING = (
@@ -16,7 +16,7 @@ BY_DRAWING = (
 )
 
 
-def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
+def words(found: list[ShaftOrders], *, radians: bool = False) -> str:
     """Return the orders as a table of plain text, and what they do not change."""
     table = [("Joints as built: amplitudes", *(f"order {order}" for order in ORDERS))]
     table += [(f"  {label}", *figures) for label, *figures in as_built_rows(found, radians=radians)]

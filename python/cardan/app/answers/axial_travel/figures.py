@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
 from cardan.app.scene.offsets import AxisOffsets
 from cardan.app.scene.scene import Scene
@@ -87,8 +88,8 @@ def drawn_slides(scene: Scene) -> Slides:
     return found.offsets.slides(scene.line)
 
 
-def slides_data(found: SceneSlides) -> list[dict[str, Any]]:
-    """Return the figures as plain data for JSON, as ``SLIDES_SCHEMA`` describes it."""
+def data(found: SceneSlides, *, radians: bool = False) -> list[dict[str, Any]]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
     return [
         {
             "joint": one.joint,
@@ -107,7 +108,7 @@ def slides_data(found: SceneSlides) -> list[dict[str, Any]]:
 _NUMBER = {"type": "number"}
 _COUNT = {"type": "integer", "minimum": 0}
 
-SLIDES_SCHEMA: Mapping[str, Any] = {
+SCHEMA: Mapping[str, Any] = {
     "type": "array",
     "items": record(
         {
@@ -122,4 +123,9 @@ SLIDES_SCHEMA: Mapping[str, Any] = {
         optional={"state": {"type": "string"}},
     ),
 }
-"""JSON Schema of ``slides_data``."""
+"""JSON Schema of ``data``."""
+
+
+def find(answer: Answer) -> SceneSlides | None:
+    """Return the figures of an answer's scene."""
+    return scene_slides(answer.scene)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cardan.app.answers.axial_travel.figures import ORDERS, SceneSlides, SlideFigures
-from cardan.app.answers.phrases import table_text
+from cardan.app.answers.printed import table_text
 from cardan.design.wrapping import fill
 
 HEADINGS = ("travel", *(f"order {order}" for order in ORDERS))
@@ -23,7 +23,7 @@ _ALONG = {
 }
 
 
-def slides_text(found: SceneSlides) -> str:
+def words(found: SceneSlides, *, radians: bool = False) -> str:
     """Return the slides as a table and what they come from, as plain text, 79 wide."""
     over = "states and turn" if found.each[0].state else "a turn"
     moving = slide_rows(found)

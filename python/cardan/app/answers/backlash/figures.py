@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
-from cardan.app.scene.backlash import JointPlay
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -116,12 +116,12 @@ def drawn_backlash(scene: Scene) -> Backlash:
     return found
 
 
-def backlash_data(found: Backlash, play: JointPlay, *, radians: bool = False) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``BACKLASH_SCHEMA`` describes it."""
+def data(found: Backlash, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
     unit = "rad" if radians else "deg"
     data: dict[str, Any] = {"torque_Nm": found.torque, "end": found.end}
     rows = {"lash": found.lash}
-    if play.stiffness is not None:
+    if np.any(found.wind_up):
         rows["wind_up"] = found.wind_up
     for name, values in rows.items():
         shown = values if radians else np.degrees(values)
@@ -131,11 +131,16 @@ def backlash_data(found: Backlash, play: JointPlay, *, radians: bool = False) ->
 
 _RANGE = record({"min": {"type": "number"}, "max": {"type": "number"}})
 
-BACKLASH_SCHEMA: Mapping[str, Any] = {
+SCHEMA: Mapping[str, Any] = {
     **record(
         {"torque_Nm": {"type": "number"}, "end": {"enum": ["drive", "output"]}},
         dict.fromkeys(("lash_deg", "lash_rad", "wind_up_deg", "wind_up_rad"), _RANGE),
     ),
     "description": "how far the last shaft is loose while the drive is held, over a turn",
 }
-"""JSON Schema of ``backlash_data``."""
+"""JSON Schema of ``data``."""
+
+
+def find(answer: Answer) -> Backlash | None:
+    """Return the figures of an answer's scene."""
+    return scene_backlash(answer.scene)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from cardan.app.answers.backlash.figures import Backlash
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.design.wrapping import fill
 
 
-def backlash_text(found: Backlash, *, radians: bool = False) -> str:
+def words(found: Backlash, *, radians: bool = False) -> str:
     """Say how far the last shaft is loose, and how far the torque winds it up."""
     text = f"With the drive held the last shaft is loose by {_range(found.lash, radians)}."
     if np.any(found.wind_up):

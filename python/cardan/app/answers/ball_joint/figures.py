@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import ANGLE, one_of, record
 from cardan.app.answers.study.extremes import finite_or_none
 from cardan.app.scene.ball_joint import BallJointCase, Material
@@ -164,7 +165,7 @@ def fitting_curve(case: BallJointCase, theta: FloatArray) -> FloatArray | None:
     return np.asarray(fit.pressure(theta, case.load))
 
 
-def section(theta: FloatArray, height: FloatArray | float) -> tuple[FloatArray, FloatArray]:
+def cross_section(theta: FloatArray, height: FloatArray | float) -> tuple[FloatArray, FloatArray]:
     """Return points of a section through ball and seat in ball radii, the load pointing down.
 
     Args:
@@ -177,8 +178,8 @@ def section(theta: FloatArray, height: FloatArray | float) -> tuple[FloatArray, 
 # --- plain data --------------------------------------------------------------------------------
 
 
-def ball_joint_data(case: BallJointCase, *, radians: bool = False) -> dict[str, Any]:
-    """Return a ball joint as plain data for JSON, as ``BALL_JOINT_SCHEMA`` describes it."""
+def data(case: BallJointCase, *, radians: bool = False) -> dict[str, Any]:
+    """Return a ball joint as plain data for JSON, as ``SCHEMA`` describes it."""
     found, joint = ball_joint_figures(case), case.joint
     unit, turned = ("rad", float) if radians else ("deg", math.degrees)
     return {
@@ -220,7 +221,7 @@ def _scaled(value: float | None, factor: float) -> float | None:
 _FIGURE = {"type": ["number", "null"]}
 _VERDICT = {"enum": ["within", "beyond", "not judged"]}
 
-BALL_JOINT_SCHEMA: Mapping[str, Any] = one_of(
+SCHEMA: Mapping[str, Any] = one_of(
     {
         "verdict": _VERDICT,
         "load_N": {"type": "number"},
@@ -261,4 +262,14 @@ BALL_JOINT_SCHEMA: Mapping[str, Any] = one_of(
         for name in ("half_angle", "contact_angle")
     ),
 )
-"""JSON Schema of ``ball_joint_data``: figures that the scene has no input for are null."""
+"""JSON Schema of ``data``: figures that the scene has no input for are null."""
+
+
+def find(answer: Answer) -> BallJointCase | None:
+    """Return the figures of an answer's scene."""
+    return answer.of.ball_joint
+
+
+def verdicts(found: BallJointCase) -> dict[str, str]:
+    """Return the verdicts on what the scene limits."""
+    return {"pressure": ball_joint_figures(found).verdict}

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
     BallJointFigures,
     ball_joint_figures,
+    cross_section,
     fitting_curve,
     pressure_curve,
-    section,
 )
 from cardan.app.answers.ball_joint.text import ball_joint_lines, verdict_text
 from cardan.app.answers.limits.page import shown
-from cardan.app.answers.turn.text import figure_text
-from cardan.app.answers.verdict import verdict
+from cardan.app.answers.printed import figure_text
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
 from cardan.app.scene.ball_joint import BallJointCase
-from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.arrays import FloatArray
 
 # Of the drawing: pixels of a ball radius, ball radii of the peak pressure and of the seat.
@@ -30,8 +28,8 @@ _SCALE, _PEAK, _SEAT = 100.0, 0.5, 0.7
 _ARROWS = 13
 
 
-def ball_joint(case: BallJointCase) -> dict[str, Any]:
-    """Return a ball joint as plain data for ``ball_joint.html``."""
+def section(_: Answer, case: BallJointCase) -> dict[str, Any]:
+    """Return a ball joint as plain data for ``page.html``."""
     found = ball_joint_figures(case)
     theta, pressure = pressure_curve(case)
     curves = [Curve("pressure on the seat", 1e-6 * pressure)]
@@ -48,16 +46,6 @@ def ball_joint(case: BallJointCase) -> dict[str, Any]:
         "table": Table("Ball joint", ("Figure", "Value"), ball_joint_lines(case, found)),
         "chart": chart(panel, np.degrees(theta), "angle from the line of the load [deg]"),
         "drawing": _drawing(case, found),
-    }
-
-
-def page_data(scene: BallJointScene) -> dict[str, Any]:
-    """Return what the page of a ball joint alone shows."""
-    return {
-        "title": scene.title or Path(scene.name).name,
-        "name": Path(scene.name).name,
-        "ball_joint": ball_joint(scene.ball_joint),
-        "verdict": verdict(scene).word,
     }
 
 
@@ -93,6 +81,6 @@ def _ring(theta: FloatArray, height: FloatArray) -> str:
 
 
 def _path(theta: FloatArray, height: FloatArray) -> str:
-    across, up = section(theta, height)
+    across, up = cross_section(theta, height)
     points = zip(_SCALE * across, -_SCALE * up, strict=True)
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)

@@ -9,11 +9,11 @@ import numpy as np
 
 from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
+    cross_section,
     fitting_curve,
     pressure_curve,
-    section,
 )
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.app.pictures.style import (
     MM,
     STYLE,
@@ -91,7 +91,7 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     found = ball_joint_figures(case)
     with drawing(ax, height_mm=78.0) as axes:
         around = np.linspace(-np.pi, np.pi, 361)
-        axes.fill(*section(around, 0.0), facecolor="0.92", edgecolor="0.35", linewidth=0.8)
+        axes.fill(*cross_section(around, 0.0), facecolor="0.92", edgecolor="0.35", linewidth=0.8)
         seat = _ring(theta, np.zeros_like(theta), np.full_like(theta, _SEAT))
         axes.fill(
             *seat, facecolor="white", edgecolor="0.35", linewidth=0.8, hatch="////", alpha=0.3
@@ -99,11 +99,11 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         height = _PEAK * pressure / found.peak
         blue = line_style(0)["color"]
         axes.fill(*_ring(theta, np.zeros_like(theta), height), facecolor=blue, alpha=0.25)
-        axes.plot(*section(theta, height), color=blue)
+        axes.plot(*cross_section(theta, height), color=blue)
         _arrows(axes, case, found.peak)
         for side in (-1.0, 1.0):
             edge = np.full(2, side * found.contact_angle)
-            axes.plot(*section(edge, np.array([-1.0, _SEAT])), **THIN)
+            axes.plot(*cross_section(edge, np.array([-1.0, _SEAT])), **THIN)
         axes.annotate(
             "",
             (0.0, -0.15),
@@ -111,7 +111,7 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
             arrowprops={"arrowstyle": "-|>", "color": "black", "linewidth": 1.2},
         )
         axes.text(0.07, 0.35, f"{figure_text(case.load)} N", parse_math=False)
-        across, down = section(np.array(0.0), _SEAT + 0.04)
+        across, down = cross_section(np.array(0.0), _SEAT + 0.04)
         axes.text(
             float(across),
             float(down),
@@ -162,7 +162,7 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
 
 def _ring(theta: FloatArray, inner: FloatArray, outer: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The outline of what lies between two heights over the ball."""
-    inside, outside = section(theta, inner), section(theta, outer)
+    inside, outside = cross_section(theta, inner), cross_section(theta, outer)
     return (
         np.concatenate([inside[0], outside[0][::-1]]),
         np.concatenate([inside[1], outside[1][::-1]]),
@@ -175,7 +175,7 @@ def _arrows(axes: Axes, case: BallJointCase, peak: float) -> None:
     for angle, height in zip(theta, _PEAK * pressure / peak, strict=True):
         if height < 0.05 * _PEAK:
             continue
-        (x0, x1), (y0, y1) = section(np.full(2, angle), np.array([0.0, height]))
+        (x0, x1), (y0, y1) = cross_section(np.full(2, angle), np.array([0.0, height]))
         axes.annotate(
             "",
             (x1, y1),

@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 
 from cardan.app.answers.ball_joint.figures import BallJointFigures, Part, ball_joint_figures
-from cardan.app.answers.turn.text import aligned, figure_text
+from cardan.app.answers.printed import aligned, figure_text
 from cardan.app.scene.ball_joint import BallJointCase, Material
 from cardan.design.wrapping import fill
 
 _MPA = 1e-6
 
 
-def ball_joint_text(case: BallJointCase, *, radians: bool = False) -> str:
+def words(case: BallJointCase, *, radians: bool = False) -> str:
     """Return the figures of a ball joint and its verdict as plain text, 79 characters wide."""
     found = ball_joint_figures(case)
     lines = ball_joint_lines(case, found, radians=radians)

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
 from cardan.app.answers.rounding import is_cancelled
 from cardan.app.answers.study.extremes import finite_or_none
@@ -95,11 +96,8 @@ def drive_speed(scene: Scene) -> DriveSpeed | None:
     )
 
 
-def drive_speed_data(scene: Scene) -> dict[str, Any] | None:
-    """Return the same as plain data for JSON, as ``DRIVE_SPEED_SCHEMA`` describes it."""
-    found = drive_speed(scene)
-    if found is None:
-        return None
+def data(found: DriveSpeed, *, radians: bool = False) -> dict[str, Any]:
+    """Return the same as plain data for JSON, as ``SCHEMA`` describes it."""
     return {
         "verdict": found.verdict,
         "variation": finite_or_none(found.variation),
@@ -116,22 +114,24 @@ def drive_speed_data(scene: Scene) -> dict[str, Any] | None:
 
 _FIGURE = {"type": ["number", "null"]}
 
-DRIVE_SPEED_SCHEMA: Mapping[str, Any] = {
-    "description": "null where nothing depends on it; variations are from peak to peak",
-    "oneOf": [
-        {"type": "null"},
-        record(
-            {
-                "verdict": {"enum": ["fair", "not fair", "no drive inertia"]},
-                "shaft": {"type": "integer", "minimum": 1},
-                **dict.fromkeys(("variation", "shaft_variation", "share"), _FIGURE),
-                "share_limit": {"type": "number"},
-                "inertia_kgm2": {"type": "number"},
-                "needed_inertia_kgm2": _FIGURE,
-                "source": {"type": "string"},
-            },
-            {"state": {"type": "string", "description": "the state that needs most inertia"}},
-        ),
-    ],
+SCHEMA: Mapping[str, Any] = {
+    "description": "variations are from peak to peak",
+    **record(
+        {
+            "verdict": {"enum": ["fair", "not fair", "no drive inertia"]},
+            "shaft": {"type": "integer", "minimum": 1},
+            **dict.fromkeys(("variation", "shaft_variation", "share"), _FIGURE),
+            "share_limit": {"type": "number"},
+            "inertia_kgm2": {"type": "number"},
+            "needed_inertia_kgm2": _FIGURE,
+            "source": {"type": "string"},
+        },
+        {"state": {"type": "string", "description": "the state that needs most inertia"}},
+    ),
 }
-"""JSON Schema of ``drive_speed_data``."""
+"""JSON Schema of ``data``."""
+
+
+def find(answer: Answer) -> DriveSpeed | None:
+    """Return the figures of an answer's scene."""
+    return drive_speed(answer.scene)

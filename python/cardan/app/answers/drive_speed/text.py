@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cardan.app.answers.drive_speed.figures import SHARE, SOURCE, DriveSpeed
-from cardan.app.answers.phrases import rounded_up
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text, rounded_up
 from cardan.design.wrapping import wrap
 
 _HEADINGS = {
@@ -16,7 +15,7 @@ _HEADINGS = {
 }
 
 
-def drive_speed_text(found: DriveSpeed) -> str:
+def words(found: DriveSpeed, *, radians: bool = False) -> str:
     """Return the finding as plain text, 79 characters wide."""
     lines = [heading_text(found)]
     for words in sentences(found):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.paths import ForcePath, force_paths
 from cardan.app.answers.forces.turn_forces import FORCES, ForceFigures, force_figures
 from cardan.app.answers.json_schema import ANGLE, one_of, record
@@ -167,8 +168,8 @@ _PARTS_AS_BUILT = ("largest", "mean", "order_1", "order_2", "order_4")
 # --- plain data --------------------------------------------------------------------------------
 
 
-def forces_data(found: SceneForces, *, radians: bool = False) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``FORCES_SCHEMA`` describes it."""
+def data(found: SceneForces, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
     return {
         "figures": [_entry(force, found.has_order_1, radians) for force in found.forces],
         "not_determinate": [
@@ -194,7 +195,7 @@ def _entry(force: Force, has_order_1: bool, radians: bool) -> dict[str, Any]:
 _FORCE = {"type": ["number", "null"], "description": "null if it is not finite"}
 _COUNT = {"type": "integer", "minimum": 0}
 
-FORCES_SCHEMA: Mapping[str, Any] = {
+SCHEMA: Mapping[str, Any] = {
     "description": "forces over a turn, of joints and bearings, at the load of the scene",
     **record(
         {
@@ -237,4 +238,27 @@ FORCES_SCHEMA: Mapping[str, Any] = {
         }
     ),
 }
-"""JSON Schema of ``forces_data``."""
+"""JSON Schema of ``data``."""
+
+
+def find(answer: Answer) -> SceneForces | None:
+    """Return the forces of a scene over a turn; over its states, those of the worst state of each.
+
+    ``None`` as for ``scene_forces``.
+    """
+    scene, states = answer.scene, answer.scene.states
+    if states is None:
+        return scene_forces(scene)
+    each = [scene_forces(scene.in_state(i)) for i in range(states.count)]
+    found = [(name, forces) for name, forces in zip(states.names, each, strict=True) if forces]
+    if not found:
+        return None
+    refused: dict[str, str] = {}
+    worst: dict[tuple[str, int], Force] = {}
+    for name, forces in found:
+        refused |= forces.refused
+        for force in forces.forces:
+            key = (force.figures.per, force.figures.item)
+            if key not in worst or force.figures.largest > worst[key].figures.largest:
+                worst[key] = replace(force, state=name)
+    return SceneForces(tuple(worst.values()), refused, scene.deviations is not None)

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.forces.figures import SceneForces, scene_force_paths
 from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath
-from cardan.app.answers.states.figures import forces_of
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.app.charts.charts import number, ticks
-from cardan.app.scene.scene import Scene
 
 # Units of a drawing; the views have one scale both ways.
 _WIDTH, _HEIGHT = 360.0, 300.0
@@ -23,12 +22,11 @@ _SMALL = 0.15  # a path smaller than this share of its force has no drive angles
 _MARKS = range(0, 180 * PER_DEGREE, 30 * PER_DEGREE)
 
 
-def force_views(scene: Scene) -> list[dict[str, Any]]:
+def section(answer: Answer, found: SceneForces) -> dict[str, Any]:
     """Return a view of the force of each joint and bearing; none without forces over a turn."""
-    found = forces_of(scene)
-    if not found or not any(force.figures.largest > 0.0 for force in found.forces):
-        return []
-    return [_view(path) for path in scene_force_paths(scene)]
+    if not any(force.figures.largest > 0.0 for force in found.forces):
+        return {"views": []}
+    return {"views": [_view(path) for path in scene_force_paths(answer.scene)]}
 
 
 def _view(path: ForcePath) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath, force_path
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text
 from cardan.app.pictures.style import (
     LINES,
     MM,

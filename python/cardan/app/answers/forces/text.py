@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator
 
 from cardan.app.answers.forces.figures import Force, SceneForces
-from cardan.app.answers.phrases import table_text
-from cardan.app.answers.turn.text import angle_text, figure_text
+from cardan.app.answers.printed import angle_text, figure_text, table_text
 from cardan.design.wrapping import wrap
 
 
@@ -17,7 +16,7 @@ def headings(found: SceneForces) -> tuple[str, ...]:
     return ("largest", "at", "mean", *first, "order 2", "order 4")
 
 
-def forces_text(found: SceneForces, *, radians: bool = False) -> str:
+def words(found: SceneForces, *, radians: bool = False) -> str:
     """Return the forces as a table of plain text, and the reason for those that are missing."""
     lines = []
     if found.forces:

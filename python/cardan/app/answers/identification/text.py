@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cardan.app.answers.turn.text import aligned, figure_text
+from cardan.app.answers.printed import aligned, figure_text
 from cardan.design.wrapping import fill
 
 # A recording whose purity is farther from 1, and by more than the noise can do, shows something

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import answer, answer_schema, record
 from cardan.app.answers.life.figures import (
     AgainstLimit,
@@ -15,22 +16,21 @@ from cardan.app.answers.life.figures import (
     round_off,
 )
 from cardan.app.answers.study.extremes import finite_or_none
-from cardan.app.answers.tubes.figures import TUBES_SCHEMA, tube_figures, tubes_data
-from cardan.app.scene.scene import Scene
+from cardan.app.answers.table import PARTS
 
 
-def life_data(scene: Scene) -> dict[str, Any]:
+def life_data(found: Answer) -> dict[str, Any]:
     """Return the life of a scene's joints as plain data for JSON, as ``LIFE_SCHEMA`` describes it.
 
     Raises:
         ValueError: as ``needed_life``.
     """
-    tubes = {"tubes": tubes_data(found)} if (found := tube_figures(scene)) else {}
-    return answer("life", scene.title, **life_part(needed_life(scene)), **tubes)
+    tubes = {"tubes": PARTS["tubes"].data(found["tubes"])} if found["tubes"] else {}
+    return answer("life", found.of.title, **data(needed_life(found.scene)), **tubes)
 
 
-def life_part(found: LifeFigures) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``LIFE_PART`` describes them."""
+def data(found: LifeFigures, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes them."""
     duty, first = found.duty, found.decisive
     return {
         "L10_h": None if first is None else _maybe(first.hours),
@@ -166,10 +166,10 @@ _PART: Mapping[str, Any] = {
     },
 }
 
-LIFE_PART = record(_PART)
-"""JSON Schema of what ``life_part`` returns."""
+SCHEMA = record(_PART)
+"""JSON Schema of what ``data`` returns."""
 
 LIFE_SCHEMA = answer_schema(
-    "life", "what cardan life prints with --json", _PART, {"tubes": TUBES_SCHEMA}
+    "life", "what cardan life prints with --json", _PART, {"tubes": PARTS["tubes"].schema()}
 )
 """JSON Schema of what ``life_data`` returns."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.app.answers.answer import Answer
 from cardan.app.scene.duty import DutyCycle
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sizes import JointSize
@@ -287,3 +288,17 @@ def _efficiency(joints: Sequence[JointLife], duty: DutyCycle) -> float | None:
     lost = sum(joint.heat.mean for joint in joints if joint.heat)
     power = np.sum(duty.shares * np.abs(duty.load.torque * duty.load.speed))
     return float(1.0 - lost / power)
+
+
+def find(answer: Answer) -> LifeFigures | None:
+    """Return the figures of an answer's scene."""
+    return life_figures(answer.scene)
+
+
+def verdicts(found: LifeFigures) -> dict[str, str]:
+    """Return the verdicts on what the scene limits."""
+    bends = all(joint.passes for joint in found.joints)
+    return {
+        "life": "within" if found.reaches_target else "beyond",
+        "bend for the type": "within" if bends else "beyond",
+    }

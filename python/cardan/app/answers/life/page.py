@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures
 from cardan.app.answers.life.text import (
     SIZE_HEADS,
@@ -16,10 +16,7 @@ from cardan.app.answers.life.text import (
     life_sentences,
     size_rows,
     step_rows,
-    tube_lines,
-    tube_sentences,
 )
-from cardan.app.answers.tubes.figures import TubeFigures
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
@@ -28,35 +25,21 @@ from cardan.wear.pin_loads import pins_at
 _SAMPLES = 181
 
 
-def life(found: LifeFigures | None, tubes: Sequence[TubeFigures]) -> dict[str, Any] | None:
-    """Return joints and tubes in service as plain data for ``life.html``, if there are any."""
-    if found is None and not tubes:
-        return None
-    tables = [
-        Table(f"Tube of shaft {tube.shaft}", ("Figure", "Value"), tube_lines(tube))
-        for tube in tubes
-    ]
-    sentences, charts, bars = [*tube_sentences(tubes)], [], []
-    passes = all(tube.passes for tube in tubes)
-    if found is not None:
-        sentences = [*life_sentences(found), *sentences]
-        passes = passes and found.passes
-        tables = [
+def section(_: Answer, found: LifeFigures) -> dict[str, Any]:
+    """Return the joints in service as plain data for ``page.html``."""
+    return {
+        "class": "good" if found.passes else "bad",
+        "sentences": list(life_sentences(found)),
+        "tables": [
             Table("Duty cycle", STEP_HEADS, step_rows(found)),
             *(
                 Table(f"Joint {joint.joint}", ("Figure", "Value"), joint_lines(joint, found))
                 for joint in found.joints
             ),
             *([Table("Sizes", SIZE_HEADS, size_rows(found))] if found.sizes else []),
-            *tables,
-        ]
-        charts, bars = [_pin_load(found)], _bars(found)
-    return {
-        "class": "good" if passes else "bad",
-        "sentences": sentences or ["The tubes are within the limits that the scene gives."],
-        "tables": tables,
-        "charts": charts,
-        "bars": bars,
+        ],
+        "charts": [_pin_load(found)],
+        "bars": _bars(found),
     }
 
 

@@ -1,4 +1,4 @@
-"""The life and the heat of joints, and their tubes, in words."""
+"""The life and the heat of joints, in words."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ import textwrap
 from collections.abc import Iterator, Sequence
 
 from cardan.app.answers.life.figures import AgainstLimit, JointLife, LifeFigures, SizeLife
-from cardan.app.answers.phrases import short
-from cardan.app.answers.tubes.figures import TubeFigures
-from cardan.app.answers.turn.text import aligned, figure_text
+from cardan.app.answers.printed import aligned, figure_text, short
 from cardan.design.wrapping import fill
 
 STEP_HEADS = ("Step", "Share", "Speed [rpm]", "Torque [N m]", "Bends [deg]")
 """Headings of the table of the duty cycle."""
 
 
-def life_text(found: LifeFigures, tubes: Sequence[TubeFigures] = ()) -> str:
+def words(found: LifeFigures, *, radians: bool = False) -> str:
     """Return all about the life of the joints as plain text, 79 wide."""
     parts = [_filled(life_sentences(found))]
     parts.append(f"Duty cycle\n{_table(STEP_HEADS, step_rows(found))}")
@@ -27,12 +25,10 @@ def life_text(found: LifeFigures, tubes: Sequence[TubeFigures] = ()) -> str:
         ]
     if found.sizes:
         parts.append(f"Sizes\n{_table(SIZE_HEADS, size_rows(found))}")
-    if tubes:
-        parts.append(tubes_text(tubes))
     return "\n\n".join(parts)
 
 
-def life_verdict_text(found: LifeFigures) -> str:
+def brief(found: LifeFigures) -> str:
     """Return what a check says of the life, 79 wide."""
     return f"Life of the joints\n{_filled(life_sentences(found))}"
 
@@ -168,57 +164,6 @@ def _size_row(one: SizeLife) -> list[str]:
         "" if one.heat is None else figure_text(one.heat),
         "within" if one.fits else "beyond",
     ]
-
-
-def tubes_text(tubes: Sequence[TubeFigures]) -> str:
-    """Return the tubes as plain text, 79 wide."""
-    parts = [
-        f"Tube of shaft {tube.shaft}\n{aligned(tube_lines(tube), indent='  ')}" for tube in tubes
-    ]
-    faults = list(tube_sentences(tubes))
-    return "\n\n".join([*parts, _filled(faults)] if faults else parts)
-
-
-def tube_lines(tube: TubeFigures) -> list[tuple[str, str]]:
-    """Return the figures of a tube as pairs."""
-    lines = [
-        ("torsional stiffness", f"{figure_text(tube.stiffness)} N m/rad"),
-        ("moment of inertia", f"{figure_text(tube.inertia)} kg m²"),
-    ]
-    if tube.stress is not None and tube.torque is not None:
-        limit = ""
-        if tube.permitted_stress is not None:
-            limit = f"; permitted {1e-6 * tube.permitted_stress:.4g} MPa"
-        where = f" in {tube.torque_in}" if tube.torque_in else ""
-        lines += [
-            ("largest torque", f"{figure_text(tube.torque)} N m{where}"),
-            ("shear stress", f"{1e-6 * tube.stress:.4g} MPa{limit}"),
-        ]
-    lines.append(("critical bending speed", f"{tube.critical_rpm:.0f} rpm"))
-    if tube.margin is not None and tube.speed_rpm is not None:
-        least = "" if tube.least_margin is None else f"; at least {tube.least_margin:.4g}"
-        lines.append(
-            ("margin", f"{tube.margin:.3g} times the largest speed {tube.speed_rpm:.6g} rpm{least}")
-        )
-    return lines
-
-
-def tube_sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
-    """Say what is beyond the limits of the scene, and where a speed is near half the critical."""
-    for tube in tubes:
-        if not tube.stress_passes:
-            assert tube.stress is not None
-            assert tube.permitted_stress is not None
-            yield (
-                f"The shear stress in the tube of shaft {tube.shaft} is "
-                f"{1e-6 * tube.stress:.4g} MPa, beyond the permitted "
-                f"{1e-6 * tube.permitted_stress:.4g} MPa."
-            )
-        if not tube.margin_passes:
-            yield (
-                f"The critical bending speed of shaft {tube.shaft} is {tube.margin:.3g} times its "
-                f"largest speed; the scene requires {tube.least_margin:.4g} times."
-            )
 
 
 def hours_text(hours: float) -> str:

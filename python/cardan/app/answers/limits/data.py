@@ -9,31 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.answers.as_built.figures import AS_BUILT_SCHEMA, as_built_data, as_built_orders
-from cardan.app.answers.axial_travel.figures import SLIDES_SCHEMA, scene_slides, slides_data
-from cardan.app.answers.backlash.figures import BACKLASH_SCHEMA, backlash_data, scene_backlash
-from cardan.app.answers.ball_joint.figures import (
-    BALL_JOINT_SCHEMA,
-    ball_joint_data,
-)
-from cardan.app.answers.drive_speed.figures import DRIVE_SPEED_SCHEMA, drive_speed_data
-from cardan.app.answers.forces.figures import FORCES_SCHEMA, forces_data
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import answer, answers_with, record
-from cardan.app.answers.life.data import LIFE_PART, life_part
-from cardan.app.answers.life.figures import life_figures
-from cardan.app.answers.spline.figures import SLIP_SCHEMA, slip_data, slip_figures
-from cardan.app.answers.states.figures import VERDICTS_SCHEMA, forces_of, verdicts_data
-from cardan.app.answers.steering.figures import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.app.answers.study.extremes import finite_or_none
-from cardan.app.answers.tolerances.data import TOLERANCES_PART, tolerances_part
-from cardan.app.answers.tolerances.figures import tolerance_figures
-from cardan.app.answers.torsion.data import TORSION_CHECK_SCHEMA, torsion_check_data
-from cardan.app.answers.torsion.modes import torsion_basics
-from cardan.app.answers.tubes.figures import TUBES_SCHEMA, tube_figures, tubes_data
-from cardan.app.answers.verdict import Verdict, verdict
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.scene import Scene
+from cardan.app.answers.table import PARTS
 from cardan.app.scene.units import RPM
+from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
 
 _ENDINGS = {"deg": "deg", "rad/s²": "rad_s2"}
@@ -46,69 +27,43 @@ _PRACTICE = {
 }
 
 
-def check_data(scene: Scene, judged: Verdict, advice: Sequence[str] = ()) -> dict[str, Any]:
+def check_data(found: Answer, advice: Sequence[str] = ()) -> dict[str, Any]:
     """Return a check as plain data for JSON, as ``CHECK_SCHEMA`` describes it.
 
     Args:
-        scene: the scene that was checked.
-        judged: the verdict on it, with its check.
+        found: the answer to the scene.
         advice: what would bring it within the limits, a sentence each.
     """
-    found = judged.motion
-    assert found is not None
+    parts = {part.name: part.data(each) for part, each in found.parts("check")}
+    own = {} if found.motion is None else _motion(found.motion, advice)
+    return answer("check", found.of.title, **_overall(found), **own, **parts)
+
+
+def _overall(found: Answer) -> dict[str, Any]:
+    """The one verdict, and what makes it."""
+    return {
+        "verdict": found.verdict,
+        "passes": found.passes,
+        "beyond": [each.name for each in found.of_verdict("beyond")],
+    }
+
+
+def _motion(found: Check, advice: Sequence[str]) -> dict[str, Any]:
+    """The check of the driveline."""
     by_figure = {finding.figure: finding for finding in found.findings}
-    more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
-    if built := as_built_orders(scene):
-        more["as_built"] = as_built_data(built)
-    if (loose := scene_backlash(scene)) and scene.service.play:
-        more["backlash"] = backlash_data(loose, scene.service.play)
-    if forces := forces_of(scene):
-        more["forces"] = forces_data(forces)
-    if slip := slip_figures(scene):
-        more["slip"] = slip_data(slip)
-    if moved := scene_slides(scene):
-        more["slides"] = slides_data(moved)
-    if steered := steering_figures(scene):
-        more["steering"] = steering_data(steered)
-    if scene.states:
-        more["states"] = verdicts_data(scene, found)
-    if toleranced := tolerance_figures(scene):
-        more["tolerances"] = tolerances_part(toleranced)
-    if life := life_figures(scene):
-        more["life"] = life_part(life)
-    if tubes := tube_figures(scene):
-        more["tubes"] = tubes_data(tubes)
-    if compliant := torsion_basics(scene):
-        more["torsion"] = torsion_check_data(compliant)
-    if scene.ball_joint:
-        more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
         figure: _entry(by_figure[figure]) if figure in by_figure else None for figure in _PRACTICE
     }
-    return answer(
-        "check",
-        scene.title,
+    return {
         **_counts(found.ranks),
-        **_overall(judged),
-        preset=found.limits.preset,
-        catalogue={
+        "preset": found.limits.preset,
+        "catalogue": {
             **_verdict(found.catalogue.ranks),
             "equivalent_bend": _entry(by_figure["equivalent_bend"]),
         },
-        practice={**_verdict(found.practice.ranks), **practice},
-        advice=list(advice),
-        **more,
-    )
-
-
-def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:
-    """Return the check of a ball joint alone as plain data for JSON."""
-    data = ball_joint_data(scene.ball_joint)
-    return answer("check", scene.title, **_overall(verdict(scene)), ball_joint=data)
-
-
-def _overall(judged: Verdict) -> dict[str, Any]:
-    return {"verdict": judged.word, "passes": judged.passes, "beyond": judged.beyond}
+        "practice": {**_verdict(found.practice.ranks), **practice},
+        "advice": list(advice),
+    }
 
 
 def _verdict(ranks: NDArray[np.int_]) -> dict[str, Any]:
@@ -199,7 +154,7 @@ CHECK_SCHEMA = answers_with(
         ),
         "advice": {"type": "array", "items": {"type": "string"}},
     },
-    {"ball_joint": BALL_JOINT_SCHEMA},
+    {"ball_joint": PARTS["ball_joint"].schema()},
     needed={
         "verdict": {**_VERDICT, "description": "the worst of all that has a limit"},
         "passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"},
@@ -209,20 +164,7 @@ CHECK_SCHEMA = answers_with(
             "description": "what is beyond its limits besides the motion of the driveline",
         },
     },
-    optional={
-        "drive_speed": DRIVE_SPEED_SCHEMA,
-        "as_built": AS_BUILT_SCHEMA,
-        "backlash": BACKLASH_SCHEMA,
-        "forces": FORCES_SCHEMA,
-        "slip": SLIP_SCHEMA,
-        "slides": SLIDES_SCHEMA,
-        "steering": STEERING_SCHEMA,
-        "states": VERDICTS_SCHEMA,
-        "tolerances": TOLERANCES_PART,
-        "life": LIFE_PART,
-        "tubes": TUBES_SCHEMA,
-        "torsion": TORSION_CHECK_SCHEMA,
-    },
+    optional={name: part.schema() for name, part in PARTS.items() if "check" in part.shown},
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 

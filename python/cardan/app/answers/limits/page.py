@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.text import verdict_lines
 from cardan.app.answers.names import key_name
-from cardan.app.answers.turn.text import figure_text
-from cardan.app.answers.verdict import Verdict
+from cardan.app.answers.printed import figure_text
 from cardan.app.charts.charts import number
 from cardan.app.charts.tables import Table
 from cardan.design.check import Check
@@ -36,12 +36,12 @@ def shown(verdict: str) -> str:
     return _SHOWN[verdict][0]
 
 
-def verdict_data(judged: Verdict) -> dict[str, Any]:
+def verdict_data(answer: Answer) -> dict[str, Any]:
     """Return the verdict on a scene for the top of its page."""
     return {
-        "word": judged.word,
-        "class": shown(judged.word),
-        "words": " ".join(verdict_lines(judged)),
+        "word": answer.verdict,
+        "class": shown(answer.verdict),
+        "words": " ".join(verdict_lines(answer)),
     }
 
 

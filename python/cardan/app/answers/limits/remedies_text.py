@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from cardan.app.answers.phrases import listed
+from cardan.app.answers.printed import listed
 from cardan.motion.workshop import VIEW, both_senses
 
 _NAMES = {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cardan.app.answers.phrases import listed
-from cardan.app.answers.verdict import Verdict
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import listed
 from cardan.design.check import Check
 from cardan.design.judged import counted
 from cardan.design.wrapping import wrap
@@ -25,26 +25,28 @@ _BALL_JOINT = {
 }
 
 
-def verdict_lines(judged: Verdict) -> list[str]:
+def verdict_lines(answer: Answer) -> list[str]:
     """Return the verdict on a scene in one sentence, or in two if its motion is not the worst."""
-    found = judged.motion
-    if judged.beyond:
-        whose = "its limit" if len(judged.beyond) == 1 else "their limits"
-        worst = f"Beyond {whose}: {listed(judged.beyond)}."
+    found = answer.motion
+    beyond = [f"the {each.name}" for each in answer.of_verdict("beyond")]
+    if beyond:
+        whose = "its limit" if len(beyond) == 1 else "their limits"
+        worst = f"Beyond {whose}: {listed(beyond)}."
         return [worst] if found is None else [worst, _of_motion(found)]
-    return [_BALL_JOINT[judged.word] if found is None else found.heading]
+    return [_BALL_JOINT[answer.verdict] if found is None else found.heading]
 
 
-def check_text(judged: Verdict, advice: Sequence[str] = ()) -> str:
+def check_text(answer: Answer, advice: Sequence[str] = ()) -> str:
     """Return the verdict and its check in words, and what would bring it within the limits.
 
     Args:
-        judged: the verdict on a scene with a driveline.
+        answer: the answer to a scene.
         advice: what would bring it within the limits, a sentence each.
     """
-    _, rest = str(judged.motion).split("\n", 1)
-    lines = [line for text in verdict_lines(judged) for line in wrap(text, 79)]
-    lines += [rest, *(["", "What would help:"] if advice else [])]
+    lines = [line for text in verdict_lines(answer) for line in wrap(text, 79)]
+    if answer.motion is not None:
+        lines.append(str(answer.motion).split("\n", 1)[1])
+    lines += ["", "What would help:"] if advice else []
     for sentence in advice:
         lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
     return "\n".join(lines)

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.optimise.figures import Optimised, unit_of, variable_data
-from cardan.app.answers.phrases import listed
-from cardan.app.answers.turn.text import figure_text
+from cardan.app.answers.printed import figure_text, listed
 from cardan.app.scene.optimise import Variable
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill

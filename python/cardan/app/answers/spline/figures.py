@@ -2,161 +2,138 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from cardan.app.answers.json_schema import record
-from cardan.app.answers.rounding import alike
-from cardan.app.answers.study.extremes import End, finite_or_none
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.over import over
+from cardan.app.answers.rows import Judged, count, figure, item, parts, word
 from cardan.app.answers.turn.extremes import peak
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.slip import Slip
 from cardan.app.scene.study import Study
 from cardan.arrays import FloatArray
-from cardan.design.judged import LimitVerdict, is_within, worst_of
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
-# A shaft without a spline may change its length by this much, in mm: less than any play.
-_FIXED_MM = 0.01
+# A shaft without a spline may change its length by this much, in m: less than any play.
+_FIXED = 1e-5
 
 
 @dataclass(frozen=True)
 class Support:
-    """What the axial force does to a shaft that holds the sliding one; in N.
+    """What the axial force does to a shaft that holds the sliding one."""
 
-    Attributes:
-        side: where it is, seen from the sliding shaft.
-        shaft: which shaft bears the force; an end shaft bears its own.
-        axial: largest part along that shaft.
-        transverse: largest part across it, at the joint.
-    """
-
-    side: Literal["upstream", "downstream"]
-    shaft: int
-    axial: float
-    transverse: float
+    shaft: int = item("shaft")
+    side: Literal["upstream", "downstream"] = word("side", "seen from the sliding shaft")
+    axial: float = figure("force along it", "N", "largest part along that shaft")
+    transverse: float = figure("force across it", "N", "largest part across it, at the joint")
 
 
 @dataclass(frozen=True)
 class BearingLoad:
-    """What the axial force adds to a bearing of the shafts that hold the sliding one.
+    """What the axial force adds to a bearing of the shafts that hold the sliding one."""
 
-    Attributes:
-        bearing: which bearing, in the order of the scene.
-        shaft: its shaft.
-        force: largest radial force over the states in N.
-    """
-
-    bearing: int
-    shaft: int
-    force: float
+    bearing: int = item("bearing")
+    on_shaft: int = count("shaft", "shaft of the bearing")
+    force: float = figure("radial force", "N", "largest over the states")
 
 
 @dataclass(frozen=True)
-class Limited:
-    """A figure of the spline beside its limit; mm.
+class OtherShaft:
+    """A shaft without a spline that changes its length."""
 
-    Attributes:
-        value: the figure, ``None`` if the scene does not determine it.
-        limit: what is permitted, ``None`` if the scene does not say.
-        verdict: whether it is.
-    """
-
-    value: float | None
-    limit: float | None
-    verdict: LimitVerdict
+    shaft: int = item("shaft")
+    travel: float = figure("travel", "mm", "longest less shortest length")
 
 
 @dataclass(frozen=True)
-class SlipFigures:
-    """How a spline is used; lengths in mm.
+class SplineFigures:
+    """How a spline is used over the states or the study of a scene."""
 
-    Attributes:
-        slip: the spline.
-        drivelines: how many states the figures are of.
-        length: of the shaft at the points of the scene.
-        shortest: least length over the study.
-        longest: largest length over the study.
-        travel: difference of the two, and its limit.
-        engaged: least engaged length, and its limit.
-        push_in: what is left until the spline bottoms at the shortest length; its limit is 0.
-        torque: largest torque of the shaft in N m, ``None`` without a friction and a load.
-        force: largest axial force in N.
-        supports: what the force does upstream and downstream.
-        bearings: what it adds to bearings; empty where the scene does not determine it.
-        others: shafts without a spline that change their length, and by how much.
-    """
+    shaft: int = item("shaft")
+    drivelines: int = count("drivelines", "states or drivelines of the study")
+    length: float = figure("length at the points of the scene", "mm")
+    shortest: Judged | None = figure("shortest length", "mm", "over the states or the study")
+    longest: Judged | None = figure("longest length", "mm", "over the states or the study")
+    travel: Judged | None = figure(
+        "travel", "mm", "longest less shortest length", limit="[slip] travel_mm"
+    )
+    engaged: Judged | None = figure(
+        "engaged length",
+        "mm",
+        "least length over which hub and shaft of the spline overlap",
+        source="engaged length at the points of the scene less what the shaft grows",
+        limit="[slip] least_engaged_mm",
+    )
+    push_in: Judged | None = figure(
+        "left to push in",
+        "mm",
+        "what is left until the spline bottoms at the shortest length",
+        limit="[slip] push_in_mm",
+    )
+    torque: Judged | None = figure("largest torque of the shaft", "Nm", "over the turn")
+    force: float | None = figure(
+        "largest axial force",
+        "N",
+        "while the spline slides under torque",
+        source="friction times torque over the pitch radius",
+    )
+    no_force: str = word("axial force", "why it is not computed, although the scene gives friction")
+    supports: tuple[Support, ...] = parts(
+        "The axial force on the shafts that hold it", "what the force does to its neighbours"
+    )
+    bearings: tuple[BearingLoad, ...] = parts(
+        "Added to the bearings", "across the shafts that hold the sliding one"
+    )
+    others: tuple[OtherShaft, ...] = parts(
+        "Shafts without a spline that change their length", "by more than any play"
+    )
 
-    slip: Slip
-    drivelines: int
-    length: float
-    shortest: End
-    longest: End
-    travel: Limited
-    engaged: Limited
-    push_in: Limited
-    torque: End | None
-    force: float | None
-    supports: tuple[Support, ...]
-    bearings: tuple[BearingLoad, ...]
-    others: tuple[tuple[int, float], ...]
 
-    @property
-    def verdict(self) -> LimitVerdict:
-        """The worst of the limits."""
-        return worst_of(part.verdict for part in (self.travel, self.engaged, self.push_in))
-
-    @property
-    def passes(self) -> bool:
-        """Whether no limit is exceeded."""
-        return self.verdict != "beyond"
-
-
-def slip_figures(scene: Scene) -> SlipFigures | None:
+def find(answer: Answer) -> SplineFigures | None:
     """Return how the spline of a scene is used over its study or states; ``None`` without one."""
-    slip = scene.slip
+    scene, slip = answer.scene, answer.scene.slip
     if slip is None:
         return None
     blocks = zip(*_states(scene), strict=True)
     lengths, torques, bends, radial = (np.concatenate(parts) for parts in blocks)
-    lengths = 1e3 * lengths
-    own = lengths[:, slip.shaft]
-    length = 1e3 * float(scene.line.lengths().each[slip.shaft])
-    shortest, longest = _ends(scene, own)
-    torque: End | None = None
+    own, several = lengths[:, slip.shaft], len(lengths) > 1
+    length = float(scene.line.lengths().each[slip.shaft])
+    longest = over(scene, own)
+    shortest = over(scene, own, sense="least")
+    assert longest.value is not None
+    assert shortest.value is not None
+    torque: Judged | None = None
     force: float | None = None
     supports: tuple[Support, ...] = ()
     if np.isfinite(torques).all():
-        torque = _largest(scene, torques)
+        torque = over(scene, torques)
         assert slip.friction is not None
         assert slip.radius is not None
         forces = slip.friction * torques / slip.radius
         force = float(np.max(forces))
         supports = _supports(slip, forces, bends)
     shafts = scene.line.spline_force(slip.shaft, 0.0, 0.0, 1.0).bearings
-    engaged = _less(slip.engaged, longest.value - length)
-    apart = engaged is not None and engaged < 0.0 and slip.least_engaged is None
     travelled = np.max(lengths, axis=0) - np.min(lengths, axis=0)
-    return SlipFigures(
-        slip,
+    travel = Judged(longest.value - shortest.value, _m(slip.travel), size=length)
+    return SplineFigures(
+        slip.shaft,
         len(own),
         length,
-        shortest,
-        longest,
-        _limited(longest.value - shortest.value, slip.travel, length, most=True),
-        # What has come apart is beyond, whatever limit is given.
-        _limited(engaged, 0.0 if apart else slip.least_engaged, length),
-        _limited(
-            _less(slip.push_in, length - shortest.value),
-            None if slip.push_in is None else 0.0,
-            length,
-        ),
+        shortest if several else None,
+        longest if several else None,
+        travel if several or slip.travel is not None else None,
+        _engaged(slip, own - length, scene, length),
+        _push_in(slip, own - length, scene, length),
         torque,
         force,
+        ""
+        if torque or slip.friction is None
+        else "the section [load] gives no torque and no inertia",
         supports,
         tuple(
             BearingLoad(i, shafts[i], float(largest))
@@ -164,11 +141,33 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
             if largest > 0.0
         ),
         tuple(
-            (shaft, float(travel))
+            OtherShaft(shaft, float(travel))
             for shaft, travel in enumerate(travelled)
-            if shaft != slip.shaft and travel > _FIXED_MM
+            if shaft != slip.shaft and travel > _FIXED
         ),
     )
+
+
+def _m(millimetres: float | None) -> float | None:
+    return None if millimetres is None else 1e-3 * millimetres
+
+
+def _engaged(slip: Slip, growth: FloatArray, scene: Scene, length: float) -> Judged | None:
+    if slip.engaged is None:
+        return None
+    left = 1e-3 * slip.engaged - growth
+    limit = _m(slip.least_engaged)
+    if limit is None and np.min(left) < 0.0:
+        # What has come apart is beyond, whatever limit is given.
+        return over(scene, left, 0.0, "least", size=length, source="a spline must not come apart")
+    return over(scene, left, limit, "least", size=length)
+
+
+def _push_in(slip: Slip, growth: FloatArray, scene: Scene, length: float) -> Judged | None:
+    if slip.push_in is None:
+        return None
+    left = 1e-3 * slip.push_in + growth
+    return over(scene, left, 0.0, "least", size=length, source="a spline must not bottom")
 
 
 def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
@@ -219,19 +218,6 @@ def _peaks(lines: Driveline, load: Load | None, shaft: int, study: Study) -> Flo
     return np.asarray(found.torque)
 
 
-def _limited(
-    value: float | None, limit: float | None, length: float, *, most: bool = False
-) -> Limited:
-    if value is None or limit is None:
-        return Limited(value, limit, "not judged")
-    within = is_within(value, limit, most=most, size=length)
-    return Limited(value, limit, "within" if within else "beyond")
-
-
-def _less(known: float | None, taken: float) -> float | None:
-    return None if known is None else known - taken
-
-
 def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Support, ...]:
     """Largest parts over the states: cosine and sine of the bend at that end of the shaft."""
     last = bends.shape[-1]
@@ -247,127 +233,5 @@ def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Suppor
     for side, shaft, joint in sides:
         bend = np.zeros(len(forces)) if joint is None else bends[:, joint]
         parts = (float(np.max(forces * part(bend))) for part in (np.cos, np.sin))
-        found.append(Support(side, shaft, *parts))
+        found.append(Support(shaft, side, *parts))
     return tuple(found)
-
-
-def _ends(scene: Scene, values: FloatArray) -> tuple[End, End]:
-    least = _largest(scene, -values)
-    return replace(least, value=-least.value), _largest(scene, values)
-
-
-def _largest(scene: Scene, values: FloatArray) -> End:
-    """The largest of the values, with the state or the keys of a study on which it depends."""
-    top, study = float(np.max(values)), scene.study
-    if scene.states:
-        varies = not alike(float(np.min(values)), top)
-        return End(top, {}, scene.states.names[int(np.argmax(values))] if varies else "")
-    if study is None or not study.axes:
-        return End(top, {})
-    grid = values.reshape(study.shape)
-    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
-    at = {}
-    for number, axis in enumerate(study.axes):
-        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
-        if not alike(float(np.min(along)), float(np.max(along))):
-            at[axis.key] = float(axis.values[place[number]])
-    return End(top, at)
-
-
-# --- plain data --------------------------------------------------------------------------------
-
-
-def slip_data(found: SlipFigures) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``SLIP_SCHEMA`` describes it."""
-    data: dict[str, Any] = {
-        "shaft": found.slip.shaft,
-        "verdict": found.verdict,
-        "drivelines": found.drivelines,
-        "length_mm": found.length,
-        "shortest": _end_data(found.shortest, "mm"),
-        "longest": _end_data(found.longest, "mm"),
-    }
-    for name, part in (
-        ("travel", found.travel),
-        ("engaged", found.engaged),
-        ("push_in", found.push_in),
-    ):
-        data[name] = {"value_mm": part.value, "limit_mm": part.limit, "verdict": part.verdict}
-    data["torque"] = None if found.torque is None else _end_data(found.torque, "Nm")
-    data["axial_force_N"] = None if found.force is None else finite_or_none(found.force)
-    data["supports"] = [
-        {
-            "side": support.side,
-            "shaft": support.shaft,
-            "axial_N": finite_or_none(support.axial),
-            "transverse_N": finite_or_none(support.transverse),
-        }
-        for support in found.supports
-    ]
-    data["bearings"] = [
-        {"bearing": load.bearing, "shaft": load.shaft, "force_N": finite_or_none(load.force)}
-        for load in found.bearings
-    ]
-    data["other_shafts"] = [
-        {"shaft": shaft, "travel_mm": finite_or_none(travel)} for shaft, travel in found.others
-    ]
-    return data
-
-
-def _end_data(end: End, unit: str) -> dict[str, Any]:
-    at = [{"key": key, "value": value} for key, value in end.at.items()]
-    state = {"state": end.state} if end.state else {}
-    return {f"value_{unit}": finite_or_none(end.value), "at": at, **state}
-
-
-_NUMBER = {"type": ["number", "null"]}
-_COUNT = {"type": "integer", "minimum": 0}
-_VERDICT = {"enum": ["beyond", "within", "not judged"]}
-_LIMITED = record({"value_mm": _NUMBER, "limit_mm": _NUMBER, "verdict": _VERDICT})
-
-
-def _end_schema(unit: str) -> dict[str, Any]:
-    at = record({"key": {"type": "string"}, "value": {"type": "number"}})
-    return record(
-        {f"value_{unit}": _NUMBER, "at": {"type": "array", "items": at}},
-        {"state": {"type": "string", "description": "name of the state in which it is so"}},
-    )
-
-
-SLIP_SCHEMA: Mapping[str, Any] = record(
-    {
-        "shaft": _COUNT,
-        "verdict": _VERDICT,
-        "drivelines": _COUNT,
-        "length_mm": {"type": "number", "description": "at the points of the scene"},
-        "shortest": _end_schema("mm"),
-        "longest": _end_schema("mm"),
-        "travel": _LIMITED,
-        "engaged": {**_LIMITED, "description": "least engaged length of the spline"},
-        "push_in": {**_LIMITED, "description": "what is left until the spline bottoms"},
-        "torque": {"oneOf": [{"type": "null"}, _end_schema("Nm")]},
-        "axial_force_N": _NUMBER,
-        "supports": {
-            "type": "array",
-            "items": record(
-                {
-                    "side": {"enum": ["upstream", "downstream"]},
-                    "shaft": _COUNT,
-                    "axial_N": _NUMBER,
-                    "transverse_N": _NUMBER,
-                }
-            ),
-        },
-        "bearings": {
-            "type": "array",
-            "description": "what the axial force adds across the shafts that hold the sliding one",
-            "items": record({"bearing": _COUNT, "shaft": _COUNT, "force_N": _NUMBER}),
-        },
-        "other_shafts": {
-            "type": "array",
-            "description": "shafts without a spline that change their length",
-            "items": record({"shaft": _COUNT, "travel_mm": _NUMBER}),
-        },
-    }
-)
-"""JSON Schema of ``slip_data``: what the scene has no input for is null."""

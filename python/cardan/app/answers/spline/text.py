@@ -4,65 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cardan.app.answers.spline.figures import Limited, SlipFigures
-from cardan.app.answers.study.extremes import End
-from cardan.app.answers.study.text import place_text
-from cardan.app.answers.turn.text import aligned, figure_text
-from cardan.design.wrapping import fill
+from cardan.app.answers.printed import place_of, quantity
+from cardan.app.answers.spline.figures import SplineFigures
 
 
-def slip_text(found: SlipFigures) -> str:
-    """Return the figures of a spline and what follows from them as plain text, 79 wide."""
-    lines = aligned(slip_lines(found), indent="  ")
-    words = [fill(text, 79) for text in slip_sentences(found)]
-    return "\n".join([f"Spline of shaft {found.slip.shaft}", lines, "", *words])
-
-
-def slip_lines(found: SlipFigures) -> list[tuple[str, str]]:
-    """Return the figures as pairs of what a line is about and its figures."""
-    lines = [("length at the points of the scene", _mm(found.length))]
-    if found.drivelines > 1:
-        lines += [
-            ("shortest length", _placed(found.shortest)),
-            ("longest length", _placed(found.longest)),
-            ("travel", _judged(found.travel, "at most")),
-        ]
-    if found.engaged.value is not None:
-        least = "least engaged length" if found.drivelines > 1 else "engaged length"
-        lines += [(least, _judged(found.engaged, "at least"))]
-    if found.push_in.value is not None:
-        lines += [("left to push in", _mm(found.push_in.value))]
-    if found.torque is not None and found.force is not None:
-        torque = f"{figure_text(found.torque.value)} N m{_at(found.torque)}"
-        lines += [
-            ("largest torque of the shaft", torque),
-            ("largest axial force", f"{figure_text(found.force)} N"),
-        ]
-    lines += [
-        (
-            f"on shaft {support.shaft}, {support.side}",
-            f"{figure_text(support.axial)} N along it, {figure_text(support.transverse)} N across",
-        )
-        for support in found.supports
-    ]
-    lines += [
-        (f"added to bearing {load.bearing}, shaft {load.shaft}", f"{figure_text(load.force)} N")
-        for load in found.bearings
-    ]
-    return lines
-
-
-def slip_sentences(found: SlipFigures) -> Iterator[str]:
+def sentences(found: SplineFigures) -> Iterator[str]:
     """Say whether the spline suffices, what to change if not, and what the force loads."""
     yield from _verdict(found)
-    for shaft, travel in found.others:
+    for other in found.others:
         yield (
-            f"Shaft {shaft} changes its length by {_mm(travel)} as well, but the spline is in "
-            f"shaft {found.slip.shaft}. Move both ends of shaft {shaft} together, or give it a "
-            "spline."
+            f"Shaft {other.shaft} changes its length by {_mm(other.travel)} as well, but the "
+            f"spline is in shaft {found.shaft}. Move both ends of shaft {other.shaft} together, or "
+            "give it a spline."
         )
-    if found.slip.friction is not None and found.torque is None:
-        yield "The axial force is not computed: the section [load] gives no torque and no inertia."
+    if found.no_force:
+        yield f"The axial force is not computed: {found.no_force}."
     if found.supports:
         first, last = (support.shaft for support in found.supports)
         yield (
@@ -78,27 +34,12 @@ def slip_sentences(found: SlipFigures) -> Iterator[str]:
         )
 
 
-def _verdict(found: SlipFigures) -> Iterator[str]:
-    faults = []
-    if found.travel.verdict == "beyond":
-        assert found.travel.value is not None
-        assert found.travel.limit is not None
-        more = found.travel.value - found.travel.limit
-        faults.append(f"its travel exceeds the permitted one by {_mm(more)}")
-    if found.engaged.verdict == "beyond":
-        assert found.engaged.value is not None
-        assert found.engaged.limit is not None
-        if found.engaged.value <= 0.0:
-            faults.append(f"it comes apart{_at(found.longest)}")
-        else:
-            less = found.engaged.limit - found.engaged.value
-            faults.append(f"{_mm(less)} of engaged length are missing{_at(found.longest)}")
-    if found.push_in.verdict == "beyond":
-        assert found.push_in.value is not None
-        faults.append(f"it bottoms {_mm(-found.push_in.value)} too early{_at(found.shortest)}")
+def _verdict(found: SplineFigures) -> Iterator[str]:
+    faults = [text for text in (_travel(found), _engaged(found), _push_in(found)) if text]
+    judged = [each for each in (found.travel, found.engaged, found.push_in) if each]
     if faults:
         yield f"The spline does not suffice: {'; '.join(faults)}."
-    elif found.verdict == "within":
+    elif any(each.verdict == "within" for each in judged):
         yield "The spline is within the limits that the scene gives."
     else:
         yield (
@@ -107,28 +48,35 @@ def _verdict(found: SlipFigures) -> Iterator[str]:
         )
     if found.drivelines == 1:
         yield "These are figures of one position; [states] or a [study] of points find the travel."
-    elif not (found.longest.at or found.longest.state):
+    elif found.longest and not (found.longest.at or found.longest.state):
         yield (
-            f"The study does not change the length of shaft {found.slip.shaft}; a [study] of "
+            f"The study does not change the length of shaft {found.shaft}; a [study] of "
             "points finds the travel."
         )
 
 
-def _judged(part: Limited, rule: str) -> str:
-    assert part.value is not None
-    text = _mm(part.value)
-    return text if part.limit is None else f"{text}; {rule} {_mm(part.limit)}"
+def _travel(found: SplineFigures) -> str:
+    if found.travel is None or found.travel.verdict != "beyond":
+        return ""
+    return f"its travel exceeds the permitted one by {_mm(found.travel.excess)}"
 
 
-def _placed(end: End) -> str:
-    return f"{_mm(end.value)}{_at(end)}"
+def _engaged(found: SplineFigures) -> str:
+    engaged = found.engaged
+    if engaged is None or engaged.verdict != "beyond":
+        return ""
+    assert engaged.value is not None
+    if engaged.value <= 0.0:
+        return f"it comes apart{place_of(engaged)}"
+    return f"{_mm(engaged.excess)} of engaged length are missing{place_of(engaged)}"
 
 
-def _at(end: End) -> str:
-    if end.state:
-        return f" in {end.state}"
-    return f" at {place_text(end)}" if end.at else ""
+def _push_in(found: SplineFigures) -> str:
+    left = found.push_in
+    if left is None or left.verdict != "beyond":
+        return ""
+    return f"it bottoms {_mm(left.excess)} too early{place_of(left)}"
 
 
 def _mm(value: float) -> str:
-    return f"{figure_text(value)} mm" if abs(value) < 1e3 else f"{value:.1f} mm"
+    return quantity(value, "mm")

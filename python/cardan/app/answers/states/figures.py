@@ -3,41 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.forces.figures import Force, SceneForces, scene_forces
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
 from cardan.app.answers.study.extremes import End, extremes, finite_or_none
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.states import STATE, StatesResult
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS
-
-
-def forces_of(scene: Scene) -> SceneForces | None:
-    """Return the forces of a scene over a turn; over its states, those of the worst state of each.
-
-    ``None`` as for ``scene_forces``.
-    """
-    states = scene.states
-    if states is None:
-        return scene_forces(scene)
-    each = [scene_forces(scene.in_state(i)) for i in range(states.count)]
-    found = [(name, forces) for name, forces in zip(states.names, each, strict=True) if forces]
-    if not found:
-        return None
-    refused: dict[str, str] = {}
-    worst: dict[tuple[str, int], Force] = {}
-    for name, forces in found:
-        refused |= forces.refused
-        for force in forces.forces:
-            key = (force.figures.per, force.figures.item)
-            if key not in worst or force.figures.largest > worst[key].figures.largest:
-                worst[key] = replace(force, state=name)
-    return SceneForces(tuple(worst.values()), refused, scene.deviations is not None)
 
 
 def state_name(table: StatesResult, end: End) -> str:
@@ -89,9 +65,9 @@ def verdicts(scene: Scene, found: Check) -> list[dict[str, Any]]:
 # --- plain data --------------------------------------------------------------------------------
 
 
-def verdicts_data(scene: Scene, found: Check) -> dict[str, Any]:
-    """Return the verdicts over the states as plain data, as ``VERDICTS_SCHEMA`` describes them."""
-    return {"verdicts": verdicts(scene, found)}
+def data(found: list[dict[str, Any]], *, radians: bool = False) -> dict[str, Any]:
+    """Return the verdicts over the states as plain data, as ``SCHEMA`` describes them."""
+    return {"verdicts": found}
 
 
 def states_data(table: StatesResult, *, radians: bool = False) -> dict[str, Any]:
@@ -134,7 +110,7 @@ _END = record(
 )
 _VALUES = {"type": "array", "description": "one per state", "items": _NUMBER}
 
-VERDICTS_SCHEMA: Mapping[str, Any] = record(
+SCHEMA: Mapping[str, Any] = record(
     {
         "verdicts": {
             "type": "array",
@@ -153,7 +129,7 @@ VERDICTS_SCHEMA: Mapping[str, Any] = record(
         }
     }
 )
-"""JSON Schema of ``verdicts_data``."""
+"""JSON Schema of ``data``."""
 
 STATES_SCHEMA: Mapping[str, Any] = record(
     {
@@ -185,3 +161,11 @@ STATES_SCHEMA: Mapping[str, Any] = record(
     }
 )
 """JSON Schema of ``states_data``."""
+
+
+def find(answer: Answer) -> list[dict[str, Any]]:
+    """Return the figures of an answer's scene."""
+    if answer.scene.states is None:
+        return []
+    assert answer.motion
+    return verdicts(answer.scene, answer.motion)

@@ -9,10 +9,10 @@ import numpy as np
 
 from cardan.app.answers.limits.page import shown
 from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.printed import figure_text
 from cardan.app.answers.states.figures import state_name, verdicts, without_common
 from cardan.app.answers.states.text import verdict_lines
 from cardan.app.answers.study.extremes import extremes
-from cardan.app.answers.turn.text import figure_text
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table

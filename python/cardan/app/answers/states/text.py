@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.names import key_name
-from cardan.app.answers.phrases import listed
+from cardan.app.answers.printed import aligned, figure_text, listed
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.states.figures import state_name
 from cardan.app.answers.study.extremes import Extremes, extremes
-from cardan.app.answers.turn.text import aligned, figure_text
 from cardan.app.scene.states import StatesResult
 
 OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
@@ -76,7 +75,7 @@ def _figure_name(figure: str) -> str:
     return name
 
 
-def verdicts_text(data: Sequence[dict[str, Any]]) -> str:
+def words(data: Sequence[dict[str, Any]]) -> str:
     """Return equivalent bend and verdict of each state as plain text."""
     return f"Equivalent bend in each state\n{aligned(verdict_lines(data), indent='  ')}"
 

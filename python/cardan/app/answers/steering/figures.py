@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import ANGLE, one_of
-from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.design.judged import LimitVerdict, is_within
 from cardan.driveline import Driveline
@@ -73,8 +73,9 @@ class SteeringFigures:
         return self.verdict != "beyond"
 
 
-def steering_figures(scene: Scene) -> SteeringFigures | None:
+def find(answer: Answer) -> SteeringFigures | None:
     """Return what a scene's driveline does as a steering column; ``None`` if it is none."""
+    scene = answer.scene
     column = scene.steering
     if column is None:
         return None
@@ -115,8 +116,8 @@ def _carried(drawn: Driveline, lines: Driveline, centre: float) -> FloatArray:
     return np.asarray(np.arctan2(np.sum(carried * normals, axis=-1), along))
 
 
-def steering_data(found: SteeringFigures, *, radians: bool = False) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``STEERING_SCHEMA`` describes it."""
+def data(found: SteeringFigures, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
     unit, turned = ("rad", math.radians) if radians else ("deg", float)
     return {
         f"centre_{unit}": turned(found.centre_deg),
@@ -143,7 +144,7 @@ def _angle(name: str, description: str, kind: Any = "number") -> dict[str, Any]:
 
 _TURN = "of the driving yoke; positive is clockwise, looking from the column to the output"
 
-STEERING_SCHEMA: Mapping[str, Any] = one_of(
+SCHEMA: Mapping[str, Any] = one_of(
     {
         "verdict": {"enum": ["within", "beyond", "not judged"]},
         "on_centre": {
@@ -164,4 +165,9 @@ STEERING_SCHEMA: Mapping[str, Any] = one_of(
     _angle("centre", "drive angle straight ahead"),
     _angle("limit", "of the offset", ["number", "null"]),
 )
-"""JSON Schema of ``steering_data``."""
+"""JSON Schema of ``data``."""
+
+
+def verdicts(found: SteeringFigures) -> dict[str, str]:
+    """Return the verdicts on what the scene limits."""
+    return {"symmetry": found.verdict}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cardan.app.answers.limits.remedies_text import SHOWN
+from cardan.app.answers.printed import aligned
 from cardan.app.answers.steering.figures import OnCentre, SteeringFigures
-from cardan.app.answers.turn.text import aligned
 from cardan.design.wrapping import fill
 
 HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
@@ -16,7 +16,7 @@ HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
 _SETTABLE = 0.1
 
 
-def steering_text(found: SteeringFigures) -> str:
+def words(found: SteeringFigures, *, radians: bool = False) -> str:
     """Return the figures of a steering column and what follows from them, 79 wide."""
     heading = f"Steering, straight ahead at a drive angle of {found.centre_deg:.6g}°"
     sentences = [fill(words, 79) for words in steering_sentences(found)]

@@ -11,10 +11,10 @@ import numpy as np
 
 from cardan.app.answers.limits.page import at_keys, groups
 from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import ROUNDING, alike
 from cardan.app.answers.study.extremes import End, extremes
 from cardan.app.answers.study.maps import heat_map
-from cardan.app.answers.turn.text import figure_text, range_ends
 from cardan.app.charts.charts import chart, some
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table

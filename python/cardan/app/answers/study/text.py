@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.printed import aligned, figure_text, range_ends
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.study.extremes import End, Extremes, StudyTable, extremes
-from cardan.app.answers.turn.text import aligned, angles_text, figure_text, range_ends
+from cardan.app.answers.turn.text import angles_text
 from cardan.design.wrapping import fill, wrap
 
 

@@ -36,11 +36,11 @@ def tolerances_data(scene: Scene) -> dict[str, Any]:
         }
         for part in permitted_tolerances(scene.tolerances, scene.tolerance_arms)
     ]
-    return answer("tolerances", scene.title, **tolerances_part(found), permitted=permitted)
+    return answer("tolerances", scene.title, **data(found), permitted=permitted)
 
 
-def tolerances_part(found: ToleranceFigures) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``TOLERANCES_PART`` describes them."""
+def data(found: ToleranceFigures, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``SCHEMA`` describes them."""
     return {
         "distribution": found.distribution,
         "samples": found.samples,
@@ -139,8 +139,8 @@ _PART: Mapping[str, Any] = {
     },
 }
 
-TOLERANCES_PART = record(_PART)
-"""JSON Schema of what ``tolerances_part`` returns."""
+SCHEMA = record(_PART)
+"""JSON Schema of what ``data`` returns."""
 
 _PERMITTED: Mapping[str, Any] = {
     "permitted": {

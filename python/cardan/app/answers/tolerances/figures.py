@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.units import in_degrees
 from cardan.arrays import FloatArray
@@ -300,3 +301,8 @@ def _shares(found: Tolerances, name: str) -> Iterator[Share]:
         parts = values.sum(axis=-1) if group == "points" else values
         for number, share in enumerate(parts.tolist(), first):
             yield Share(group, _GROUPS[group], number, share)
+
+
+def find(answer: Answer) -> ToleranceFigures | None:
+    """Return the figures of an answer's scene."""
+    return tolerance_figures(answer.scene)

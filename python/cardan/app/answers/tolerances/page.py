@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.tolerances.figures import (
     Share,
     ToleranceFigure,
@@ -26,22 +26,15 @@ from cardan.app.answers.tolerances.text import (
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
-from cardan.arrays import FloatArray
 from cardan.tolerances import Tolerances
 
 _POINTS, _MOST_BARS = 200, 10
 
 
-def tolerances(
-    found: ToleranceFigures, of: Tolerances, arms: Mapping[str, FloatArray]
-) -> dict[str, Any]:
-    """Return tolerances as plain data for ``tolerances.html``.
-
-    Args:
-        found: the figures of the scene.
-        of: its tolerances, for the samples.
-        arms: of the groups of deviations that it gives as lengths.
-    """
+def section(answer: Answer, found: ToleranceFigures) -> dict[str, Any]:
+    """Return tolerances as plain data for ``page.html``."""
+    of, arms = answer.scene.tolerances, answer.scene.tolerance_arms
+    assert of
     return {
         "given": Table("Tolerances", ("What", "How much"), given_lines(found)),
         "sentences": [

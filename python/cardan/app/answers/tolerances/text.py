@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+from cardan.app.answers.printed import aligned, figure_text
 from cardan.app.answers.tolerances.figures import (
     GROUP_NAMES,
     Permitted,
     ToleranceFigure,
     ToleranceFigures,
 )
-from cardan.app.answers.turn.text import aligned, figure_text
 from cardan.design.wrapping import fill
 
 # Shares below this are not worth a line; at least so many are listed.
@@ -32,7 +32,7 @@ def tolerances_text(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
     return "\n\n".join(parts)
 
 
-def tolerance_verdicts_text(found: ToleranceFigures) -> str:
+def brief(found: ToleranceFigures) -> str:
     """Return the verdicts as plain text, 79 wide."""
     return _filled(verdict_texts(found))
 

@@ -76,7 +76,7 @@ def torsion_data(title: str, found: TorsionFigures, files: Sequence[str] = ()) -
     )
 
 
-def torsion_check_data(found: TorsionBasics) -> dict[str, Any]:
+def data(found: TorsionBasics, *, radians: bool = False) -> dict[str, Any]:
     """Return what a check says of torsional vibration as plain data for JSON."""
     return {
         "critical_speeds": [
@@ -273,7 +273,7 @@ TORSION_SCHEMA = answer_schema(
 )
 """JSON Schema of what ``torsion_data`` returns."""
 
-TORSION_CHECK_SCHEMA = record(
+SCHEMA = record(
     {
         "critical_speeds": _list(
             record({"order": _ORDER, "speed_rpm": _NUMBER, "shaft": _COUNT, "inside": _FLAG})
@@ -281,4 +281,4 @@ TORSION_CHECK_SCHEMA = record(
         "bend_rules": _RULES,
     }
 )
-"""JSON Schema of what ``torsion_check_data`` returns."""
+"""JSON Schema of what ``data`` returns."""

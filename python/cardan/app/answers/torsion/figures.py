@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.torsion.modes import TorsionBasics, torsion_basics
 from cardan.app.answers.torsion.orbits import SideBySide, side_by_side
 from cardan.app.answers.torsion.stability import SpeedRange, UnstableRange, ranges, unstable_regions
@@ -162,6 +163,11 @@ def _worst(
     if regions:
         region = max(regions, key=lambda part: part.multiplier)
         yield 0.5 * (region.start + region.stop)
+
+
+def find(answer: Answer) -> TorsionBasics | None:
+    """Return what a check says of a scene's torsional vibration."""
+    return torsion_basics(answer.scene)
 
 
 def needed_torsion(scene: Scene) -> TorsionFigures:

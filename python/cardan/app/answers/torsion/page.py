@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.torsion.figures import TorsionFigures
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.torsion.figures import TorsionFigures, needed_torsion
+from cardan.app.answers.torsion.modes import TorsionBasics
 from cardan.app.answers.torsion.text import (
     critical_lines,
     mode_lines,
@@ -22,8 +24,9 @@ from cardan.app.scene.units import RPM
 _CLASSES = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear": "good"}
 
 
-def torsion(found: TorsionFigures) -> dict[str, Any]:
+def section(answer: Answer, _: TorsionBasics) -> dict[str, Any]:
     """Return torsional vibration as plain data for the page."""
+    found = needed_torsion(answer.scene)
     tables = (
         ("Natural frequencies", ("Frequency", "Twisted, with shares in the energy"), mode_lines),
         ("Critical speeds", ("Drive speed", "What meets"), critical_lines),

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cardan.app.answers.phrases import listed, rounded_up, short
+from cardan.app.answers.printed import aligned, figure_text, listed, rounded_up, short
 from cardan.app.answers.torsion.figures import CriticalSpeed, LargestTorque, TorsionFigures
 from cardan.app.answers.torsion.modes import BendRule, TorsionBasics
 from cardan.app.answers.torsion.stability import SpeedRange
-from cardan.app.answers.turn.text import aligned, figure_text
 from cardan.app.scene.units import RPM
 from cardan.design.wrapping import fill, wrap
 
@@ -38,7 +37,7 @@ def torsion_text(found: TorsionFigures) -> str:
     return "\n\n".join([*parts, _filled(torsion_sentences(found))])
 
 
-def torsion_check_text(found: TorsionBasics) -> str:
+def brief(found: TorsionBasics) -> str:
     """Return the advice on torsional vibration as plain text, 79 wide; "" if there is none."""
     lines = []
     for sentence in torsion_advice(found):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.turn.extremes import peak
@@ -74,8 +75,9 @@ class TubeFigures:
         return self.stress_passes and self.margin_passes
 
 
-def tube_figures(scene: Scene) -> tuple[TubeFigures, ...]:
+def find(answer: Answer) -> tuple[TubeFigures, ...]:
     """Return the tubes of a scene; none if it has none."""
+    scene = answer.scene
     tubes, cases = scene.service.tubes, list(_cases(scene))
     if tubes is None:
         return ()
@@ -126,8 +128,8 @@ def _largest_torque(cases: Sequence[_Case], shaft: int) -> tuple[float, str]:
     return found[worst], "" if alike(min(found), found[worst]) else cases[worst][0]
 
 
-def tubes_data(found: tuple[TubeFigures, ...]) -> list[dict[str, Any]]:
-    """Return tubes as plain data for JSON, as ``TUBES_SCHEMA`` describes them."""
+def data(found: tuple[TubeFigures, ...], *, radians: bool = False) -> list[dict[str, Any]]:
+    """Return tubes as plain data for JSON, as ``SCHEMA`` describes them."""
     return [
         {
             "shaft": tube.shaft,
@@ -153,7 +155,7 @@ def tubes_data(found: tuple[TubeFigures, ...]) -> list[dict[str, Any]]:
 _NUMBER: Mapping[str, Any] = {"type": "number"}
 _MAYBE: Mapping[str, Any] = {"type": ["number", "null"]}
 
-TUBES_SCHEMA: Mapping[str, Any] = {
+SCHEMA: Mapping[str, Any] = {
     "type": "array",
     "description": "the tubes of shafts, with the largest torque over the turn, the states and "
     "the duty cycle",
@@ -175,4 +177,9 @@ TUBES_SCHEMA: Mapping[str, Any] = {
         }
     ),
 }
-"""JSON Schema of what ``tubes_data`` returns."""
+"""JSON Schema of what ``data`` returns."""
+
+
+def verdicts(found: tuple[TubeFigures, ...]) -> dict[str, str]:
+    """Return the verdicts on what the scene limits."""
+    return {f"shaft {tube.shaft}": "within" if tube.passes else "beyond" for tube in found}

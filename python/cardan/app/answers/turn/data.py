@@ -5,27 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
 
-from cardan.app.answers.as_built.figures import AS_BUILT_SCHEMA, as_built_data, as_built_orders
-from cardan.app.answers.axial_travel.figures import SLIDES_SCHEMA, scene_slides, slides_data
-from cardan.app.answers.backlash.figures import BACKLASH_SCHEMA, backlash_data, scene_backlash
-from cardan.app.answers.ball_joint.figures import BALL_JOINT_SCHEMA, ball_joint_data
-from cardan.app.answers.forces.figures import FORCES_SCHEMA, forces_data
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import ANGLE, answer, answers_with, one_of, record
-from cardan.app.answers.spline.figures import SLIP_SCHEMA, slip_data, slip_figures
-from cardan.app.answers.states.figures import STATES_SCHEMA, forces_of, states_data
-from cardan.app.answers.steering.figures import STEERING_SCHEMA, steering_data, steering_figures
+from cardan.app.answers.states.figures import STATES_SCHEMA, states_data
 from cardan.app.answers.study.extremes import StudyTable, study_data
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import SummaryRow, drive_angles, summary_data
-from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.reductions import CLOSED_FORMS, REDUCTIONS
-from cardan.app.scene.scene import Scene
 from cardan.app.scene.signals import Measured
 from cardan.app.scene.states import StatesResult
 from cardan.evaluation.outputs import OUTPUTS
 
 
 def run_data(
-    scene: Scene,
+    found: Answer,
     rows: Sequence[SummaryRow],
     study: StudyTable | None,
     files: Iterable[Mapping[str, Any]],
@@ -35,41 +28,29 @@ def run_data(
     """Return what ``cardan run`` found, as plain data for JSON.
 
     Args:
-        scene: the scene.
+        found: the answer to the scene.
         rows: its table.
         study: its study, if it was evaluated.
         files: the files written.
         radians: whether angles are in radians.
     """
+    scene = found.scene
     data = answer("run", scene.title, drive_angles=drive_angles(scene, radians=radians))
     data["rows"] = summary_data(rows, radians=radians)
     if isinstance(study, StatesResult):
         data["states"] = states_data(study, radians=radians)
     elif study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
-    if built := as_built_orders(scene):
-        data["as_built"] = as_built_data(built, radians=radians)
-    if (loose := scene_backlash(scene)) and scene.service.play:
-        data["backlash"] = backlash_data(loose, scene.service.play, radians=radians)
-    if forces := forces_of(scene):
-        data["forces"] = forces_data(forces, radians=radians)
-    if slip := slip_figures(scene):
-        data["slip"] = slip_data(slip)
-    if moved := scene_slides(scene):
-        data["slides"] = slides_data(moved)
-    if steered := steering_figures(scene):
-        data["steering"] = steering_data(steered, radians=radians)
-    if scene.ball_joint:
-        data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
+    data |= {part.name: part.data(each, radians=radians) for part, each in found.parts("run")}
     return {**data, "files": list(files)}
 
 
 def ball_joint_run_data(
-    scene: BallJointScene, files: Iterable[Mapping[str, Any]], *, radians: bool = False
+    found: Answer, files: Iterable[Mapping[str, Any]], *, radians: bool = False
 ) -> dict[str, Any]:
     """Return what ``cardan run`` found of a ball joint alone, as plain data for JSON."""
-    joint = ball_joint_data(scene.ball_joint, radians=radians)
-    return answer("run", scene.title, ball_joint=joint, files=list(files))
+    parts = {part.name: part.data(each, radians=radians) for part, each in found.parts("run")}
+    return answer("run", found.of.title, **parts, files=list(files))
 
 
 _NUMBER = {"type": ["number", "null"], "description": "null if it is not finite"}
@@ -182,7 +163,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
             ),
         },
     },
-    {"ball_joint": BALL_JOINT_SCHEMA},
+    {"ball_joint": PARTS["ball_joint"].schema()},
     needed={
         "files": {
             "type": "array",
@@ -192,12 +173,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
         },
     },
     optional={
-        "as_built": AS_BUILT_SCHEMA,
-        "backlash": BACKLASH_SCHEMA,
-        "forces": FORCES_SCHEMA,
-        "slides": SLIDES_SCHEMA,
-        "slip": SLIP_SCHEMA,
-        "steering": STEERING_SCHEMA,
+        **{name: part.schema() for name, part in PARTS.items() if "run" in part.shown},
         "states": STATES_SCHEMA,
         "study": record(
             {

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from cardan.app.answers.turn.text import aligned, figure_text, range_ends
+from cardan.app.answers.printed import aligned, figure_text, range_ends
 
 _NAMES = {"drive_torque": "drive torque"}
 

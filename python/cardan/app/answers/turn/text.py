@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any
 
+from cardan.app.answers.printed import aligned, angle_text, figure_text, range_ends
 from cardan.app.answers.turn.figures import SummaryRow
 from cardan.design.wrapping import fill
 from cardan.evaluation.outputs import OUTPUTS
@@ -188,46 +188,3 @@ def _with_unit(figures: Sequence[str], between: str, unit: str, radians: bool) -
         return between.join(f"{figure}°" for figure in figures)
     unit = "rad" if unit == "deg" else unit
     return f"{between.join(figures)} {unit}".rstrip()
-
-
-def angle_text(value: float, radians: bool) -> str:
-    """Write a drive angle in the unit asked for."""
-    # What rounds to zero has no sign.
-    return f"{round(value, 4) + 0.0:.4f} rad" if radians else f"{round(value, 2) + 0.0:.2f}°"
-
-
-def aligned(lines: Iterable[tuple[str, str]], width: int = 0, indent: str = "") -> str:
-    """Return pairs of a label and a text as two columns, filled to 79 characters."""
-    lines = list(lines)
-    width = width or max(len(label) for label, _ in lines) + len(indent) + 2
-    return "\n".join(_filled(lines, width, indent))
-
-
-def _filled(lines: Iterable[tuple[str, str]], width: int, indent: str) -> Iterator[str]:
-    for label, text in lines:
-        yield fill(
-            text,
-            width=79,
-            initial_indent=f"{indent + label:{width}}",
-            subsequent_indent=" " * width,
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
-
-
-def range_ends(low: float, high: float) -> tuple[str, str]:
-    """Write both ends of a range with enough decimals for three digits of the difference."""
-    decimals = 2 - math.floor(math.log10(min(high - low, sys.float_info.max)))
-    if decimals > 9 or high - low >= 1e7:
-        return figure_text(low), figure_text(high)
-    return f"{low:.{max(0, decimals)}f}", f"{high:.{max(0, decimals)}f}"
-
-
-def figure_text(value: float) -> str:
-    """Four significant digits, without an exponent where that is readable."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value + 0.0:g}"
-    exponent = math.floor(math.log10(abs(value)))
-    if not -5 < exponent < 7:
-        return f"{value:.3e}"
-    return f"{value:.{max(0, 3 - exponent)}f}"

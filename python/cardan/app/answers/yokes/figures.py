@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.json_schema import answer, answer_schema, record
+from cardan.app.answers.limits.figures import check_states
 from cardan.app.answers.limits.remedies import (
     ADVICE_KEYS,
     STATES_ADVICE_SCHEMA,
@@ -19,7 +20,6 @@ from cardan.app.answers.limits.remedies import (
 )
 from cardan.app.answers.limits.root_rule import CATALOGUE_SCHEMA, root_rule
 from cardan.app.answers.rounding import equivalent_bend_deg
-from cardan.app.answers.verdict import check_states
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.driveline import Driveline

@@ -1,78 +1,21 @@
-"""The one verdict on a scene, which the first printed line, exit status, JSON and page show."""
+"""The check of a scene's driveline, of all of its study or of its states."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.ball_joint.figures import ball_joint_figures
-from cardan.app.answers.life.figures import life_figures
 from cardan.app.answers.rounding import alike
-from cardan.app.answers.spline.figures import slip_figures
-from cardan.app.answers.steering.figures import steering_figures
-from cardan.app.answers.tubes.figures import tube_figures
 from cardan.app.files.progress import Progress
-from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study import Study
 from cardan.arrays import FloatArray
 from cardan.design.check import Check
-from cardan.design.judged import VERDICTS
 from cardan.driveline import Driveline
-
-
-@dataclass(frozen=True, eq=False)
-class Verdict:
-    """The worst of all that a scene has with a limit.
-
-    Attributes:
-        motion: the check of its driveline; a ball joint alone has none.
-        parts: what else it has with a limit, in words, and the verdict on each, of ``VERDICTS``.
-    """
-
-    motion: Check | None
-    parts: Mapping[str, str]
-
-    @property
-    def beyond(self) -> list[str]:
-        """The parts that are beyond what the scene allows."""
-        return [name for name, word in self.parts.items() if word == "beyond"]
-
-    @property
-    def word(self) -> str:
-        """The worst of all, one of ``VERDICTS``."""
-        ranks = [VERDICTS.index(word) for word in self.parts.values()]
-        motion = 0 if self.motion is None else int(np.max(self.motion.ranks, initial=0))
-        return VERDICTS[max([motion, *ranks])]
-
-    @property
-    def passes(self) -> bool:
-        """Whether nothing is beyond its limits or cannot be judged for its value."""
-        return VERDICTS.index(self.word) <= VERDICTS.index("tolerable")
-
-
-def verdict(scene: Scene | BallJointScene, progress: Progress | None = None) -> Verdict:
-    """Return the verdict on a scene; ``progress`` as of ``check_scene``."""
-    motion, parts = None, {}
-    if isinstance(scene, Scene):
-        motion = check_scene(scene, progress)
-        slip, steered, life = slip_figures(scene), steering_figures(scene), life_figures(scene)
-        passes = {
-            "the spline": slip is None or slip.passes,
-            "the symmetry of the steering": steered is None or steered.passes,
-            "the life of the joints": life is None or life.reaches_target,
-            "a bend for the type of its joint": life is None
-            or all(joint.passes for joint in life.joints),
-            **{f"the tube of shaft {tube.shaft}": tube.passes for tube in tube_figures(scene)},
-        }
-        parts = {name: "within" if within else "beyond" for name, within in passes.items()}
-    if scene.ball_joint:
-        parts["the ball joint"] = ball_joint_figures(scene.ball_joint).verdict
-    return Verdict(motion, parts)
 
 
 def check_scene(scene: Scene, progress: Progress | None = None) -> Check:

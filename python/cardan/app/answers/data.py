@@ -1,0 +1,125 @@
+"""Answers as plain data for JSON, and the schema of it, from the rows of their parts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
+
+from cardan.app.answers.json_schema import record
+from cardan.app.answers.rows import Judged, Row, element_of, rows_of
+
+_NUMBER = {"type": ["number", "null"]}
+_WORDS: Mapping[str, Any] = {
+    "item": {"type": ["integer", "string"], "minimum": 0},
+    "count": {"type": "integer", "minimum": 0},
+    "flag": {"type": "boolean"},
+}
+
+
+def data_of(found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - plain data
+    """Return a part, or a tuple of them, as plain data; what is not a number is null."""
+    if isinstance(found, tuple):
+        return [data_of(each, radians=radians) for each in found]
+    data: dict[str, Any] = {}
+    for name, row, hint in rows_of(type(found)):
+        value = getattr(found, name)
+        if row.kind == "figure" and _is_judged(hint):
+            data[name] = None if value is None else _judged(value, row, radians=radians)
+        elif row.kind == "figure":
+            data[name + row.ending(radians=radians)] = _number(value, row, radians=radians)
+        elif row.kind == "parts":
+            data[name] = None if value is None else data_of(value, radians=radians)
+        else:
+            key = row.label.replace(" ", "_") if row.kind == "item" else name
+            data[key] = value
+    return data
+
+
+def _is_judged(hint: Any) -> bool:  # noqa: ANN401 - any annotation
+    return Judged in (hint, *get_args(hint))
+
+
+def _number(value: float | None, row: Row, *, radians: bool) -> float | None:
+    if value is None or not math.isfinite(value):
+        return None
+    return float(row.shown(value, radians=radians))
+
+
+def _judged(value: Judged, row: Row, *, radians: bool) -> dict[str, Any]:
+    ending = row.ending(radians=radians)
+    numbers = {"value": value.value, "limit": value.limit, "maximum": value.maximum}
+    data: dict[str, Any] = {"verdict": value.verdict} if row.limit else {}
+    for name, number in numbers.items():
+        if name == "value" or (row.limit and (name == "limit" or number is not None)):
+            data[name + ending] = _number(number, row, radians=radians)
+    if value.limit is not None:
+        data["source"] = value.source
+    if value.state:
+        data["state"] = value.state
+    if value.at:
+        data["at"] = [{"key": key, "value": place} for key, place in value.at.items()]
+    if value.each:
+        data["states"] = [
+            {"state": name, f"value{ending}": _number(each, row, radians=radians)}
+            for name, each in value.each.items()
+        ]
+    if value.why:
+        data["why"] = value.why
+    return data
+
+
+def schema_of(of: type) -> dict[str, Any]:
+    """Return the JSON Schema of a part, with angles in either unit."""
+    needed: dict[str, Any] = {}
+    angles: dict[str, Any] = {}
+    for name, row, hint in rows_of(of):
+        described = {"title": row.label, "description": row.meaning} if row.meaning else {}
+        if row.kind == "figure" and _is_judged(hint):
+            needed[name] = _or_null(_judged_schema(row), hint) | described
+        elif row.kind == "figure" and row.unit == "deg":
+            angles |= {f"{name}_{unit}": {**_NUMBER, **described} for unit in ("deg", "rad")}
+        elif row.kind == "figure":
+            needed[name + row.ending()] = {**_NUMBER, **described}
+        elif row.kind == "parts":
+            items = schema_of(element_of(hint))
+            several = get_origin(hint) is tuple
+            whole = {"type": "array", "items": items} if several else items
+            needed[name] = _or_null(whole, hint) | described
+        else:
+            key = row.label.replace(" ", "_") if row.kind == "item" else name
+            needed[key] = {**(_WORDS.get(row.kind) or _word(hint)), **described}
+    schema = record(needed, angles)
+    if angles:
+        pairs = zip(*[iter(angles)] * 2, strict=True)
+        schema["allOf"] = [{"oneOf": [{"required": [key]} for key in pair]} for pair in pairs]
+    return schema
+
+
+def _or_null(schema: dict[str, Any], hint: Any) -> dict[str, Any]:  # noqa: ANN401 - annotation
+    return {"oneOf": [schema, {"type": "null"}]} if NoneType in get_args(hint) else schema
+
+
+def _word(hint: Any) -> dict[str, Any]:  # noqa: ANN401 - any annotation
+    if get_origin(hint) is Literal:
+        return {"enum": list(get_args(hint))}
+    return {"type": ["string", "null"] if NoneType in get_args(hint) else "string"}
+
+
+def _judged_schema(row: Row) -> dict[str, Any]:
+    endings = dict.fromkeys((row.ending(), row.ending(radians=True)))
+    values = {f"value{ending}": _NUMBER for ending in endings}
+    place = record({"key": {"type": "string"}, "value": {"type": "number"}})
+    limits = {f"{name}{ending}": _NUMBER for name in ("limit", "maximum") for ending in endings}
+    state = {"type": "string", "description": "state, step or driveline in which it is worst"}
+    more = {
+        "state": state,
+        "at": {"type": "array", "items": place},
+        "states": {"type": "array", "items": record({"state": {"type": "string"}}, values)},
+    }
+    if not row.limit:
+        return record({}, values | more)
+    verdict = {"enum": ["not judged", "within", "tolerable", "beyond"]}
+    text = {"type": "string"}
+    return record({"verdict": verdict}, values | limits | more | {"source": text, "why": text})

@@ -1,0 +1,216 @@
+"""Rows of answers: what a figure is called, its unit, its meaning, its source and its limit.
+
+A part of an answer is a dataclass whose fields are declared here. From these come the keys of the
+JSON and its schema, the printed lines, the rows of the page and of the reference, and the verdict.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple, get_args, get_type_hints
+
+from cardan.app.scene.units import ENDINGS, RPM
+from cardan.design.judged import VERDICTS, is_within
+
+Kind = Literal["figure", "item", "count", "word", "flag", "parts"]
+
+
+class Unit(NamedTuple):
+    """A unit as people read it, and how many of it are one unit inside."""
+
+    symbol: str
+    factor: float = 1.0
+
+
+_FACTORS = {"deg": 180.0 / math.pi, "mm": 1e3, "rpm": 1.0 / RPM, "MPa": 1e-6}
+_MORE = {
+    "": Unit(""),
+    "h": Unit("h"),
+    "W": Unit("W"),
+    "kg": Unit("kg"),
+    "Hz": Unit("Hz", 1.0 / math.tau),
+    "percent": Unit("%", 100.0),
+    "per_rad": Unit("per rad"),
+    "rpm_deg": Unit("rpm·deg", 180.0 / math.pi / RPM),
+}
+UNITS: Mapping[str, Unit] = _MORE | {
+    ending: Unit("°" if ending == "deg" else unit.symbol, _FACTORS.get(ending, 1.0))
+    for ending, unit in ENDINGS.items()
+}
+"""The units of rows by the ending of a key. Inside, figures are in SI; lives are in hours."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What there is to say of a field, but for its value.
+
+    Attributes:
+        kind: what the field holds.
+        label: what people call it.
+        unit: a key of ``UNITS``.
+        meaning: what it is, for those who do not know the label.
+        source: formula and source.
+        limit: the key of the scene that gives its limit, as ``"[slip] travel_mm"``.
+    """
+
+    kind: Kind
+    label: str
+    unit: str = ""
+    meaning: str = ""
+    source: str = ""
+    limit: str = ""
+
+    def ending(self, *, radians: bool = False) -> str:
+        """Return what follows the name of the field in a key of the JSON."""
+        unit = "rad" if radians and self.unit == "deg" else self.unit
+        return f"_{unit}" if unit else ""
+
+    def shown(self, value: float, *, radians: bool = False) -> float:
+        """Return a value in the unit in which it is shown."""
+        return value * (1.0 if radians and self.unit == "deg" else UNITS[self.unit].factor)
+
+
+def figure(
+    label: str, unit: str = "", meaning: str = "", *, source: str = "", limit: str = ""
+) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
+    """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``."""
+    return field(metadata={"row": Row("figure", label, unit, meaning, source, limit)})
+
+
+def item(of: str) -> Any:  # noqa: ANN401 - as of figure
+    """Declare the number of the shaft, joint or bearing that the other fields are about."""
+    return field(metadata={"row": Row("item", of)})
+
+
+def count(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare a number of things."""
+    return field(metadata={"row": Row("count", label, meaning=meaning)})
+
+
+def word(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare a word or name: ``str``, ``str | None`` or a ``Literal``."""
+    return field(metadata={"row": Row("word", label, meaning=meaning)})
+
+
+def flag(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare whether something is so."""
+    return field(metadata={"row": Row("flag", label, meaning=meaning)})
+
+
+def parts(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare further figures: a dataclass, or a tuple of one kind of dataclass."""
+    return field(metadata={"row": Row("parts", label, meaning=meaning)})
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A figure where it is worst, beside its limit.
+
+    Attributes:
+        value: the figure; ``None`` where the scene does not determine it.
+        limit: what it is judged against; ``None`` if the scene gives none.
+        maximum: what it must not pass if that is not the limit.
+        sense: whether the limit is the most or the least that the value may be.
+        source: whose rule the limit is.
+        size: of what is judged, in the same unit; rounding counts by it where the limit is 0.
+        state: the state, step or driveline in which it is worst; "" if all are alike.
+        at: in a study, the keys on which it depends and their values there.
+        each: the figure in each state, by name.
+        why: why it is not judged although there is a limit.
+    """
+
+    value: float | None
+    limit: float | None = None
+    maximum: float | None = None
+    sense: Literal["most", "least"] = "most"
+    source: str = "own limit"
+    size: float = 0.0
+    state: str = ""
+    at: Mapping[str, float] = field(default_factory=dict)
+    each: Mapping[str, float] = field(default_factory=dict)
+    why: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """``"within"``, ``"tolerable"``, ``"beyond"`` or ``"not judged"``."""
+        if self.value is None or self.limit is None or self.why or math.isnan(self.value):
+            return "not judged"
+        bounds = (self.limit, self.limit if self.maximum is None else self.maximum)
+        kept = [
+            is_within(self.value, bound, most=self.sense == "most", size=self.size)
+            for bound in bounds
+        ]
+        return "within" if kept[0] else "tolerable" if kept[1] else "beyond"
+
+    @property
+    def excess(self) -> float:
+        """How far the value is on the wrong side of what it must not pass."""
+        assert self.value is not None
+        assert self.limit is not None
+        bound = self.limit
+        if self.maximum is not None and self.verdict == "beyond":
+            bound = self.maximum
+        return self.value - bound if self.sense == "most" else bound - self.value
+
+
+class Entry(NamedTuple):
+    """A field of a part with its value.
+
+    Attributes:
+        path: its key: ``"spline.travel"``, ``"tubes.1.stress"``.
+        row: what it is.
+        value: as the field has it.
+        item: what it is about: ``"shaft 1"``; "" if there is only one.
+    """
+
+    path: str
+    row: Row
+    value: Any
+    item: str
+
+
+def rows_of(of: type) -> Iterator[tuple[str, Row, Any]]:
+    """Yield name, row and type of each field of a dataclass that has rows."""
+    hints = get_type_hints(of)
+    for each in dataclasses.fields(of):
+        if "row" in each.metadata:
+            yield each.name, each.metadata["row"], hints[each.name]
+
+
+def entries(found: Any, path: str, item: str = "") -> Iterator[Entry]:  # noqa: ANN401 - any part
+    """Yield the fields of a part, those of its parts as well."""
+    if isinstance(found, tuple):
+        for number, each in enumerate(found):
+            own = item_of(each)
+            key = own.rpartition(" ")[2] if own else str(number)
+            yield from entries(each, f"{path}.{key}", own or item)
+        return
+    for name, row, _ in rows_of(type(found)):
+        value = getattr(found, name)
+        if row.kind != "parts":
+            yield Entry(f"{path}.{name}", row, value, item)
+        elif value is not None:
+            yield from entries(value, f"{path}.{name}", item)
+
+
+def item_of(found: Any) -> str:  # noqa: ANN401 - any part
+    """Return what the figures are about: ``"shaft 1"``, the name of a state, or ""."""
+    for name, row, _ in rows_of(type(found)):
+        if row.kind == "item":
+            value = getattr(found, name)
+            return value if isinstance(value, str) else f"{row.label} {value}"
+    return ""
+
+
+def element_of(hint: Any) -> Any:  # noqa: ANN401 - any annotation
+    """Return the dataclass of a field of parts."""
+    found = [each for each in (hint, *get_args(hint)) if dataclasses.is_dataclass(each)]
+    return found[0]
+
+
+def worst_of(verdicts: Iterable[str]) -> str:
+    """Return the worst of some verdicts; ``"not judged"`` of none."""
+    return max(verdicts, key=VERDICTS.index, default="not judged")

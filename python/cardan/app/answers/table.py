@@ -1,0 +1,147 @@
+"""The table of parts: everything that an answer about a scene can have.
+
+A part has a room with its modules. ``figures.find`` finds its figures, whose fields are rows;
+``text.sentences`` says what follows from them; ``page.charts`` and ``picture`` draw them. What a
+row says is printed, listed, judged and described by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module, resources
+from importlib.util import find_spec
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+
+from cardan.app.answers.data import data_of, schema_of
+from cardan.app.answers.printed import part_text
+from cardan.app.answers.rows import Entry, Judged, Row, element_of, entries, item_of
+
+if TYPE_CHECKING:
+    from cardan.app.answers.answer import Answer
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of an answer.
+
+    Attributes:
+        name: its room, and its key in the JSON.
+        title: its heading.
+        noun: what its figures are those of, in a sentence: ``"the spline"``.
+        sections: the sections of a scene without which there is no such part.
+        shown: the commands whose answers have it.
+        alone: whether a ball joint alone has it.
+    """
+
+    name: str
+    title: str
+    noun: str
+    sections: tuple[str, ...]
+    shown: tuple[str, ...]
+    alone: bool = False
+
+    def _module(self, name: str) -> ModuleType | None:
+        path = f"cardan.app.answers.{self.name}.{name}"
+        return import_module(path) if find_spec(path) else None
+
+    def _own(self, function: str, *modules: str) -> Any:  # noqa: ANN401 - of any signature
+        """The part's own function of a name, if it has one."""
+        for name in modules:
+            if found := getattr(self._module(name), function, None):
+                return found
+        return None
+
+    def find(self, answer: Answer) -> Any:  # noqa: ANN401 - any part
+        """Return the figures of a scene, ``None`` or nothing without them."""
+        return self._own("find", "figures")(answer)
+
+    def entries(self, found: Any) -> Iterator[Entry]:  # noqa: ANN401 - any part
+        """Yield the figures as rows with values."""
+        if own := self._own("verdicts", "figures"):
+            for label, verdict in own(found).items():
+                limits = {"within": 1.0, "beyond": -1.0}
+                value = Judged(0.0, limits.get(verdict))
+                yield Entry(f"{self.name}.{label}", Row("figure", label, limit="-"), value, "")
+        elif not self._own("data", "data", "figures"):
+            yield from entries(found, self.name)
+
+    def data(self, found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - any part
+        """Return the figures as plain data for JSON."""
+        if own := self._own("data", "data", "figures"):
+            return own(found, radians=radians)
+        return data_of(found, radians=radians)
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of the figures."""
+        if own := self._own("SCHEMA", "data", "figures"):
+            return dict(own)
+        hint = get_type_hints(self._own("find", "figures"))["return"]
+        schema = schema_of(element_of(hint))
+        several = tuple in (get_origin(each) for each in (hint, *get_args(hint)))
+        return {"type": "array", "items": schema} if several else schema
+
+    def text(self, found: Any, *, radians: bool = False, brief: bool = False) -> str:  # noqa: ANN401
+        """Return the figures and what follows from them as plain text, 79 wide.
+
+        Args:
+            found: the figures.
+            radians: whether angles are in radians.
+            brief: whether the answer is about more than this part.
+        """
+        if brief and (own := self._own("brief", "text")):
+            return str(own(found))
+        if own := self._own("words", "text"):
+            return str(own(found, radians=radians))
+        return part_text(self.heading(found), found, self.sentences(found), radians=radians)
+
+    def section(self, answer: Answer, found: Any) -> dict[str, Any]:  # noqa: ANN401 - any part
+        """Return the figures as data for the page: own data, or what the macro ``answered`` takes.
+
+        ``template`` is the part's own template, if it has one.
+        """
+        # The page alone needs it.
+        from cardan.app.answers.page import section_of
+
+        own = self._own("section", "page")
+        data = own(answer, found) if own else section_of(self, found)
+        folder = resources.files("cardan.app").joinpath("answers", self.name)
+        template = f"{self.name}/page.html" if folder.joinpath("page.html").is_file() else ""
+        return {"key": self.name, "heading": self.title, "template": template, **data}
+
+    def heading(self, found: Any) -> str:  # noqa: ANN401 - any part
+        """Return what stands above the figures: ``"Spline of shaft 1"``."""
+        if own := self._own("heading", "text"):
+            return str(own(found))
+        about = "" if isinstance(found, tuple) else item_of(found)
+        return f"{self.title} of {about}" if about else self.title
+
+    def sentences(self, found: Any) -> list[str]:  # noqa: ANN401 - any part
+        """Return what follows from the figures, in words."""
+        own = self._own("sentences", "text")
+        return list(own(found)) if own else []
+
+
+_ALL = ("run", "check", "report")
+
+_PARTS = (
+    Part("states", "Equivalent bend in each state", "the state", ("states",), ("check",)),
+    Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
+    Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), ("run", "check")),
+    Part("backlash", "Backlash", "the driveline", ("joints", "load"), ("run", "check")),
+    Part("forces", "Forces", "the bearings", ("load",), _ALL),
+    Part("spline", "Spline", "the spline", ("slip",), _ALL),
+    Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
+    Part("steering", "Steering", "the steering", ("steering",), _ALL),
+    Part("tolerances", "Tolerances", "the driveline", ("tolerances",), ("check", "report")),
+    Part(
+        "life", "Life of the joints", "the joints", ("joints", "life"), ("check", "life", "report")
+    ),
+    Part("tubes", "Tubes", "the tube", ("tubes",), ("check", "life", "report")),
+    Part("torsion", "Torsional vibration", "the shafts", ("torsion",), ("check", "report")),
+    Part("ball_joint", "Ball joint", "the ball joint", ("ball_joint",), _ALL, alone=True),
+)
+
+PARTS = {part.name: part for part in _PARTS}
+"""The parts by name, in the order in which answers have them."""
