@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import BallJoint, Scene
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
     pressure_curve,
@@ -20,6 +21,7 @@ from cardan.app.answers.ball_joint.figures import (
 from cardan.app.answers.ball_joint.figures import data as ball_joint_data
 from cardan.app.answers.ball_joint.text import words as ball_joint_text
 from cardan.app.answers.printed import figure_text
+from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_ball_joint
 from cardan.app.report import write_report

@@ -167,5 +167,5 @@ def find(answer: Answer) -> list[dict[str, Any]]:
     """Return the figures of an answer's scene."""
     if answer.scene.states is None:
         return []
-    assert answer.motion
+    assert answer.motion is not None
     return verdicts(answer.scene, answer.motion)
