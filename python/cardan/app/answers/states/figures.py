@@ -40,7 +40,7 @@ def without_common(names: Sequence[str]) -> tuple[str, list[str]]:
     return "", list(names)
 
 
-def verdicts(scene: Scene, found: Check) -> list[dict[str, Any]]:
+def state_verdicts(scene: Scene, found: Check) -> list[dict[str, Any]]:
     """Return name, equivalent bend, verdict and what is beyond its maximum of each state.
 
     Args:
@@ -168,4 +168,4 @@ def find(answer: Answer) -> list[dict[str, Any]]:
     if answer.scene.states is None:
         return []
     assert answer.motion is not None
-    return verdicts(answer.scene, answer.motion)
+    return state_verdicts(answer.scene, answer.motion)

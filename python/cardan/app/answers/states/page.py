@@ -10,7 +10,7 @@ import numpy as np
 from cardan.app.answers.limits.page import shown
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.printed import figure_text
-from cardan.app.answers.states.figures import state_name, verdicts, without_common
+from cardan.app.answers.states.figures import state_name, state_verdicts, without_common
 from cardan.app.answers.states.text import verdict_lines
 from cardan.app.answers.study.extremes import extremes
 from cardan.app.charts.charts import chart
@@ -36,7 +36,7 @@ def states(
         found: its check, as ``check_scene`` makes it.
         yokes: the setting that serves all states, as ``yoke_settings`` makes it, if there is one.
     """
-    each = verdicts(scene, found)
+    each = state_verdicts(scene, found)
     return {
         "verdicts": [
             {"class": shown(state["verdict"]), "state": name, "words": words}
