@@ -12,10 +12,10 @@ from click.testing import CliRunner
 
 from cardan import Driveline, Load
 from cardan.app.answers.schema import answers_schema
-from cardan.app.charts.tables import inputs
 from cardan.app.command import commands
 from cardan.app.files.columns import write_columns
 from cardan.app.plots import plot_scene
+from cardan.app.report.results import inputs
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.curves import columns
 

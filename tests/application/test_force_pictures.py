@@ -21,12 +21,12 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import scene_force_paths
 from cardan.app.answers.forces.paths import ForcePath, force_paths
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.tables import inputs
 from cardan.app.command import commands
 from cardan.app.pictures.driveline import _BEARING
 from cardan.app.pictures.space import View
 from cardan.app.plots import plot_driveline, plot_force_hodograph, plot_forces
 from cardan.app.report import write_report
+from cardan.app.report.results import inputs
 from cardan.app.scene import Scene
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bearings.toml"

@@ -19,11 +19,11 @@ from cardan.app.answers.optimise.page import optimise
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
 from cardan.app.answers.yokes.figures import yoke_settings
-from cardan.app.charts import tables
 from cardan.app.charts.charts import chart, decimals
 from cardan.app.charts.drawing import drawing
 from cardan.app.charts.samples import Panel, Samples, evaluated
 from cardan.app.files.progress import Progress
+from cardan.app.report import results
 from cardan.app.report.answer import first_answer
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
@@ -64,8 +64,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         recorded=scene.recording is not None,
         date=_today(),
         every=samples.every,
-        inputs=tables.inputs(scene),
-        results=[limits_table(found), *tables.results(samples, answer)],
+        inputs=results.inputs(scene),
+        results=[limits_table(found), *results.results(samples, answer)],
         study=None if table is None or over_states else study(table, found),
         states=states(scene, over_states, found, yokes) if over_states else None,
         charts=[
@@ -74,7 +74,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ],
         parts=_parts(answer),
         optimise=optimise(scene),
-        catalogue=tables.catalogue(scene, yokes),
+        catalogue=results.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
 

@@ -1,0 +1,310 @@
+"""The tables of the page: inputs, results, the exact equivalent bend beside the catalogue rule."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.as_built.figures import ORDERS
+from cardan.app.answers.as_built.text import BY_DRAWING, as_built_rows
+from cardan.app.answers.forces.text import force_rows, headings
+from cardan.app.answers.limits.root_rule import fork_signs
+from cardan.app.answers.printed import figure_text, range_ends
+from cardan.app.answers.rounding import is_cancelled
+from cardan.app.answers.turn.figures import within_turn
+from cardan.app.charts.motion import deviates, equivalent, turn_motion
+from cardan.app.charts.samples import PeakSample, Samples
+from cardan.app.charts.tables import Table
+from cardan.app.scene.bearings import has_lengths
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.units import RPM, in_degrees
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.motion.workshop import VIEW, turn
+
+# Shafts or joints that fit side by side on paper; more go below each other.
+_MOST_COLUMNS = 7
+
+
+# A low end of a range that is rounding beside the high one: bends go with the root of motions.
+_NEGLIGIBLE = 1e-6
+
+_SETTINGS = {"present": "as in the scene", "best": "best setting", "on_teeth": "on the teeth"}
+
+# A turn that would read 0.00 deg.
+_SHOWN_DEG = 0.005
+
+
+# Names and values by shaft or joint.
+_Columns = dict[str, list[tuple[str, str]]]
+
+
+def inputs(scene: Scene) -> dict[str, Table | None]:
+    """Return what the scene gives: joints, load and drive angles, shafts, bearings if any.
+
+    Over states, ranges are those of all of them.
+    """
+    line = scene.drivelines() if scene.states else scene.line
+    joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
+    heads = ["Shaft"]
+    shafts = [[f"shaft {i}"] for i in range(line.n_joints + 1)]
+    if line.n_joints > 1:
+        twists = line.twists.reshape(-1, line.n_joints - 1)
+        phases = line.phases.reshape(-1, line.n_joints - 1)
+        heads += ["Twist of bend planes [deg]", "Phase of yokes [deg]", f"Output-side yoke, {VIEW}"]
+        for i, cells in enumerate(shafts):
+            if 0 < i < line.n_joints:
+                twist = _span(within_turn(twists[:, i - 1]))
+                own = phases[:, i - 1]
+                one = bool(np.ptp(own) == 0.0)
+                cells += [twist, _span(within_turn(own)), _setting(own[0]) if one else ""]
+            else:
+                cells += ["", "", ""]
+    if scene.states or not line.shape:
+        heads += [f"Direction, {axis}" for axis in "xyz"]
+        directions = line.directions.reshape(-1, line.n_joints + 1, 3)
+        for i, cells in enumerate(shafts):
+            cells += [_coordinate(directions[:, i, axis]) for axis in range(3)]
+    if has_lengths(line):
+        lengths = line.lengths().each.reshape(-1, line.n_joints + 1)
+        heads += ["Length [mm]"]
+        for cells, length in zip(shafts, lengths.T, strict=True):
+            cells += [_span(1e3 * length)]
+    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+    if load is not None and load.inertias is not None:
+        heads += ["Inertia [kg m²]"]
+        inertias = load.inertias.reshape(-1, line.n_joints + 1)
+        for cells, inertia in zip(shafts, inertias.T, strict=True):
+            cells += [_span(inertia)]
+    return {
+        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
+        "drive": Table("Load and drive", ("Input", "Value"), _drive(scene)),
+        "shafts": Table("Shafts", heads, shafts),
+        "bearings": _bearings(line) if line.n_bearings else None,
+    }
+
+
+def _bearings(line: Driveline) -> Table:
+    """Shaft and position of every bearing."""
+    heads = ("Bearing", "Shaft", "Position from its upstream end [mm]")
+    rows = [
+        (f"bearing {number}", f"{shaft}", _span(1e3 * position))
+        for number, (shaft, position) in enumerate(line.bearings)
+    ]
+    return Table("Bearings", heads, rows)
+
+
+def _drive(scene: Scene) -> list[tuple[str, str]]:
+    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+    given = []
+    if load is not None:
+        given += [(f"Torque at the {load.end}", f"{_span(_known(load.torque))} N m")]
+        speed = _known(load.speed)
+        given += [("Speed of the drive", f"{_span(speed)} rad/s, {_span(speed / RPM)} rpm")]
+        if scene.accelerates:
+            acceleration = _span(_known(load.acceleration))
+            given += [("Acceleration of the drive", f"{acceleration} rad/s²")]
+    known = scene.without_missing().drive_angle_deg
+    left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
+    given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
+    driven = scene.without_missing().driven_angle_deg
+    if driven is not None:
+        given += [("Given as angles of the driven shaft", f"{_span(driven)} deg")]
+    if scene.recording is not None:
+        given += [("Recording", scene.recording.name)]
+    given += [
+        (key.replace("_", " ").capitalize(), str(value)) for key, value in scene.options.items()
+    ]
+    return given
+
+
+def results(samples: Samples, answer: Answer) -> list[Table]:
+    """Return motion and loads of every shaft, loads of joints and bearings, and the harmonics."""
+    scene = samples.result.scene
+    tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
+    if any(peak.output.per == "bearing" for peak in samples.peaks):
+        tables.append(_largest(samples, "bearing"))
+    forces = answer["forces"]
+    if forces and forces.forces:
+        caption = f"Forces over a turn [N]{samples.assumed}"
+        tables.append(Table(caption, ("", *headings(forces)), force_rows(forces)))
+    if built := answer["as_built"]:
+        heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
+        rows = [*as_built_rows(built)]
+        tables.append(
+            Table(f"Joints as built: amplitudes by order of the drive. {BY_DRAWING}", heads, rows)
+        )
+    if not scene.line.shape:
+        orders = (2, 4, 6)
+        lines = scene.drivelines() if scene.states else scene.line
+        series = lines.harmonics(orders)
+        # What is left where the joints cancel is rounding of the geometry.
+        single = lines if lines.shape else [lines]
+        moved = np.array([not is_cancelled(line, line.equivalent()) for line in single])
+        errors, ratios = (
+            np.max(moved[:, None] * amplitudes.reshape(-1, len(orders)), axis=0)
+            for amplitudes in (series.angle_error, series.speed_ratio)
+        )
+        amplitudes = [
+            (f"order {order}", f"{np.degrees(error):.3g}", f"{ratio:.3g}")
+            for order, error, ratio in zip(orders, errors, ratios, strict=True)
+        ]
+        heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
+        largest = f", largest of {scene.states.count} states" if scene.states else ""
+        of = " of the drawing" if deviates(scene) else ""
+        caption = f"Harmonics of shaft {scene.line.n_joints}{of}: amplitudes{largest}"
+        tables.append(Table(caption, heads, amplitudes))
+    return tables
+
+
+def _motion(scene: Scene) -> Table:
+    line, speed = scene.line, np.asarray(scene.speed)
+    if scene.states:
+        line, load = scene.drivelines(), scene.states.loads(scene.load_case)
+        if load is not None and not scene.speed_recorded:
+            speed = load.speed
+    columns: _Columns = {}
+    for shaft in range(1, line.n_joints + 1):
+        # Of recorded bends each sample is a driveline, too many to be searched as built.
+        searched = scene if scene.states or not line.shape else replace(scene, deviations=None)
+        joint, found = equivalent(line, shaft), turn_motion(searched, line, shaft)
+        cells = [
+            ("Equivalent bend [deg]", _span(np.degrees(joint.bend))),
+            ("Largest angle error [deg]", _span(np.degrees(found.angle_error))),
+            ("Non-uniformity U", _span(joint.non_uniformity)),
+            ("Speed ratio", _ends(found.slowest, found.fastest)),
+        ]
+        if np.any(speed):
+            rpm = speed / RPM
+            cells += [("Speed [rpm]", _ends(found.slowest * rpm, found.fastest * rpm))]
+        cells += [("Largest acceleration ratio", _span(found.acceleration))]
+        if np.any(speed):
+            acceleration = found.acceleration * speed * speed
+            cells += [("Largest acceleration [rad/s²]", _span(acceleration))]
+        columns[f"shaft {shaft}"] = cells
+    over = (
+        "the bends of all samples" if scene.line.shape else "a whole turn at constant drive speed"
+    )
+    over += f" and {scene.states.count} states" if scene.states else ""
+    return _table(f"Motion of the shafts over {over}", columns)
+
+
+def _largest(samples: Samples, per: str) -> Table:
+    """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
+    scene = samples.result.scene
+    columns: _Columns = {}
+    states = scene.states is not None and scene.recording is None
+    for peak in samples.peaks:
+        if peak.output.per == per:
+            columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak, states=states))
+    count = len(scene.drive_angle_deg)
+    over = f"of {count} recorded samples" if scene.recording else "over a whole turn"
+    if scene.states and not scene.recording:
+        over += f" and {scene.states.count} states"
+    return _table(f"Loads of the {per}s, largest {over}{samples.assumed}", columns)
+
+
+def _cells(peak: PeakSample, *, states: bool) -> list[tuple[str, str]]:
+    size, unit = in_degrees(np.array(peak.size), peak.output.unit)
+    name = f"Largest {peak.output.label}"
+    cells = [(f"{name} [{unit}]" if unit else name, _figure(size))]
+    cells += [("at drive angle [deg]", "any" if peak.at_deg is None else f"{peak.at_deg:.1f}")]
+    if states:
+        cells += [("in", peak.state or "all states")]
+    if peak.vector is not None:
+        for axis, value in zip("xyz", peak.vector, strict=True):
+            cells += [(f"{axis} component there [{unit}]", _figure(value))]
+    return cells
+
+
+def _table(caption: str, columns: _Columns) -> Table:
+    """A column per shaft or joint, or a row where they are too many for the paper's width."""
+    names = [name for name, _ in next(iter(columns.values()))]
+    values = [[item, *(value for _, value in cells)] for item, cells in columns.items()]
+    if len(columns) > _MOST_COLUMNS:
+        return Table(caption, ("", *names), values)
+    head, *rows = zip(*values, strict=True)
+    return Table(
+        caption, ("", *head), [(name, *row) for name, row in zip(names, rows, strict=True)]
+    )
+
+
+def catalogue(scene: Scene, yokes: dict[str, Any] | None) -> Table | None:
+    """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
+
+    For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
+    finds, if the scene has any.
+    """
+    line = scene.line
+    if line.n_joints == 1:
+        return None
+    rows = []
+    if yokes:
+        for key, rule in yokes["catalogue"].items():
+            words = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in rule["fork_signs"])
+            exact, by_rule = yokes["equivalent_bend_deg"][key], rule["equivalent_bend_deg"]
+            figures = (exact, by_rule, by_rule - exact, rule["off_deg"])
+            rows.append((_SETTINGS[key], *map(_fixed, figures), words))
+    else:
+        signs, off = fork_signs(line)
+        exact, by_rule = (
+            np.degrees(bend) for bend in (line.equivalent().bend, line.catalogue_bend(signs))
+        )
+        figures = (exact, by_rule, by_rule - exact, np.degrees(np.max(off)))
+        rows.append((_SETTINGS["present"], *map(_fixed, figures), ""))
+    heads = (
+        "Yokes",
+        "Exact [deg]",
+        "Catalogue rule [deg]",
+        "Rule minus exact [deg]",
+        "Yokes differ from the rule's by up to [deg]",
+        "Signs of the rule, joint by joint",
+    )
+    return Table("Equivalent bend", heads, rows)
+
+
+def _setting(phase: float) -> str:
+    """How the output-side yoke of a shaft is turned against the input-side one."""
+    found = turn(phase)
+    degrees = float(np.degrees(found.angle))
+    return f"{degrees:.2f}° {found.sense}" if degrees >= _SHOWN_DEG else "in one plane"
+
+
+def _figure(value: float | FloatArray) -> str:
+    return figure_text(float(value) + 0.0)
+
+
+def _fixed(angles: FloatArray | float) -> str:
+    """An angle in degrees, or the least and the largest of several; what is rounding reads 0."""
+    low, high = (f"{end + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
+    low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
+    return low if low == high else f"{low} to {high}"
+
+
+def _known(values: FloatArray) -> FloatArray:
+    """Values without those of missing samples."""
+    return values[~np.isnan(values)]
+
+
+def _span(values: FloatArray | float) -> str:
+    """A figure, or the least and the largest of several."""
+    low, high = float(np.min(values)), float(np.max(values))
+    if abs(low) < _NEGLIGIBLE * abs(high):
+        low = 0.0
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        return _figure(high)
+    return f"{_figure(low)} to {_figure(high)}"
+
+
+def _coordinate(values: FloatArray) -> str:
+    low, high = (f"{end + 0.0:.5f}" for end in (np.min(values), np.max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def _ends(first: FloatArray, second: FloatArray) -> str:
+    """The least and the largest of two, with enough decimals to tell them apart."""
+    low, high = float(np.min([first, second])), float(np.max([first, second]))
+    return " to ".join(range_ends(low, high)) if high > low else _figure(high)
