@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
-from cardan.app.answers.limits.figures import check_scene
+from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.signals_text import signals_text
 from cardan.app.command import commands

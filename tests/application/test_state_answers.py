@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.figures import check_scene
+from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.states.text import verdict_lines
 from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import FRAME, chart

@@ -6,16 +6,15 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from cardan.app.answers.limits.figures import check_scene
-from cardan.app.answers.rows import Entry, Judged, worst_of
+from cardan.app.answers.limits.check import check_scene
+from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.files.progress import Progress
 from cardan.app.scene.ball_joint_scene import BallJointScene
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
-from cardan.design.judged import VERDICTS
+
+_FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")
 
 
 class JudgedFigure(NamedTuple):
@@ -39,8 +38,7 @@ class JudgedFigure(NamedTuple):
     @property
     def name(self) -> str:
         """What it is: ``"shear stress of the tube of shaft 1"``."""
-        about = f" of {self.entry.item}" if self.entry.item else ""
-        return f"{self.entry.row.label} of {self.part.noun}{about}"
+        return " of ".join(filter(None, (self.entry.row.label, self.part.noun, self.entry.item)))
 
 
 class Answer:
@@ -77,9 +75,9 @@ class Answer:
                 yield part, found
 
     @cached_property
-    def motion(self) -> Check | None:
-        """The check of the driveline; a ball joint alone has none."""
-        return check_scene(self.of, self._progress) if isinstance(self.of, Scene) else None
+    def check(self) -> Check:
+        """The check of the driveline."""
+        return check_scene(self.scene, self._progress)
 
     @cached_property
     def judged(self) -> list[JudgedFigure]:
@@ -97,13 +95,16 @@ class Answer:
 
     @cached_property
     def verdict(self) -> str:
-        """The worst verdict on everything that has a limit, one of ``VERDICTS``."""
-        motion = () if self.motion is None else np.unique(self.motion.ranks)
-        return worst_of(
-            [*(VERDICTS[rank] for rank in motion), *(each.value.verdict for each in self.judged)]
-        )
+        """The one verdict on everything that has a limit.
+
+        ``"beyond"`` if anything is; else ``"not judged"`` if there is a limit for something that
+        cannot be judged, or none for anything; else ``"tolerable"`` if anything is; else
+        ``"within"``.
+        """
+        found = {each.value.verdict for each in self.judged if each.value.limit is not None}
+        return next((word for word in _FROM_THE_WORST if word in found), "not judged")
 
     @property
     def passes(self) -> bool:
-        """Whether nothing is beyond its limits or cannot be judged for its value."""
-        return VERDICTS.index(self.verdict) <= VERDICTS.index("tolerable")
+        """Whether nothing is beyond its limits."""
+        return self.verdict != "beyond"

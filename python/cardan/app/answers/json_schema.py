@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-VERSION = 1
+VERSION = 2
 """Version of the answers. It grows when a key changes its name or meaning, not for a new key."""
 
 ANGLE = ("deg", "rad")

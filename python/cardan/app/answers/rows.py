@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_type_hints
 from cardan.app.scene.units import ENDINGS, RPM
 from cardan.design.judged import VERDICTS, is_within
 
-Kind = Literal["figure", "item", "count", "word", "flag", "parts"]
+Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts"]
 
 
 class Unit(NamedTuple):
@@ -54,6 +54,7 @@ class Row:
         meaning: what it is, for those who do not know the label.
         source: formula and source.
         limit: the key of the scene that gives its limit, as ``"[slip] travel_mm"``.
+        is_detail: whether it is left out of printed text.
     """
 
     kind: Kind
@@ -62,6 +63,7 @@ class Row:
     meaning: str = ""
     source: str = ""
     limit: str = ""
+    is_detail: bool = False
 
     def ending(self, *, radians: bool = False) -> str:
         """Return what follows the name of the field in a key of the JSON."""
@@ -74,10 +76,21 @@ class Row:
 
 
 def figure(
-    label: str, unit: str = "", meaning: str = "", *, source: str = "", limit: str = ""
+    label: str,
+    unit: str = "",
+    meaning: str = "",
+    *,
+    source: str = "",
+    limit: str = "",
+    is_detail: bool = False,
 ) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
     """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``."""
-    return field(metadata={"row": Row("figure", label, unit, meaning, source, limit)})
+    return field(metadata={"row": Row("figure", label, unit, meaning, source, limit, is_detail)})
+
+
+def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare several numbers of one kind, ``tuple[float, ...]``, in the order of their items."""
+    return field(metadata={"row": Row("numbers", label, unit, meaning, is_detail=True)})
 
 
 def item(of: str) -> Any:  # noqa: ANN401 - as of figure

@@ -29,7 +29,7 @@ class Part:
     Attributes:
         name: its room, and its key in the JSON.
         title: its heading.
-        noun: what its figures are those of, in a sentence: ``"the spline"``.
+        noun: what its figures are those of, in a sentence: ``"the spline"``; "" of the driveline.
         sections: the sections of a scene without which there is no such part.
         shown: the commands whose answers have it.
         alone: whether a ball joint alone has it.
@@ -126,6 +126,7 @@ class Part:
 _ALL = ("run", "check", "report")
 
 _PARTS = (
+    Part("limits", "Motion", "", (), ("check",)),
     Part("states", "Equivalent bend in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
     Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), ("run", "check")),

@@ -15,6 +15,7 @@ from cardan.app.answers.limits.text import check_text
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, progress_bar, say
 from cardan.app.scene import load_scene
+from cardan.app.scene.scene import Scene
 
 
 @click.command()
@@ -48,15 +49,12 @@ def command(scene: Path, as_json: bool) -> int:
         say(as_json_text(check_data(answer, advice)))
         return 0 if passes else 1
     say(check_text(answer, advice))
-    for part, found in answer.parts("check"):
-        if words := part.text(found, brief=True):
-            say(f"\n{words}")
     return 0 if passes else 1
 
 
 def _advice(answer: Answer) -> list[str]:
     """What would bring a driveline within its limits, a sentence each."""
-    if answer.motion is None:
+    if not isinstance(answer.of, Scene):
         return []
     advised, life = scene_advice(answer.scene), answer["life"]
     sentences = remedies(advised) if advised else []

@@ -52,8 +52,7 @@ def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None)
         samples: the scene evaluated for the page.
         yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
     """
-    scene, found = answer.scene, answer.motion
-    assert found is not None
+    scene, found = answer.scene, answer.check
     return {
         "verdict": verdict_data(answer),
         "smooth": _smooth(scene, found),

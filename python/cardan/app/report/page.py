@@ -41,8 +41,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     template = environment().get_template("page.html")
     result = scene.run(progress)
     samples, answer = evaluated(scene), Answer(scene)
-    found = answer.motion
-    assert found is not None
+    found = answer.check
     # Of one joint there is nothing to set, and for recorded bends no setting.
     fixed = scene.line.n_joints > 1 and not scene.line.shape
     fixed = fixed and not (scene.states and scene.states.set_phases)
@@ -67,7 +66,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         inputs=results.inputs(scene),
         results=[limits_table(found), *results.results(samples, answer)],
         study=None if table is None or over_states else study(table, found),
-        states=states(scene, over_states, found, yokes) if over_states else None,
+        states=states(answer, over_states, yokes) if over_states else None,
         charts=[
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)

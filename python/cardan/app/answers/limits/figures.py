@@ -1,87 +1,157 @@
-"""The check of a scene's driveline, of all of its study or of its states."""
+"""The motion of a scene's driveline, of all of its study or of its states, beside its limits."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.rounding import alike
-from cardan.app.files.progress import Progress
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.rows import UNITS, Judged, count, figure, item, parts, word
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.study import Study
-from cardan.arrays import FloatArray
 from cardan.design.check import Check
-from cardan.driveline import Driveline
+from cardan.design.judged import VERDICTS, Finding, non_uniformity
+
+# Findings have their own units; figures are in SI.
+_UNITS = {"deg": UNITS["deg"].factor, "rad/s²": 1.0}
 
 
-def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
-    """Check the driveline of a scene, or all of its study or states, and say where the worst lies.
+@dataclass(frozen=True)
+class SpeedLimits:
+    """The drive speeds up to which an excitation keeps its limit and its maximum."""
 
-    ``progress`` is called after each block of the study with the rows done and all rows.
-    """
-    if scene.states:
-        return check_states(scene, scene.drivelines())
-    if scene.study is None or not scene.study.axes:
-        known = scene.without_missing()
-        # Bends that were recorded go with the speeds of their samples; of fixed ones the largest
-        # speed is the worst.
-        if known.line.shape and known.speed_recorded and known.load_case is not None:
-            return known.line.check(known.load_case.speed, scene.limits)
-        return known.line.check(scene.speed or None, scene.limits)
-    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
-    blocks = []
-    rows = math.prod(scene.study.shape)
-    for first, line, load in scene.study.blocks():
-        # Of a recorded speed the largest counts.
-        speed = scene.speed if scene.speed_recorded else load.speed if load and turns else None
-        blocks.append(line.check(speed, scene.limits).findings)
-        if progress:
-            progress(first + line.shape[0], rows)
-    findings = []
-    for parts in zip(*blocks, strict=True):
-        value = _joined([part.value for part in parts])
-        at_unit_speed = None
-        if parts[0].at_unit_speed is not None:
-            at_unit_speed = _joined([part.at_unit_speed for part in parts])
-        worst_at = {} if parts[0].needs_speed else _worst_at(scene.study, value)
-        findings.append(
-            replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
-        )
-    return Check(tuple(findings), scene.limits)
+    excitation: str = item("excitation")
+    within_up_to: float = figure("within its limit up to", "rpm", "drive speed")
+    tolerable_up_to: float = figure("below its maximum up to", "rpm", "drive speed")
 
 
-def check_states(scene: Scene, lines: Driveline) -> Check:
-    """Check the drivelines ``(states,)`` of the states of a scene, each at its own speed."""
-    states = scene.states
-    assert states
-    loads = [states.load(i) for i in range(states.count)]
-    speeds = np.array([scene.speed if load is None else load.speed for load in loads])
-    # Of a recorded speed the largest counts.
-    speed = scene.speed if scene.speed_recorded else speeds
-    found = lines.check(speed if np.any(speed) else None, scene.limits)
-    findings = []
-    for finding in found.findings:
-        value = np.broadcast_to(finding.value, (states.count,))
-        worst = "" if finding.needs_speed else states.names[int(np.argmax(value))]
-        findings.append(replace(finding, value=value, worst_in=worst))
-    return Check(tuple(findings), scene.limits)
+@dataclass(frozen=True)
+class Counts:
+    """How many states, drivelines of a study or recorded samples have which verdict."""
+
+    within: int = count("within")
+    tolerable: int = count("tolerable")
+    beyond: int = count("beyond")
+    not_judged: int = count("not judged")
 
 
-def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
-    return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
+@dataclass(frozen=True)
+class MotionFigures:
+    """The motion of a driveline beside its limits, the worst of its states or its study."""
+
+    preset: str | None = word("preset", "kind of machine whose limits apply")
+    equivalent_bend: Judged = figure(
+        "equivalent bend",
+        "deg",
+        "bend of the single joint that turns the last shaft as unevenly",
+        source="catalogue, double joint, 6.4; exact by the product of the joints' maps",
+        limit="[limits] equivalent_bend_deg",
+    )
+    non_uniformity: float | None = figure(
+        "non-uniformity", "", "of a joint with the equivalent bend", source="tan(bend) sin(bend)"
+    )
+    bend_difference: Judged | None = figure(
+        "bend difference",
+        "deg",
+        "difference of the bends of a driveline of two joints",
+        limit="[limits] bend_difference_deg",
+    )
+    torsional_excitation: Judged | None = figure(
+        "torsional excitation",
+        "rad_s2",
+        "peak acceleration of the last shaft at constant drive speed",
+        limit="[limits] torsional_excitation_rad_s2",
+    )
+    inertia_excitation_driving: Judged | None = figure(
+        "inertia excitation, driving",
+        "rad_s2",
+        "second-order amplitude of the accelerations of all shafts between two joints",
+        limit="[limits] inertia_excitation_rad_s2",
+    )
+    inertia_excitation_coasting: Judged | None = figure(
+        "inertia excitation, coasting",
+        "rad_s2",
+        "the same seen from the output",
+        limit="[limits] inertia_excitation_rad_s2",
+    )
+    speeds: tuple[SpeedLimits, ...] = parts(
+        "Drive speeds up to which limits are kept", "excitations grow with the square of the speed"
+    )
+    counts: Counts | None = parts("Verdicts on the motion", "of several drivelines")
 
 
-def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
-    """The keys of a study on which its largest value depends, and their values there."""
-    grid = value.reshape(study.shape)
-    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
-    found = {}
-    for number, axis in enumerate(study.axes):
-        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
-        if not alike(float(np.min(along)), float(np.max(along))):
-            found[axis.key] = float(axis.values[place[number]])
-    return found
+def find(answer: Answer) -> MotionFigures:
+    """Return the motion of a scene beside its limits."""
+    found, scene = answer.check, answer.scene
+    judged: dict[str, Any] = dict.fromkeys(FIGURES)
+    judged |= {each.figure: _judged(each, scene) for each in found.findings}
+    bend = judged["equivalent_bend"].value
+    given = scene.limits.figures.get("bend_difference_deg")
+    if given and judged["bend_difference"] is None:
+        limit = math.radians(given.limit)
+        why = f"is that of two joints; the driveline has {scene.line.n_joints}"
+        judged["bend_difference"] = Judged(None, limit, source=given.source, why=why)
+    return MotionFigures(
+        found.limits.preset,
+        non_uniformity=None if bend is None else non_uniformity(math.degrees(bend)),
+        speeds=tuple(_speeds(found)),
+        counts=_counts(found) if found.ranks.shape else None,
+        **judged,
+    )
+
+
+FIGURES = (
+    "equivalent_bend",
+    "bend_difference",
+    "torsional_excitation",
+    "inertia_excitation_driving",
+    "inertia_excitation_coasting",
+)
+"""The judged figures of the motion."""
+
+
+def _judged(finding: Finding, scene: Scene) -> Judged:
+    factor = _UNITS[finding.unit]
+    values = np.asarray(finding.value) / factor
+    known, why = values[np.isfinite(values)], ""
+    if finding.needs_speed:
+        why = "needs a speed, and the scene gives none"
+    elif known.size < values.size:
+        unknown = values.size - known.size
+        why = f"is not a number{f' in {unknown} drivelines' if values.size > 1 else ''}"
+    limit = finding.limit
+    each = {}
+    if scene.states and not finding.needs_speed:
+        each = dict(zip(scene.states.names, map(float, values), strict=True))
+    return Judged(
+        # What rounding leaves is 0.
+        float(np.max(known)) if known.size and finding.worst else 0.0 if known.size else None,
+        limit.limit / factor if limit else None,
+        limit.maximum / factor if limit and limit.maximum > limit.limit else None,
+        source=limit.source if limit else "",
+        state=finding.worst_in if finding.largest_text else "",
+        at=finding.worst_at if finding.largest_text else {},
+        each=each,
+        why=why,
+    )
+
+
+def _speeds(found: Check) -> Sequence[SpeedLimits]:
+    speeds = []
+    for each in found.findings:
+        if each.limit is not None and each.at_unit_speed is not None:
+            ends = (each.within_up_to, each.tolerable_up_to)
+            within, tolerable = (float(np.min(end, initial=math.inf)) for end in ends)
+            # Rounding noise is reached at no speed of a machine.
+            if within * UNITS["rpm"].factor < 1e7:
+                speeds.append(SpeedLimits(each.name, within, tolerable))
+    return speeds
+
+
+def _counts(found: Check) -> Counts:
+    numbers = {name: int(np.sum(found.ranks == rank)) for rank, name in enumerate(VERDICTS)}
+    unknown = numbers["not judged"] + numbers["unknown"]
+    return Counts(numbers["within"], numbers["tolerable"], numbers["beyond"], unknown)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.text import verdict_lines
+from cardan.app.answers.limits.text import findings, verdict_text
 from cardan.app.answers.names import key_name
 from cardan.app.answers.printed import figure_text
 from cardan.app.charts.charts import number
@@ -41,7 +41,8 @@ def verdict_data(answer: Answer) -> dict[str, Any]:
     return {
         "word": answer.verdict,
         "class": shown(answer.verdict),
-        "words": " ".join(verdict_lines(answer)),
+        "words": verdict_text(answer),
+        "beyond": list(findings(answer, "beyond")),
     }
 
 

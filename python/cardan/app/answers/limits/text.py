@@ -1,58 +1,90 @@
-"""What a check says in words."""
+"""The verdict in words, what makes it, and what is not judged."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from cardan.app.answers.answer import Answer
-from cardan.app.answers.printed import listed
-from cardan.design.check import Check
-from cardan.design.judged import counted
-from cardan.design.wrapping import wrap
+from cardan.app.answers.answer import Answer, JudgedFigure
+from cardan.app.answers.printed import given, listed, place_of, quantity
+from cardan.app.answers.table import PARTS
+from cardan.design.wrapping import fill, wrap
 
-_MOTION = {
-    "within": "The motion of the driveline is within its limits.",
-    "tolerable": "The motion is tolerable: above a limit, but below every maximum.",
-    "beyond": "The motion of the driveline is beyond its limits as well.",
-    "unknown": "The motion cannot be judged: a figure is not a number.",
-    "not judged": "The motion is not judged.",
-}
+# More are counted in the first sentence.
+_NAMED = 3
 
 
-_BALL_JOINT = {
-    "within": "The ball joint is within its limits.",
-    "not judged": "The ball joint is not judged: the scene gives no allowable pressure.",
-}
+def verdict_text(answer: Answer) -> str:
+    """Return the verdict on everything that has a limit in one sentence."""
+    names = [f"the {each.name}" for each in answer.of_verdict(answer.verdict) if _is_limited(each)]
+    if len(names) > _NAMED + 1:
+        names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
+    if answer.verdict == "beyond":
+        return f"Beyond {'its limit' if len(names) == 1 else 'their limits'}: {listed(names)}."
+    if answer.verdict == "tolerable":
+        return f"Tolerable, above the limit but below the maximum: {listed(names)}."
+    if answer.verdict == "within":
+        return "Everything that has a limit is within it."
+    if names:
+        return f"Not judged, although there is a limit: {listed(names)}."
+    return "Nothing is judged: the scene gives no limit."
 
 
-def verdict_lines(answer: Answer) -> list[str]:
-    """Return the verdict on a scene in one sentence, or in two if its motion is not the worst."""
-    found = answer.motion
-    beyond = [f"the {each.name}" for each in answer.of_verdict("beyond")]
-    if beyond:
-        whose = "its limit" if len(beyond) == 1 else "their limits"
-        worst = f"Beyond {whose}: {listed(beyond)}."
-        return [worst] if found is None else [worst, _of_motion(found)]
-    return [_BALL_JOINT[answer.verdict] if found is None else found.heading]
+def findings(answer: Answer, verdict: str) -> Iterator[str]:
+    """Say of each figure with a verdict what it is, where, and by how much it misses its limit."""
+    for each in answer.of_verdict(verdict):
+        value, unit = each.value, each.entry.row.unit
+        if value.value is None or value.limit is None or verdict == "not judged":
+            continue
+        figure = f"{quantity(value.value, unit)}{place_of(value)}"
+        side = "above" if value.sense == "most" else "below"
+        bound = "maximum" if value.maximum is not None and verdict == "beyond" else "limit"
+        limit = value.maximum if bound == "maximum" and value.maximum else value.limit
+        yield (
+            f"{each.name}: {figure}, {quantity(value.excess, unit)} {side} the {bound} of "
+            f"{given(limit, unit)} ({value.source})"
+        )
+
+
+def not_judged(answer: Answer) -> Iterator[str]:
+    """Say what is not judged and why: what has a limit one by one, what has none together."""
+    without: dict[str, list[str]] = {}
+    for each in answer.of_verdict("not judged"):
+        if _is_limited(each):
+            yield f"{each.name}: {each.value.why or 'it is not a number'}"
+        elif each.value.value is not None:
+            without.setdefault(each.entry.row.limit, []).append(each.name)
+    if without:
+        keys = [
+            f"{names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''} ({key})"
+            for key, names in without.items()
+        ]
+        yield f"no limit is given for: {'; '.join(keys)}"
+
+
+def _is_limited(each: JudgedFigure) -> bool:
+    return each.value.limit is not None
 
 
 def check_text(answer: Answer, advice: Sequence[str] = ()) -> str:
-    """Return the verdict and its check in words, and what would bring it within the limits.
+    """Return the verdict, what makes it, what would help and every part, as plain text, 79 wide.
 
     Args:
         answer: the answer to a scene.
         advice: what would bring it within the limits, a sentence each.
     """
-    lines = [line for text in verdict_lines(answer) for line in wrap(text, 79)]
-    if answer.motion is not None:
-        lines.append(str(answer.motion).split("\n", 1)[1])
-    lines += ["", "What would help:"] if advice else []
-    for sentence in advice:
-        lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
-    return "\n".join(lines)
-
-
-def _of_motion(found: Check) -> str:
-    if found.ranks.shape:
-        return f"In their motion, {counted(found.ranks, 'drivelines are within all limits')}."
-    return _MOTION[str(found.verdict)]
+    lists = {
+        "Beyond": list(findings(answer, "beyond")),
+        "Tolerable": list(findings(answer, "tolerable")),
+        "What would help": list(advice),
+        "Not judged": list(not_judged(answer)),
+    }
+    blocks = [fill(verdict_text(answer), 79)]
+    for heading, sentences in lists.items():
+        lines = [
+            line
+            for text in sentences
+            for line in wrap(f"- {text}", 79, subsequent_indent="  ", break_on_hyphens=False)
+        ]
+        blocks += ["\n".join([heading, *lines])] if lines else []
+    parts = (PARTS[part.name].text(found, brief=True) for part, found in answer.parts("check"))
+    return "\n\n".join([*blocks, *filter(None, parts)])

@@ -3,17 +3,61 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import record
+from cardan.app.answers.limits.figures import FIGURES
+from cardan.app.answers.rows import figure, item, numbers, word, worst_of
 from cardan.app.answers.study.extremes import End, extremes, finite_or_none
-from cardan.app.scene.scene import Scene
 from cardan.app.scene.states import STATE, StatesResult
-from cardan.design.check import Check
-from cardan.design.judged import VERDICTS
+
+
+@dataclass(frozen=True)
+class StateFigures:
+    """The motion of the driveline in one state; ``None`` of what is not known or has no meaning."""
+
+    state: str = item("state")
+    equivalent_bend: float | None = figure("equivalent bend", "deg")
+    bend_difference: float | None = figure("bend difference", "deg", is_detail=True)
+    torsional_excitation: float | None = figure("torsional excitation", "rad_s2", is_detail=True)
+    inertia_excitation_driving: float | None = figure(
+        "inertia excitation, driving", "rad_s2", is_detail=True
+    )
+    inertia_excitation_coasting: float | None = figure(
+        "inertia excitation, coasting", "rad_s2", is_detail=True
+    )
+    verdict: str = word("verdict on the motion")
+    bends: tuple[float, ...] = numbers("bends", "deg", "of the joints")
+    lengths: tuple[float, ...] = numbers("lengths", "mm", "of the shafts, where they are known")
+
+
+def find(answer: Answer) -> tuple[StateFigures, ...]:
+    """Return the motion of a scene in each of its states."""
+    states = answer.scene.states
+    if states is None:
+        return ()
+    motion, lines = answer["limits"], states.drivelines()
+    lengths = lines._geometry.lengths
+    found = []
+    for i, name in enumerate(states.names):
+        judged = {
+            figure: replace(whole, value=whole.each[name])
+            for figure in FIGURES
+            if (whole := getattr(motion, figure)) is not None and name in whole.each
+        }
+        values = {figure: judged[figure].value if figure in judged else None for figure in FIGURES}
+        found.append(
+            StateFigures(
+                name,
+                **values,
+                verdict=worst_of(each.verdict for each in judged.values()),
+                bends=tuple(lines.bends[i].tolist()),
+                lengths=tuple(lengths[i].tolist()) if lengths.ndim > 1 else (),
+            )
+        )
+    return tuple(found)
 
 
 def state_name(table: StatesResult, end: End) -> str:
@@ -40,34 +84,7 @@ def without_common(names: Sequence[str]) -> tuple[str, list[str]]:
     return "", list(names)
 
 
-def state_verdicts(scene: Scene, found: Check) -> list[dict[str, Any]]:
-    """Return name, equivalent bend, verdict and what is beyond its maximum of each state.
-
-    Args:
-        scene: a scene with states.
-        found: its check, as ``check_scene`` makes it.
-    """
-    assert scene.states
-    bends = next(f.value for f in found.findings if f.figure == "equivalent_bend")
-    # What rounding leaves of joints that cancel each other is 0.
-    bends = np.where(np.asarray(bends) < 3e-6, 0.0, bends)
-    return [
-        {
-            "state": name,
-            "equivalent_bend_deg": finite_or_none(float(bends[i])),
-            "verdict": VERDICTS[int(found.ranks[i])],
-            "beyond": [f.figure for f in found.findings if not f.passes[i]],
-        }
-        for i, name in enumerate(scene.states.names)
-    ]
-
-
 # --- plain data --------------------------------------------------------------------------------
-
-
-def data(found: list[dict[str, Any]], *, radians: bool = False) -> dict[str, Any]:
-    """Return the verdicts over the states as plain data, as ``SCHEMA`` describes them."""
-    return {"verdicts": found}
 
 
 def states_data(table: StatesResult, *, radians: bool = False) -> dict[str, Any]:
@@ -110,27 +127,6 @@ _END = record(
 )
 _VALUES = {"type": "array", "description": "one per state", "items": _NUMBER}
 
-SCHEMA: Mapping[str, Any] = record(
-    {
-        "verdicts": {
-            "type": "array",
-            "items": record(
-                {
-                    "state": {"type": "string"},
-                    "equivalent_bend_deg": _NUMBER,
-                    "verdict": {"enum": list(VERDICTS)},
-                    "beyond": {
-                        "type": "array",
-                        "description": "figures beyond their maximum",
-                        "items": {"type": "string"},
-                    },
-                }
-            ),
-        }
-    }
-)
-"""JSON Schema of ``data``."""
-
 STATES_SCHEMA: Mapping[str, Any] = record(
     {
         "names": _NAMES,
@@ -161,11 +157,3 @@ STATES_SCHEMA: Mapping[str, Any] = record(
     }
 )
 """JSON Schema of ``states_data``."""
-
-
-def find(answer: Answer) -> list[dict[str, Any]]:
-    """Return the figures of an answer's scene."""
-    if answer.scene.states is None:
-        return []
-    assert answer.motion is not None
-    return state_verdicts(answer.scene, answer.motion)

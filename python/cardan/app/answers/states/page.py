@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.page import shown
 from cardan.app.answers.names import column_name, key_name
-from cardan.app.answers.printed import figure_text
-from cardan.app.answers.states.figures import state_name, state_verdicts, without_common
-from cardan.app.answers.states.text import verdict_lines
+from cardan.app.answers.page import tables_of
+from cardan.app.answers.printed import figure_text, quantity
+from cardan.app.answers.states.figures import StateFigures, state_name, without_common
 from cardan.app.answers.study.extremes import extremes
+from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
@@ -20,30 +22,31 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.states import StatesResult
 from cardan.app.scene.units import in_degrees
 from cardan.arrays import FloatArray
-from cardan.design.check import Check
 
 _MOST_DRAWN = 8
 
 
-def states(
-    scene: Scene, table: StatesResult, found: Check, yokes: dict[str, Any] | None
-) -> dict[str, Any]:
-    """Return verdicts, tables and charts of the states as plain data for ``states.html``.
+def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) -> dict[str, Any]:
+    """Return verdicts, tables and charts of the states as plain data for ``page.html``.
 
     Args:
-        scene: the scene.
+        answer: the answer to the scene.
         table: its figures in every state.
-        found: its check, as ``check_scene`` makes it.
         yokes: the setting that serves all states, as ``yoke_settings`` makes it, if there is one.
     """
-    each = state_verdicts(scene, found)
+    each: tuple[StateFigures, ...] = answer["states"]
+    heading = PARTS["states"].heading(each)
     return {
         "verdicts": [
-            {"class": shown(state["verdict"]), "state": name, "words": words}
-            for state, (name, words) in zip(each, verdict_lines(each), strict=True)
+            {
+                "class": shown(state.verdict),
+                "state": state.state,
+                "words": f"{quantity(state.equivalent_bend or 0.0, 'deg')}, {state.verdict}",
+            }
+            for state in each
         ],
-        "tables": [_values(table), _worst(table)],
-        "charts": _charts(scene, table, yokes),
+        "tables": [*tables_of(heading, each), _values(table), _worst(table)],
+        "charts": _charts(answer.scene, table, yokes),
     }
 
 

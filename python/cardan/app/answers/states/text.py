@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.names import key_name
-from cardan.app.answers.printed import aligned, figure_text, listed
+from cardan.app.answers.printed import aligned, figure_text
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.states.figures import state_name
 from cardan.app.answers.study.extremes import Extremes, extremes
@@ -49,35 +49,6 @@ def _settled(name: str, value: float) -> float:
     """An angle, or 0 where it is the rounding of bends that cancel each other."""
     rounding = {"_deg": 1e-6, "_rad": 1e-8}.get(name[-4:], 0.0)
     return 0.0 if abs(value) < rounding else value
-
-
-def verdict_lines(data: Sequence[dict[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Yield name and verdict of each state, as ``figures.states.verdicts`` has them."""
-    for state in data:
-        bend = state["equivalent_bend_deg"]
-        words = "unknown" if bend is None else f"{bend:.4g}°"
-        others = [_figure_name(name) for name in state["beyond"] if name != "equivalent_bend"]
-        by_bend = len(others) == len(state["beyond"]) - 1
-        if by_bend or not others:
-            words += f", {state['verdict']}"
-        if others:
-            verb = "is" if len(others) == 1 else "are"
-            which = listed([f"the {name}" for name in others])
-            words += f", and so {verb} {which}" if by_bend else f", but {which} {verb} beyond"
-        yield state["state"], words
-
-
-def _figure_name(figure: str) -> str:
-    """The words for ``inertia_excitation_driving``: "inertia excitation when driving"."""
-    name = figure.replace("_", " ")
-    for ending in (" driving", " coasting"):
-        name = name.replace(ending, f" when{ending}")
-    return name
-
-
-def words(data: Sequence[dict[str, Any]]) -> str:
-    """Return equivalent bend and verdict of each state as plain text."""
-    return f"Equivalent bend in each state\n{aligned(verdict_lines(data), indent='  ')}"
 
 
 def key_names(table: StatesResult) -> list[str]:

@@ -96,117 +96,125 @@ _AT = {
 }
 _END = one_of({"at": _AT}, _VALUE)
 
-RUN_SCHEMA: Mapping[str, Any] = answers_with(
-    "run",
-    "what cardan run prints with --json",
-    {
-        "drive_angles": one_of(
-            {
-                "source": {"enum": ["sweep", "recording"]},
-                "samples": {**_COUNT, "minimum": 1},
-                "missing_samples": _COUNT,
-                "turns": {
-                    "type": "number",
-                    "description": "the way of the drive, forward and back",
-                },
-                "samples_per_turn": {"type": ["number", "null"]},
-            },
-            *(
-                {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
-                for end in ("first", "last")
-            ),
-            optional={
-                **{
-                    f"{end}_{angle}": {
-                        "type": "number",
-                        "description": "of a recorded drive that turns back",
-                    }
-                    for angle in ANGLE
-                    for end in ("min", "max")
-                },
-                **{
-                    f"period_{angle}": {
-                        "type": "number",
-                        "description": "after which extremes recur, if joints have deviations; "
-                        "otherwise half a turn",
-                    }
-                    for angle in ANGLE
-                },
-                "signals": {"type": "array", "items": _SIGNAL},
-                "angle_of": {
-                    "const": "driven",
-                    "description": "the scene gives angles of the last shaft; these drive angles "
-                    "follow from them",
-                },
-            },
-        ),
-        "rows": {
-            "type": "array",
-            "items": one_of(
+
+def run_schema() -> dict[str, Any]:
+    """Return the JSON Schema of ``run_data``."""
+    return answers_with(
+        "run",
+        "what cardan run prints with --json",
+        {
+            "drive_angles": one_of(
                 {
-                    "quantity": {"enum": [*_OF_DRIVELINE, *OUTPUTS, *_OF_DRIVE]},
-                    "statistic": {
-                        "enum": ["value", "min", "max", "peak"],
-                        "description": "peak is the largest magnitude",
-                    },
-                    "of": {"enum": ["driveline", "turn", "samples"]},
-                },
-                _ITEM,
-                _VALUE,
-                optional={
-                    f"at_drive_angle_{angle}": {
+                    "source": {"enum": ["sweep", "recording"]},
+                    "samples": {**_COUNT, "minimum": 1},
+                    "missing_samples": _COUNT,
+                    "turns": {
                         "type": "number",
-                        "description": "absent if every angle has the value, or none of the scene",
-                    }
-                    for angle in ANGLE
+                        "description": "the way of the drive, forward and back",
+                    },
+                    "samples_per_turn": {"type": ["number", "null"]},
                 },
-            ),
-        },
-    },
-    {"ball_joint": PARTS["ball_joint"].schema()},
-    needed={
-        "files": {
-            "type": "array",
-            "items": record(
-                {"file": {"type": "string"}}, dict.fromkeys(("rows", "parts", "found"), _COUNT)
-            ),
-        },
-    },
-    optional={
-        **{name: part.schema() for name, part in PARTS.items() if "run" in part.shown},
-        "states": STATES_SCHEMA,
-        "study": record(
-            {
-                "drivelines": _COUNT,
-                "samples": {**_COUNT, "description": "drive angles over which figures are reduced"},
-                "axes": {
-                    "type": "array",
-                    "items": record(
-                        {
-                            "key": {"type": "string"},
-                            "values": _COUNT,
-                            "min": {"type": "number"},
-                            "max": {"type": "number"},
+                *(
+                    {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
+                    for end in ("first", "last")
+                ),
+                optional={
+                    **{
+                        f"{end}_{angle}": {
+                            "type": "number",
+                            "description": "of a recorded drive that turns back",
                         }
-                    ),
+                        for angle in ANGLE
+                        for end in ("min", "max")
+                    },
+                    **{
+                        f"period_{angle}": {
+                            "type": "number",
+                            "description": "after which extremes recur, if joints have deviations; "
+                            "otherwise half a turn",
+                        }
+                        for angle in ANGLE
+                    },
+                    "signals": {"type": "array", "items": _SIGNAL},
+                    "angle_of": {
+                        "const": "driven",
+                        "description": "the scene gives angles of the last shaft; these drive "
+                        "angles follow from them",
+                    },
                 },
-                "figures": {
-                    "type": "array",
-                    "items": one_of(
-                        {
-                            "column": {"type": "string", "description": "its heading in the table"},
-                            "quantity": {"enum": [*CLOSED_FORMS, *OUTPUTS]},
-                            "statistic": {"enum": ["value", *REDUCTIONS]},
-                            "of": {"enum": ["turn", "samples"]},
-                            "least": _END,
-                            "largest": _END,
+            ),
+            "rows": {
+                "type": "array",
+                "items": one_of(
+                    {
+                        "quantity": {"enum": [*_OF_DRIVELINE, *OUTPUTS, *_OF_DRIVE]},
+                        "statistic": {
+                            "enum": ["value", "min", "max", "peak"],
+                            "description": "peak is the largest magnitude",
                         },
-                        _ITEM,
-                        optional={"component": {"enum": ["x", "y", "z"]}},
-                    ),
-                },
-            }
-        ),
-    },
-)
-"""JSON Schema of ``run_data``."""
+                        "of": {"enum": ["driveline", "turn", "samples"]},
+                    },
+                    _ITEM,
+                    _VALUE,
+                    optional={
+                        f"at_drive_angle_{angle}": {
+                            "type": "number",
+                            "description": "absent if every angle has it, or none of the scene",
+                        }
+                        for angle in ANGLE
+                    },
+                ),
+            },
+        },
+        {"ball_joint": PARTS["ball_joint"].schema()},
+        needed={
+            "files": {
+                "type": "array",
+                "items": record(
+                    {"file": {"type": "string"}}, dict.fromkeys(("rows", "parts", "found"), _COUNT)
+                ),
+            },
+        },
+        optional={
+            **{name: part.schema() for name, part in PARTS.items() if "run" in part.shown},
+            "states": STATES_SCHEMA,
+            "study": record(
+                {
+                    "drivelines": _COUNT,
+                    "samples": {
+                        **_COUNT,
+                        "description": "drive angles over which figures are reduced",
+                    },
+                    "axes": {
+                        "type": "array",
+                        "items": record(
+                            {
+                                "key": {"type": "string"},
+                                "values": _COUNT,
+                                "min": {"type": "number"},
+                                "max": {"type": "number"},
+                            }
+                        ),
+                    },
+                    "figures": {
+                        "type": "array",
+                        "items": one_of(
+                            {
+                                "column": {
+                                    "type": "string",
+                                    "description": "its heading in the table",
+                                },
+                                "quantity": {"enum": [*CLOSED_FORMS, *OUTPUTS]},
+                                "statistic": {"enum": ["value", *REDUCTIONS]},
+                                "of": {"enum": ["turn", "samples"]},
+                                "least": _END,
+                                "largest": _END,
+                            },
+                            _ITEM,
+                            optional={"component": {"enum": ["x", "y", "z"]}},
+                        ),
+                    },
+                }
+            ),
+        },
+    )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.json_schema import answer, answer_schema, record
-from cardan.app.answers.limits.figures import check_states
+from cardan.app.answers.limits.check import check_states
 from cardan.app.answers.limits.remedies import (
     ADVICE_KEYS,
     STATES_ADVICE_SCHEMA,

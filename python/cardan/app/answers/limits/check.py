@@ -1,0 +1,87 @@
+"""The check of a scene's driveline, of all of its study or of its states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.rounding import alike
+from cardan.app.files.progress import Progress
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.study import Study
+from cardan.arrays import FloatArray
+from cardan.design.check import Check
+from cardan.driveline import Driveline
+
+
+def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
+    """Check the driveline of a scene, or all of its study or states, and say where the worst lies.
+
+    ``progress`` is called after each block of the study with the rows done and all rows.
+    """
+    if scene.states:
+        return check_states(scene, scene.drivelines())
+    if scene.study is None or not scene.study.axes:
+        known = scene.without_missing()
+        # Bends that were recorded go with the speeds of their samples; of fixed ones the largest
+        # speed is the worst.
+        if known.line.shape and known.speed_recorded and known.load_case is not None:
+            return known.line.check(known.load_case.speed, scene.limits)
+        return known.line.check(scene.speed or None, scene.limits)
+    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
+    blocks = []
+    rows = math.prod(scene.study.shape)
+    for first, line, load in scene.study.blocks():
+        # Of a recorded speed the largest counts.
+        speed = scene.speed if scene.speed_recorded else load.speed if load and turns else None
+        blocks.append(line.check(speed, scene.limits).findings)
+        if progress:
+            progress(first + line.shape[0], rows)
+    findings = []
+    for parts in zip(*blocks, strict=True):
+        value = _joined([part.value for part in parts])
+        at_unit_speed = None
+        if parts[0].at_unit_speed is not None:
+            at_unit_speed = _joined([part.at_unit_speed for part in parts])
+        worst_at = {} if parts[0].needs_speed else _worst_at(scene.study, value)
+        findings.append(
+            replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
+        )
+    return Check(tuple(findings), scene.limits)
+
+
+def check_states(scene: Scene, lines: Driveline) -> Check:
+    """Check the drivelines ``(states,)`` of the states of a scene, each at its own speed."""
+    states = scene.states
+    assert states
+    loads = [states.load(i) for i in range(states.count)]
+    speeds = np.array([scene.speed if load is None else load.speed for load in loads])
+    # Of a recorded speed the largest counts.
+    speed = scene.speed if scene.speed_recorded else speeds
+    found = lines.check(speed if np.any(speed) else None, scene.limits)
+    findings = []
+    for finding in found.findings:
+        value = np.broadcast_to(finding.value, (states.count,))
+        worst = "" if finding.needs_speed else states.names[int(np.argmax(value))]
+        findings.append(replace(finding, value=value, worst_in=worst))
+    return Check(tuple(findings), scene.limits)
+
+
+def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
+    return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
+
+
+def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
+    """The keys of a study on which its largest value depends, and their values there."""
+    grid = value.reshape(study.shape)
+    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
+    found = {}
+    for number, axis in enumerate(study.axes):
+        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
+        if not alike(float(np.min(along)), float(np.max(along))):
+            found[axis.key] = float(axis.values[place[number]])
+    return found
