@@ -547,6 +547,4 @@ def test_check_takes_the_speed_of_each_bend(tmp_path: Path) -> None:
     (tmp_path / "run.toml").write_text(text)
     answer = json.loads(command("check", tmp_path / "run.toml", "--json").stdout)
     ANSWERS.validate(answer)
-    assert answer["practice"]["torsional_excitation"]["value_rad_s2"] == pytest.approx(
-        np.max(value)
-    )
+    assert answer["limits"]["torsional_excitation"]["value_rad_s2"] == pytest.approx(np.max(value))

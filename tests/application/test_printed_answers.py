@@ -264,17 +264,19 @@ def test_spline() -> None:
 
     rest = length(-110.0)
     lengths = [first_number(shown[f"{name} length"]) for name in ("shortest", "longest")]
-    assert first_number(shown["length at the points of the scene"]) == pytest.approx(rest, abs=0.05)
+    assert first_number(shown["length at the points of the scene"]) == pytest.approx(rest, abs=0.5)
     given = tomllib.loads((EXAMPLES / "slip.toml").read_text(encoding="utf-8"))
     heights = given["study"]["points_mm"]["2-3"]["y"]
     every = [length(y) for y in np.linspace(heights["from"], heights["to"], heights["steps"])]
-    assert lengths == pytest.approx([min(every), max(every)], abs=0.05)
+    assert lengths == pytest.approx([min(every), max(every)], abs=0.5)
     assert shown["longest length"].endswith(" at points_mm.2-3.y = -180")
     travel = max(every) - min(every)
-    assert shown["travel"] == f"{figure_text(travel)} mm; at most 40.00 mm"
+    assert shown["travel"] == f"{figure_text(travel)} mm; at most 40 mm"
     engaged = 80.0 - (max(every) - rest)
-    assert shown["least engaged length"] == f"{figure_text(engaged)} mm; at least 65.00 mm"
-    assert shown["left to push in"] == f"{figure_text(25.0 - (rest - min(every)))} mm"
+    low, high = " at points_mm.2-3.y = -180", " at points_mm.2-3.y = 0"
+    assert shown["engaged length"] == f"{figure_text(engaged)} mm{low}; at least 65 mm"
+    left = 25.0 - (rest - min(every))
+    assert shown["left to push in"] == f"{figure_text(left)} mm{high}; at least 0 mm"
     # The torque of the shaft is largest where joint 1 is bent most; friction 0.12 at 20 mm.
     cosine = 1200.0 / length(-180.0)
     torque = 400.0 / cosine
@@ -283,9 +285,8 @@ def test_spline() -> None:
     assert shown["largest torque of the shaft"] == f"{figure_text(torque)} N m{place}"
     assert shown["largest axial force"] == f"{figure_text(force)} N"
     along, across = force * cosine, force * np.sqrt(1.0 - cosine**2)
-    for shaft in ("shaft 0, upstream", "shaft 2, downstream"):
-        words = f"{figure_text(along)} N along it, {figure_text(across)} N across"
-        assert shown[f"on {shaft}"] == words
+    assert re.split("  +", shown["force along it"]) == [f"{figure_text(along)} N"] * 2
+    assert re.split("  +", shown["force across it"]) == [f"{figure_text(across)} N"] * 2
 
 
 SECTIONS = {
@@ -319,10 +320,12 @@ def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None
 def test_a_check_has_the_verdict_of_every_state(tmp_path: Path) -> None:
     text = answered("check", scene_text(20.0, "[limits]\nequivalent_bend_deg = 4"), tmp_path)
     bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(20.0)]
-    assert blocks(text)["Equivalent bend in each state"] == {
-        name: f"{bend:.4g}°, {'beyond' if bend > 4.0 else 'within'}"
+    _, _, table = text.partition("Motion in each state\n")
+    _, *rows = (" ".join(line.split()) for line in table.split("\n\n")[0].splitlines())
+    assert rows == [
+        f"{name} {figure_text(bend)}° {'beyond' if bend > 4.0 else 'within'}"
         for name, bend in zip(NAMES, bends, strict=True)
-    }
+    ]
 
 
 @pytest.mark.parametrize(("turns", "is_short"), [(0.49, True), (0.5, False)])

@@ -145,12 +145,12 @@ def test_answers(answered: Answers) -> None:
     for command in ("run", "check"):
         data: dict[str, Any] = answer.data(command)
         ANSWERS.validate(data)
-        first = data["slides"][0]
+        first = data["axial_travel"][0]
         assert (first["joint"], first["slide"]) == (0, "shaft")
         assert first["travel_mm"] == figures(TEXT).each[0].travel
         assert [entry["order"] for entry in first["orders"]] == [1, 2, 3, 4]
     html = answer.page
-    assert "Slides of offset axes" in html
+    assert "Axial travel of offset axes" in html
     assert "Axial travel of the driven shafts" in html
     assert "joint 0, shaft 1 axially" in html
 

@@ -16,7 +16,6 @@ from click.testing import CliRunner
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.check import check_scene
-from cardan.app.answers.states.text import verdict_lines
 from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import FRAME, chart
 from cardan.app.charts.samples import Curve, Panel
@@ -97,40 +96,35 @@ def test_an_archive_has_the_keys_of_the_states(tmp_path: Path) -> None:
 def test_check_judges_every_state_and_names_the_worst(tmp_path: Path) -> None:
     status, text = run("check", TRUCK, tmp_path)
     assert status == 1
-    assert text.startswith("7 of 9 drivelines are within all limits, 2 beyond.")
-    assert "largest in bump +80 mm" in text
+    assert text.startswith("Beyond its limit: the equivalent bend.")
+    assert " in bump +80 mm, " in text
     data = answer("check", TRUCK, tmp_path)
-    found = data["states"]["verdicts"]
-    for state, height in zip(found, HEIGHTS, strict=True):
-        own = answer("check", single(height), tmp_path)["catalogue"]["equivalent_bend"]
+    for state, height in zip(data["states"], HEIGHTS, strict=True):
+        own = answer("check", single(height), tmp_path)["limits"]["equivalent_bend"]
         assert state["equivalent_bend_deg"] == own["value_deg"]
         assert state["verdict"] == own["verdict"]
-        assert (state["beyond"] == ["equivalent_bend"]) is (own["verdict"] == "beyond")
-    assert data["catalogue"]["equivalent_bend"]["worst_in"] == "bump +80 mm"
+    assert data["limits"]["equivalent_bend"]["state"] == "bump +80 mm"
+    assert len(data["limits"]["equivalent_bend"]["states"]) == len(HEIGHTS)
     assert not data["passes"]
     turned = TRUCK.replace("[90, 0]", "[30, 10]")
     assert run("check", turned, tmp_path)[0] == 0
 
 
-@pytest.mark.parametrize(
-    ("beyond", "words"),
-    [
-        ("", "3.5°, tolerable"),
-        ("equivalent_bend", "3.5°, beyond"),
-        ("torsional_excitation", "3.5°, but the torsional excitation is beyond"),
-        ("equivalent_bend bend_difference", "3.5°, beyond, and so is the bend difference"),
-        (
-            "equivalent_bend torsional_excitation inertia_excitation_driving "
-            "inertia_excitation_coasting",
-            "3.5°, beyond, and so are the torsional excitation, the inertia excitation when "
-            "driving and the inertia excitation when coasting",
-        ),
-    ],
-)
-def test_the_verdict_on_a_state_names_what_else_is_beyond(beyond: str, words: str) -> None:
-    verdict = "beyond" if beyond else "tolerable"
-    state = {"state": "laden", "equivalent_bend_deg": 3.5, "verdict": verdict}
-    assert list(verdict_lines([{**state, "beyond": beyond.split()}])) == [("laden", words)]
+def test_a_state_names_what_is_beyond_besides_its_bend(tmp_path: Path) -> None:
+    text = (
+        "[driveline]\nbends_deg = [3, 5]\n[load]\nspeed_rpm = 6000\n"
+        "[limits]\nequivalent_bend_deg = 7\ntorsional_excitation_rad_s2 = 100\n"
+        "bend_difference_deg = 3\n[states]\nbends_deg.0 = [5, 3, 1]\n"
+        'names = ["even", "apart", "far"]\n'
+    )
+    status, said = run("check", text, tmp_path)
+    assert status == 1
+    _, _, table = said.partition("Motion in each state\n")
+    rows = [re.split("  +", line.strip()) for line in table.split("\n\n")[0].splitlines()]
+    beyond = {row[0]: row[-1] for row in rows[1:]}
+    assert beyond["even"] == "within"
+    assert beyond["apart"] == "torsional excitation"
+    assert beyond["far"] == "bend difference, torsional excitation"
 
 
 def test_check_passes_only_if_all_states_do(tmp_path: Path) -> None:
@@ -173,7 +167,7 @@ def test_forces_are_those_of_the_worst_state() -> None:
 
 
 def test_slip_over_the_states(tmp_path: Path) -> None:
-    slip = answer("check", TRUCK, tmp_path)["slip"]
+    slip = answer("check", TRUCK, tmp_path)["spline"]
     points = np.array(tomllib.loads(TRUCK)["driveline"]["points_mm"], dtype=float)
     lengths = []
     for height in HEIGHTS:

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
 from cardan import Driveline, approximations
+from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.limits.remedies import advice, arrangement, scene_advice
 from cardan.app.answers.limits.remedies_text import remedies
 from cardan.app.answers.limits.root_rule import fork_signs
@@ -141,7 +142,7 @@ def test_json_fits_its_schema(path: Path) -> None:
     data = json.loads(phase(path, "--json"))
     jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
     assert list(data)[:3] == ["answer", "version", "title"]
-    assert (data["answer"], data["version"], data["view"]) == ("phase", 1, VIEW)
+    assert (data["answer"], data["version"], data["view"]) == ("phase", VERSION, VIEW)
     line = Scene.load(path).line
     for i, shaft in enumerate(data["shafts"]):
         present = math.degrees(line.phases[i])

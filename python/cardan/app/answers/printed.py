@@ -181,11 +181,11 @@ def _lines(found: Any, radians: bool) -> str:  # noqa: ANN401 - any part
 
 
 def _several(found: Sequence[Any], radians: bool) -> str:
-    """A column for each item, or a row where the columns do not fit beside each other."""
+    """A row for each item if these are more than the figures and fit, else a column for each."""
     head, rows = table_of(found, radians=radians)
     whole = [(f"  {label}", *cells) for label, *cells in (head, *rows)]
     turned = [(f"  {label}", *cells) for label, *cells in zip(head, *rows, strict=True)]
-    for table in (whole, turned):
+    for table in (turned, whole) if len(found) > len(rows) else (whole, turned):
         text = table_text(table)
         if max(map(len, text.splitlines())) <= _WIDTH - 2:
             return text

@@ -127,7 +127,7 @@ _ALL = ("run", "check", "report")
 
 _PARTS = (
     Part("limits", "Motion", "", (), ("check",)),
-    Part("states", "Equivalent bend in each state", "the state", ("states",), ("check",)),
+    Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
     Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), ("run", "check")),
     Part("backlash", "Backlash", "the driveline", ("joints", "load"), ("run", "check")),

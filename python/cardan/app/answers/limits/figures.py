@@ -24,8 +24,8 @@ class SpeedLimits:
     """The drive speeds up to which an excitation keeps its limit and its maximum."""
 
     excitation: str = item("excitation")
-    within_up_to: float = figure("within its limit up to", "rpm", "drive speed")
-    tolerable_up_to: float = figure("below its maximum up to", "rpm", "drive speed")
+    within_up_to: float = figure("within up to", "rpm", "drive speed")
+    tolerable_up_to: float | None = figure("tolerable up to", "rpm", "drive speed")
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,9 @@ def _speeds(found: Check) -> Sequence[SpeedLimits]:
             within, tolerable = (float(np.min(end, initial=math.inf)) for end in ends)
             # Rounding noise is reached at no speed of a machine.
             if within * UNITS["rpm"].factor < 1e7:
-                speeds.append(SpeedLimits(each.name, within, tolerable))
+                speeds.append(
+                    SpeedLimits(each.name, within, tolerable if tolerable > within else None)
+                )
     return speeds
 
 

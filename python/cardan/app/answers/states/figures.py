@@ -28,7 +28,8 @@ class StateFigures:
     inertia_excitation_coasting: float | None = figure(
         "inertia excitation, coasting", "rad_s2", is_detail=True
     )
-    verdict: str = word("verdict on the motion")
+    verdict: str = word("verdict", "on the motion")
+    beyond: str = word("beyond", "what is beyond its limit in this state, besides the bend")
     bends: tuple[float, ...] = numbers("bends", "deg", "of the joints")
     lengths: tuple[float, ...] = numbers("lengths", "mm", "of the shafts, where they are known")
 
@@ -53,6 +54,11 @@ def find(answer: Answer) -> tuple[StateFigures, ...]:
                 name,
                 **values,
                 verdict=worst_of(each.verdict for each in judged.values()),
+                beyond=", ".join(
+                    figure.replace("_", " ")
+                    for figure, each in judged.items()
+                    if each.verdict == "beyond" and figure != "equivalent_bend"
+                ),
                 bends=tuple(lines.bends[i].tolist()),
                 lengths=tuple(lengths[i].tolist()) if lengths.ndim > 1 else (),
             )
