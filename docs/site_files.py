@@ -1,4 +1,4 @@
-"""Build hook of the documentation: the files beside its pages, which are made when it is built."""
+"""Build hook of the documentation: the files beside its pages, which are made when it is built: pictures, schemas, figures."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cardan
+from cardan.app.answers.explain import reference
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command.terminal import as_json_text
 
@@ -31,7 +32,7 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     benches = {f"benches/{path.name}": path for path in (ROOT / "benches").glob("*.svg")}
     for uri, path in (pictures() | benches).items():
         files.append(File.generated(config, uri, abs_src_path=str(path)))
-    for uri, text in schemas().items():
+    for uri, text in (schemas() | {"reference/figures.md": reference()}).items():
         files.append(File.generated(config, uri, content=text))
     return files
 

@@ -22,6 +22,7 @@ from click.testing import Result
 
 import cardan
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.explain import explain_text
 from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.limits.data import check_data, check_schema
 from cardan.app.answers.limits.text import check_text, verdict_text
@@ -595,6 +596,32 @@ def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         run("plot", "a.toml", "--study", "k"),
         "a.toml: there is no study to draw; it needs a section [study]",
     )
+
+
+def test_explain_a_figure() -> None:
+    said = run("explain", TRUCK, "limits.torsional_excitation").output
+    assert said.startswith("Torsional excitation\n  value       752.5 rad/s²\n")
+    assert "peak acceleration of the last shaft at constant drive speed" in said
+    assert "limit from  [limits] torsional_excitation_rad_s2\n" in said
+    assert "limit       at most 300 rad/s², maximum 500 rad/s² (Dana, " in said
+    assert "verdict     beyond\n" in said
+    assert "\nInputs\n  [driveline] bends_deg   [5, 4, 3, 2]\n" in said
+    assert "[load] speed_rpm        2500" in said
+
+
+def test_every_figure_of_an_answer_can_be_explained() -> None:
+    path = example("slip.toml")
+    answer = Answer(load_scene(path))
+    for part, found in answer.parts("check"):
+        for entry in part.entries(found):
+            said = explain_text(answer, entry.path, path)
+            assert entry.row.meaning in " ".join(said.split())
+
+
+def test_explain_names_the_keys_that_there_are() -> None:
+    refused = run("explain", example("slip.toml"), "spline.travels")
+    assert refused.exit_code == 2
+    assert "KEY is 'spline.travels'; the answer to this scene has spline.shaft, " in refused.stderr
 
 
 def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:

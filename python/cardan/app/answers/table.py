@@ -77,10 +77,18 @@ class Part:
         """Return the JSON Schema of the figures."""
         if own := self._own("SCHEMA", "data", "figures"):
             return dict(own)
-        hint = get_type_hints(self._own("find", "figures"))["return"]
+        hint = self._hint()
         schema = schema_of(element_of(hint))
         several = tuple in (get_origin(each) for each in (hint, *get_args(hint)))
         return {"type": "array", "items": schema} if several else schema
+
+    def figures(self) -> type:
+        """Return the dataclass of the figures, or of those of each item."""
+        found: type = element_of(self._hint())
+        return found
+
+    def _hint(self) -> Any:  # noqa: ANN401 - any annotation
+        return get_type_hints(self._own("find", "figures"))["return"]
 
     def text(self, found: Any, *, radians: bool = False, brief: bool = False) -> str:  # noqa: ANN401
         """Return the figures and what follows from them as plain text, 79 wide.
@@ -126,7 +134,7 @@ class Part:
 _ALL = ("run", "check", "report")
 
 _PARTS = (
-    Part("limits", "Motion", "", (), ("check",)),
+    Part("limits", "Motion", "", ("load", "limits"), ("check",)),
     Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
     Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), ("run", "check")),

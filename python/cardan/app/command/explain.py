@@ -8,17 +8,34 @@ import click
 
 from cardan.app.command.options import scene_argument
 from cardan.app.command.terminal import say
+from cardan.app.scene import load_scene
 from cardan.app.scene.scene import Scene
+from cardan.arrays.errors import ArgumentValueError
 
 
 @click.command()
 @scene_argument
-def command(scene: Path) -> None:
-    """Describe how a scene and its study are evaluated: the steps, what is skipped and why,
-    and the memory that each sample needs.
+@click.argument("key", required=False)
+def command(scene: Path, key: str | None) -> None:
+    """Explain a figure of the answer to a scene: what it is, its formula and source, its inputs
+    and its limit. Keys are those of check with --json, as spline.travel or tubes.1.stress.
+
+    Without KEY, describe how the scene and its study are evaluated: the steps, what is skipped and
+    why, and the memory that each sample needs.
 
     \b
-    Example:
+    Examples:
       cardan explain shaft.toml
+      cardan explain shaft.toml limits.equivalent_bend
     """
-    say(Scene.load(scene).explain())
+    if key is None:
+        say(Scene.load(scene).explain())
+        return
+    # Without a key the answer is not needed.
+    from cardan.app.answers.answer import Answer
+    from cardan.app.answers.explain import explain_text
+
+    try:
+        say(explain_text(Answer(load_scene(scene)), key, scene))
+    except ArgumentValueError as error:
+        raise ValueError(f"KEY {error.problem}") from None

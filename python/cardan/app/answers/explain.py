@@ -1,0 +1,111 @@
+"""What figures are: one of a scene with its inputs, and all that an answer can have."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import aligned, bound_of, cell
+from cardan.app.answers.rows import UNITS, Entry, Judged, Row, element_of, rows_of
+from cardan.app.answers.table import PARTS, Part
+from cardan.arrays.errors import ArgumentValueError
+
+# More values of a list are counted.
+_MOST = 6
+
+
+def explain_text(answer: Answer, key: str, path: Path) -> str:
+    """Return what a figure of a scene is, from what it follows, and what limits it, 79 wide.
+
+    Args:
+        answer: the answer to the scene.
+        key: the key of the figure: ``"spline.travel"``, ``"tubes.1.stress"``.
+        path: the scene file.
+
+    Raises:
+        ValueError: the answer has no such figure.
+    """
+    part, entry = _entry_of(answer, key)
+    row, value = entry.row, entry.value
+    name = " of ".join(filter(None, (row.label, part.noun, entry.item)))
+    bare = replace(value, limit=None) if isinstance(value, Judged) else value
+    lines = [("value", cell(bare, row) or "not known")]
+    lines += [("meaning", row.meaning)] if row.meaning else []
+    lines += [("formula, source", row.source)] if row.source else []
+    lines += [("limit from", row.limit)] if row.limit else []
+    if isinstance(value, Judged) and row.limit:
+        judged = f"{value.verdict}: {value.why}" if value.why else value.verdict
+        lines += [("limit", f"{bound_of(value, row)} ({value.source})")] if value.limit else []
+        lines.append(("verdict", judged))
+    inputs = list(_inputs(part, path))
+    text = f"{name[0].upper()}{name[1:]}\n{aligned(lines, indent='  ')}"
+    return f"{text}\n\nInputs\n{aligned(inputs, indent='  ')}" if inputs else text
+
+
+def _entry_of(answer: Answer, key: str) -> tuple[Part, Entry]:
+    known = []
+    for name, part in PARTS.items():
+        found = answer[name]
+        for entry in part.entries(found) if found else ():
+            if entry.path == key:
+                return part, entry
+            known.append(entry.path)
+    begins = [path for path in known if path.startswith(key.partition(".")[0])]
+    raise ArgumentValueError(
+        "key", f"is {key!r}; the answer to this scene has {', '.join(begins or known)}"
+    )
+
+
+def _inputs(part: Part, path: Path) -> Iterator[tuple[str, str]]:
+    """The keys of the driveline and of the part's sections, with their values."""
+    given = tomllib.loads(path.read_text(encoding="utf-8"))
+    for section in dict.fromkeys(("driveline", *part.sections)):
+        for key, value in given.get(section, {}).items():
+            yield f"[{section}] {key}", _shown(value)
+
+
+def _shown(value: Any) -> str:  # noqa: ANN401 - any value of TOML
+    if isinstance(value, list) and len(value) > _MOST:
+        return f"{len(value)} values"
+    return str(value)
+
+
+def reference() -> str:
+    """Return all figures of all parts as a page of Markdown, a table for each part."""
+    text = [
+        "# Figures of an answer\n\n"
+        "Each part of an answer has the figures of its table. A key is that of the answer in JSON "
+        "and of `cardan explain SCENE KEY`; where a part has several shafts, joints, bearings or "
+        "states, the number or name of the item follows the name of the part.\n"
+    ]
+    for part in PARTS.values():
+        shown = ", ".join(f"`{command}`" for command in part.shown)
+        sections = " and ".join(f"`[{section}]`" for section in part.sections)
+        text.append(f"\n## {part.title}\n\nShown by {shown}; from {sections or '`[driveline]`'}.\n")
+        text += _table(part.figures(), part.name)
+    return "".join(text)
+
+
+def _table(of: type, path: str) -> Iterator[str]:
+    yield "\n| figure | key | unit | what it is | limit |\n|---|---|---|---|---|\n"
+    further = []
+    for name, row, hint in rows_of(of):
+        if row.kind == "parts":
+            further.append((row, element_of(hint), f"{path}.{name}"))
+        else:
+            yield _line(row, f"{path}.{name}")
+    for row, inner, inside in further:
+        meaning = f": {row.meaning}" if row.meaning else ""
+        yield f"\n{row.label}{meaning}.\n"
+        yield from _table(inner, inside)
+
+
+def _line(row: Row, key: str) -> str:
+    meaning = "; ".join(filter(None, (row.meaning, row.source))).replace("|", "\\|")
+    unit = UNITS[row.unit].symbol or ("1" if row.kind == "figure" else "")
+    limit = f"`{row.limit}`" if row.limit else ""
+    return f"| {row.label} | `{key}` | {unit} | {meaning} | {limit} |\n"
