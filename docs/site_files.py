@@ -1,4 +1,4 @@
-"""Build hook of the documentation: the files beside its pages, which are made when it is built: pictures, schemas, figures."""
+"""Build hook of the documentation: pictures, schemas and figures, which are made with it."""
 
 from __future__ import annotations
 
