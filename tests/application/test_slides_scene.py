@@ -14,8 +14,9 @@ from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
 import cardan
-from cardan.app.answers.axial_travel.figures import SceneSlides, drawn_slides, scene_slides
-from cardan.app.answers.axial_travel.text import words as slides_text
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_slide_orders, plot_slides, write_slides
 from cardan.app.scene import Scene
@@ -32,65 +33,75 @@ driving_pin_mm = 0.3
 """
 
 
-def figures(text: str) -> SceneSlides:
-    found = scene_slides(Scene.parse(text))
+def figures(text: str) -> Any:  # noqa: ANN401 - read in many ways
+    found = Answer(Scene.parse(text))["axial_travel"]
     assert found is not None
     return found
 
 
+def said(text: str) -> str:
+    return " ".join(PARTS["axial_travel"].sentences(figures(text)))
+
+
 def test_a_pin_that_misses_its_shaft_moves_the_next_shaft_once_per_turn() -> None:
     """Order 1 of 2 g tan(bend/2), and odd orders alone."""
-    shaft = figures(SINGLE).each[0]
-    assert (shaft.joint, shaft.slide) == (0, "shaft")
-    assert shaft.amplitudes[0] == pytest.approx(0.6 * math.tan(math.radians(10)))
-    assert shaft.amplitudes[1] == pytest.approx(0.0, abs=1e-12)
-    assert shaft.travel == pytest.approx(2 * 0.3 * math.sin(math.radians(20)))
+    (shaft,) = figures(SINGLE).shafts
+    assert shaft.joint == 0
+    assert shaft.order_1 == pytest.approx(0.6e-3 * math.tan(math.radians(10)))
+    assert shaft.order_2 == pytest.approx(0.0, abs=1e-15)
+    assert shaft.travel.value == pytest.approx(0.6e-3 * math.sin(math.radians(20)))
 
 
 def test_shafts_that_miss_each_other_move_twice_per_turn() -> None:
-    shaft = figures(SINGLE.replace("driving_pin_mm", "shafts_mm")).each[0]
+    (shaft,) = figures(SINGLE.replace("driving_pin_mm", "shafts_mm")).shafts
     bend = math.radians(20)
-    assert shaft.amplitudes[0] == pytest.approx(0.0, abs=1e-12)
-    assert shaft.amplitudes[1] == pytest.approx(0.6 * math.tan(bend / 2) ** 2 / math.sin(bend))
+    assert shaft.order_1 == pytest.approx(0.0, abs=1e-15)
+    assert shaft.order_2 == pytest.approx(0.6e-3 * math.tan(bend / 2) ** 2 / math.sin(bend))
 
 
 def test_one_distance_per_joint_or_one_for_all() -> None:
     both = figures(TEXT.replace("[0.2, 0] ", "0.2 ").replace("[0.5, 0] ", "[0.5, 0.5] "))
-    shafts = [one for one in both.each if one.slide == "shaft"]
-    assert [one.joint for one in shafts] == [0, 1]
-    assert shafts[1].travel > 0.1
-    assert [one.travel for one in figures(TEXT).each if one.joint == 1] == [0.0, 0.0, 0.0]
+    assert [one.joint for one in both.shafts] == [0, 1]
+    assert both.shafts[1].travel.value > 1e-4
+    one = figures(TEXT)
+    assert [each[1].travel.value for each in (one.shafts, one.crosses, one.yokes)] == [
+        0.0,
+        0.0,
+        0.0,
+    ]
 
 
 def test_the_state_that_moves_most_is_named() -> None:
     text = TEXT + '[states]\nnames = ["laden", "empty"]\n"bends_deg.0" = [4, 14]\n'
-    found = figures(text)
-    assert found.each[0].state == "empty"
-    steep = figures(TEXT.replace("[12, 9]", "[14, 9]")).each[0]
-    assert found.each[0].travel == pytest.approx(steep.travel)
-    assert found.each[0].amplitudes == pytest.approx(steep.amplitudes)
-    assert "in empty" in slides_text(found)
+    found = figures(text).shafts[0]
+    assert found.travel.state == "empty"
+    steep = figures(TEXT.replace("[12, 9]", "[14, 9]")).shafts[0]
+    flat = figures(TEXT.replace("[12, 9]", "[4, 9]")).shafts[0]
+    assert found.travel.value == pytest.approx(steep.travel.value)
+    assert found.travel.each == pytest.approx(
+        {"laden": flat.travel.value, "empty": steep.travel.value}
+    )
+    orders = [[each.order_1, each.order_2, each.order_3, each.order_4] for each in (found, steep)]
+    assert orders[0] == pytest.approx(orders[1])
     drawn = drawn_slides(Scene.parse(text)).travel()
-    assert drawn[0] == pytest.approx(steep.travel)
+    assert drawn[0] == pytest.approx(1e3 * steep.travel.value)
 
 
 def test_words_follow_the_offsets() -> None:
-    text = slides_text(figures(SINGLE))
+    text = said(SINGLE)
     assert "orders 1 and 3 come from pins" in text
     assert "orders 2 and 4" not in text
-    twice = " ".join(slides_text(figures(SINGLE.replace("driving_pin", "cross"))).split())
+    twice = said(SINGLE.replace("driving_pin", "cross"))
     assert "orders 2 and 4 come from shafts" in twice
     assert "orders 1 and 3" not in twice
-    none = slides_text(figures(SINGLE.replace("0.3", "0")))
-    assert none == "Slides over a turn: none."
 
 
-def test_a_blocked_slide_that_stays_is_said() -> None:
+def test_a_blocked_slide_stays() -> None:
     """Shafts that are parallel and miss each other move the pins alone."""
     text = SINGLE.replace("driving_pin_mm", "shafts_mm").replace("20", "0")
     found = figures(f'{text}blocked = "shaft"\n')
-    assert "What is blocked does not move: shaft." in slides_text(found)
-    assert [one.travel for one in found.each] == pytest.approx([0.0, 0.6, 0.6])
+    travels = [each[0].travel.value for each in (found.shafts, found.crosses, found.yokes)]
+    assert travels == pytest.approx([0.0, 0.6e-3, 0.6e-3])
 
 
 @pytest.mark.parametrize(
@@ -138,21 +149,22 @@ def test_answers(answered: Answers) -> None:
     SCENES.validate(tomllib.loads(TEXT))
     SCENES.validate(tomllib.loads(f'{SINGLE}blocked = ["shaft", "driven_pin"]'))
     assert not SCENES.is_valid(tomllib.loads(f'{SINGLE}blocked = "shafts"'))
-    table = slides_text(figures(TEXT))
+    table = PARTS["axial_travel"].text(figures(TEXT))
     answer = answered(PATH)
     assert table in answer.run.text
     assert table in answer.check.text
+    shaft = figures(TEXT).shafts[0]
     for command in ("run", "check"):
         data: dict[str, Any] = answer.data(command)
         ANSWERS.validate(data)
-        first = data["axial_travel"][0]
-        assert (first["joint"], first["slide"]) == (0, "shaft")
-        assert first["travel_mm"] == figures(TEXT).each[0].travel
-        assert [entry["order"] for entry in first["orders"]] == [1, 2, 3, 4]
+        first = data["axial_travel"]["shafts"][0]
+        assert first["joint"] == 0
+        assert first["travel"]["value_mm"] == 1e3 * shaft.travel.value
+        assert first["order_1_mm"] == 1e3 * shaft.order_1
     html = answer.page
     assert "Axial travel of offset axes" in html
     assert "Axial travel of the driven shafts" in html
-    assert "joint 0, shaft 1 axially" in html
+    assert "Driven shafts along their axes" in html
 
 
 def test_pictures(tmp_path: Path) -> None:

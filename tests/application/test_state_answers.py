@@ -271,7 +271,7 @@ def test_steering_over_the_tilt_of_a_column() -> None:
     normal, along = drawn.normals[0], drawn.directions[0]
     centre = np.radians(10)
     pin = np.cos(centre) * np.cross(normal, along) + np.sin(centre) * normal
-    for i, one in enumerate(found.each):
+    for i, name in enumerate(found.offset.each):
         # The column tilts about the lateral axis y, which is square to it in every state.
         tilted = lines.directions[i, 0]
         angle = np.arctan2(along[2], along[0]) - np.arctan2(tilted[2], tilted[0])
@@ -280,16 +280,18 @@ def test_steering_over_the_tilt_of_a_column() -> None:
         own = lines.normals[i, 0]
         at = np.arctan2(turned @ own, turned @ np.cross(own, tilted))
         ratio = lines[i].evaluate(at, "speed_ratio").speed_ratio
-        np.testing.assert_allclose(one.ratio, ratio, rtol=1e-12)
+        np.testing.assert_allclose(found.ratio.each[name], ratio, rtol=1e-12)
         away = np.linspace(0, 3, 31)
-        symmetric = at - np.radians(one.offset_deg)
+        turns = (found.turn_to_quick.each[name], found.turn_to_slow.each[name])
+        symmetric = at + min(turns, key=abs)
+        assert found.offset.each[name] == min(map(abs, turns))
         left, right = (
             lines[i].evaluate(symmetric + sign * away, "speed_ratio").speed_ratio
             for sign in (-1, 1)
         )
         np.testing.assert_allclose(left, right, rtol=1e-11)
-    assert found.verdict == "beyond"
-    assert found.worst.state == "low"
+    assert found.offset.verdict == "beyond"
+    assert found.offset.state == "low"
 
 
 def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
@@ -300,23 +302,24 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     turned = COLUMN.replace("centre_deg = 10", "centre_deg = -2.22")
     assert run("check", turned, tmp_path)[0] == 0
     data = answer("check", turned, tmp_path)["steering"]
-    offsets = [one["offset_deg"] for one in data["on_centre"]]
-    assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
-    assert [one["state"] for one in data["on_centre"]] == tomllib.loads(turned)["states"]["names"]
+    assert data["left_deg"] == pytest.approx(data["offset"]["value_deg"], abs=0.03)
+    names = tomllib.loads(turned)["states"]["names"]
+    assert [one["state"] for one in data["ratio"]["states"]] == names
     # The answer names a turn that a workshop can set. It leaves out a smaller one.
-    best = -2.22 - (max(offsets) + min(offsets)) / 2.0
+    best = -2.22 + data["best_turn_deg"]
     for off, words in (
-        (0.08, "has its best place on the column: a turn brings the worst state nearer by less"),
-        (0.12, "by 0.12° counter-clockwise, looking from the column towards the output; that"),
-        (-0.12, "by 0.12° clockwise, looking from the column towards the output; that leaves"),
+        (0.08, "has its best place on the column: a turn improves the worst case by less"),
+        (0.12, "by 0.1200° counter-clockwise, looking from the column towards the output; that"),
+        (-0.12, "by 0.1200° clockwise, looking from the column towards the output; that leaves"),
     ):
         near = COLUMN.replace("centre_deg = 10", f"centre_deg = {best + off!r}")
         assert words in " ".join(run("check", near, tmp_path)[1].split())
     exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
     own = Answer(Scene.parse(exact))["steering"]
     assert own
-    assert [one.keys() & {"state"} for one in PARTS["steering"].data(own)["on_centre"]] == [set()]
-    symmetric = exact.replace("centre_deg = 0", f"centre_deg = {own.each[0].turn_to_quick_deg!r}")
+    assert "states" not in PARTS["steering"].data(own)["offset"]
+    turn = np.degrees(own.turn_to_quick.value)
+    symmetric = exact.replace("centre_deg = 0", f"centre_deg = {turn!s}")
     assert "Left and right are symmetric." in run("check", symmetric, tmp_path)[1]
 
 
@@ -475,8 +478,7 @@ def test_a_constant_drive_speed_is_judged_in_the_worst_state(tmp_path: Path) -> 
         answer("check", single(height).replace("[load]\n", f"[load]\n{inertias}"), tmp_path)
         for height in HEIGHTS
     ]
-    needed = [one["drive_speed"]["needed_inertia_kgm2"] for one in each]
+    needed = [one["drive_speed"]["needed_kgm2"] for one in each]
     worst = int(np.argmax(needed))
-    assert data.pop("state") == NAMES[worst]
-    assert data == each[worst]["drive_speed"]
+    assert data == each[worst]["drive_speed"] | {"state": NAMES[worst]}
     assert f", judged in {NAMES[worst]}\n" in run("check", text, tmp_path)[1]

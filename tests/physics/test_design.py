@@ -73,6 +73,21 @@ def test_steering_broadcasts() -> None:
     assert found.ratio[3, 1] == lines[1].steering(0.5).ratio
 
 
+def test_the_ratio_differs_by_as_much_as_a_scan_finds() -> None:
+    away = np.linspace(0.0, np.pi / 2.0, 20001)
+    rng = np.random.default_rng(0)
+    for top in (0.01, 0.5, 1.2, 1.5):
+        line = Driveline.from_bends(rng.uniform(0.0, top, 2), *rng.uniform(-3.0, 3.0, (2, 1)))
+        for centre in rng.uniform(-3.0, 3.0, 5):
+            left, right = (
+                line.evaluate(centre + side * away, "speed_ratio").speed_ratio for side in (-1, 1)
+            )
+            worst = np.max(np.abs(left - right))
+            found = line.steering(centre).difference
+            assert worst * (1.0 - 1e-12) - 1e-14 <= found <= worst * (1.0 + 1e-3) + 1e-14
+    assert Driveline.from_bends([0.0]).steering(0.1).difference == 0.0
+
+
 def test_joints_as_built_have_no_closed_forms() -> None:
     line = Driveline.from_bends([0.1, 0.2]).with_deviations(cross=0.01)
     for call in (line.check, line.steering):

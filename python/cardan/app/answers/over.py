@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -11,6 +12,7 @@ from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import Judged
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
 
 
 def over(
@@ -39,6 +41,14 @@ def over(
     elif scene.study and scene.study.axes and values.size > 1:
         at = at_keys(scene, values, place)
     return replace(found, state=state, at=at, each=each)
+
+
+def drivelines(scene: Scene) -> Iterator[Driveline]:
+    """Yield the drivelines that a scene judges, ``(rows,)`` each: its states, its study, or one."""
+    if scene.states is None and scene.study and scene.study.axes:
+        yield from (lines[:, 0] for _, lines, _ in scene.study.blocks())
+    else:
+        yield scene.drivelines()
 
 
 def at_keys(scene: Scene, values: FloatArray, place: int) -> dict[str, float]:

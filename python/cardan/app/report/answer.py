@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.drive_speed.text import heading_text, sentences
+from cardan.app.answers.drive_speed.text import heading, sentences
 from cardan.app.answers.forces.text import largest_text, reasons
 from cardan.app.answers.limits.page import groups, shown, verdict_data, verdict_of
 from cardan.app.answers.limits.remedies import advice
@@ -173,8 +173,7 @@ def _drive_speed(answer: Answer) -> dict[str, Any] | None:
     found = answer["drive_speed"]
     if found is None:
         return None
-    words = [f"{text[:1].upper()}{text[1:]}." for text in sentences(found)]
-    return {"heading": heading_text(found), "words": words}
+    return {"heading": heading(found), "words": list(sentences(found))}
 
 
 def _yokes(data: dict[str, Any]) -> dict[str, Any]:

@@ -23,6 +23,11 @@ STEERING = Section(
             "how far straight ahead may be from the nearest angle at which left and right are "
             "symmetric; default: not judged",
         ),
+        "ratio_percent": Key(
+            kinds.POSITIVE,
+            "largest difference of the ratio between equal angles to the left and to the right, in "
+            "percent; default: not judged",
+        ),
     },
 )
 """The section [steering]."""
@@ -35,12 +40,14 @@ class SteeringColumn:
     Attributes:
         centre_deg: drive angle straight ahead.
         offset_deg: permitted distance from symmetry, if the scene gives one.
+        ratio_percent: permitted difference of the ratio from left to right, if it gives one.
     """
 
     centre_deg: float = 0.0
     offset_deg: float | None = None
+    ratio_percent: float | None = None
 
 
 def steering_of(values: Mapping[str, Any]) -> SteeringColumn:
     """Return what the keys of the section say."""
-    return SteeringColumn(values.get("centre_deg", 0.0), values.get("offset_deg"))
+    return SteeringColumn(**values)

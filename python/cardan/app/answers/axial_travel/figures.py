@@ -2,130 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import record
-from cardan.app.scene.offsets import AxisOffsets
+from cardan.app.answers.over import over
+from cardan.app.answers.rows import Judged, figure, item, parts
 from cardan.app.scene.scene import Scene
-from cardan.wear.axial_travel import NAMES, SlideName, Slides
+from cardan.wear.axial_travel import SlideName, Slides
 
-ORDERS = (1, 2, 3, 4)
-"""The orders of a slide that answers have."""
-
-
-@dataclass(frozen=True)
-class SlideFigures:
-    """One slide of one joint over a turn, lengths in mm.
-
-    Attributes:
-        joint: number of the joint.
-        slide: what slides.
-        travel: the largest less the smallest slide.
-        amplitudes: by order of the drive's rotation, as ``ORDERS``.
-        state: over states, the name of the one in which the travel is largest.
-    """
-
-    joint: int
-    slide: SlideName
-    travel: float
-    amplitudes: tuple[float, ...]
-    state: str = ""
+_ORDERS = (1, 2, 3, 4)
 
 
 @dataclass(frozen=True)
-class SceneSlides:
-    """The slides of a scene's joints; those of the shafts first.
+class Slide:
+    """What slides at one joint, with its driving shaft held in place."""
 
-    Attributes:
-        offsets: the distances that cause them.
-        slides: the slides at any angle; over states with an axis for these.
-        each: figures of every slide of every joint.
-    """
-
-    offsets: AxisOffsets
-    slides: Slides
-    each: tuple[SlideFigures, ...]
+    joint: int = item("joint")
+    travel: Judged = figure("travel", "mm", "from peak to peak over a turn")
+    order_1: float = figure("order 1", "mm", "amplitude of what changes once per turn of the drive")
+    order_2: float = figure("order 2", "mm", "amplitude of what changes twice per turn")
+    order_3: float = figure("order 3", "mm", "amplitude of what changes three times per turn")
+    order_4: float = figure("order 4", "mm", "amplitude of what changes four times per turn")
 
 
-def scene_slides(scene: Scene) -> SceneSlides | None:
+@dataclass(frozen=True)
+class AxialTravel:
+    """The slides of a scene's joints; orders are those of the state with the largest travel."""
+
+    shafts: tuple[Slide, ...] = parts("Driven shafts along their axes")
+    crosses: tuple[Slide, ...] = parts("Crosses along the driving pins")
+    yokes: tuple[Slide, ...] = parts("Driven yokes along the driven pins")
+
+
+def find(answer: Answer) -> AxialTravel | None:
     """Return the slides of a scene; ``None`` if it has no section [offsets]."""
-    offsets = scene.service.offsets
-    if offsets is None:
+    scene = answer.scene
+    if scene.service.offsets is None:
         return None
-    lines = scene.drivelines() if scene.states else scene.line.reshape(1)
-    names = scene.states.names if scene.states else ("",)
-    slides = offsets.slides(lines)
-    found = []
-    for name in reversed(NAMES):
-        travel, amplitudes = slides.travel(name), slides.amplitudes(ORDERS, name)
-        for joint in range(lines.n_joints):
-            worst = int(np.argmax(travel[joint]))
-            sizes = tuple(amplitudes[joint, worst].tolist())
-            found.append(
-                SlideFigures(joint, name, float(travel[joint, worst]), sizes, names[worst])
-            )
-    return SceneSlides(offsets, slides, tuple(found))
+    slides = scene.service.offsets.slides(scene.drivelines())
+    names: tuple[SlideName, ...] = ("shaft", "driving_pin", "driven_pin")
+    return AxialTravel(*(_of_joints(scene, slides, name) for name in names))
+
+
+def _of_joints(scene: Scene, slides: Slides, name: SlideName) -> tuple[Slide, ...]:
+    # Scenes give offsets in mm.
+    travels, amplitudes = 1e-3 * slides.travel(name), 1e-3 * slides.amplitudes(_ORDERS, name)
+    return tuple(
+        Slide(joint, over(scene, travel), *amplitudes[joint, np.argmax(travel)].tolist())
+        for joint, travel in enumerate(travels)
+    )
 
 
 def drawn_slides(scene: Scene) -> Slides:
-    """Return the slides of one driveline to draw: over states where a shaft slides farthest.
+    """Return the slides in mm to draw: over states where a shaft slides farthest.
 
     Raises:
         ValueError: a scene without the section [offsets].
     """
-    found = scene_slides(scene)
-    if found is None:
+    offsets = scene.service.offsets
+    if offsets is None:
         raise ValueError(f"{scene.name}: slides need a section [offsets]")
-    shafts = (one for one in found.each if one.slide == "shaft")
-    farthest = max(shafts, key=lambda one: one.travel)
-    if scene.states:
-        scene = scene.in_state(scene.states.names.index(farthest.state))
-    return found.offsets.slides(scene.line)
-
-
-def data(found: SceneSlides, *, radians: bool = False) -> list[dict[str, Any]]:
-    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
-    return [
-        {
-            "joint": one.joint,
-            "slide": one.slide,
-            "travel_mm": one.travel,
-            "orders": [
-                {"order": order, "amplitude_mm": size}
-                for order, size in zip(ORDERS, one.amplitudes, strict=True)
-            ],
-            **({"state": one.state} if one.state else {}),
-        }
-        for one in found.each
-    ]
-
-
-_NUMBER = {"type": "number"}
-_COUNT = {"type": "integer", "minimum": 0}
-
-SCHEMA: Mapping[str, Any] = {
-    "type": "array",
-    "items": record(
-        {
-            "joint": _COUNT,
-            "slide": {"enum": [*NAMES]},
-            "travel_mm": {**_NUMBER, "description": "from peak to peak over a turn"},
-            "orders": {
-                "type": "array",
-                "items": record({"order": _COUNT, "amplitude_mm": _NUMBER}),
-            },
-        },
-        optional={"state": {"type": "string"}},
-    ),
-}
-"""JSON Schema of ``data``."""
-
-
-def find(answer: Answer) -> SceneSlides | None:
-    """Return the figures of an answer's scene."""
-    return scene_slides(answer.scene)
+    lines = scene.drivelines()
+    return offsets.slides(lines[int(np.argmax(offsets.slides(lines).travel().max(axis=0)))])

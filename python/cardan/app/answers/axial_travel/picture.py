@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import cardan.app.answers.turn.panel as panel
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
+from cardan.app.charts.charts import chart
+from cardan.app.charts.samples import Curve, Panel
 from cardan.app.pictures.style import (
     MM,
     STYLE,
@@ -27,6 +31,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _ORDERS = range(1, 7)
+_DEGREES = np.arange(0.0, 361.0, 2.0)
+
+
+def charts(answer: Answer, _: AxialTravel) -> list[dict[str, Any]]:
+    """Return the axial travel of the shafts over the turn as a chart of the page."""
+    travels = drawn_slides(answer.scene).at(np.radians(_DEGREES))
+    curves = tuple(Curve(f"joint {joint}", travel) for joint, travel in enumerate(travels))
+    drawn = Panel("Axial travel of the driven shafts", "mm", curves, float(np.max(np.abs(travels))))
+    return [chart(drawn, _DEGREES, "drive angle [deg]")]
 
 
 def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = None) -> Axes:

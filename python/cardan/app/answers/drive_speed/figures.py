@@ -10,16 +10,14 @@ figure; ten times the driven inertia is just within the rule.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import record
 from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.study.extremes import finite_or_none
+from cardan.app.answers.rows import count, figure, word
 from cardan.app.scene.scene import Scene
 
 SHARE = 0.1
@@ -33,44 +31,44 @@ SpeedVerdict = Literal["fair", "not fair", "no drive inertia"]
 
 @dataclass(frozen=True)
 class DriveSpeed:
-    """How constant the speed of a drive is.
+    """How constant the speed of a drive is; variations are from peak to peak."""
 
-    Attributes:
-        verdict: whether a constant speed is a fair assumption; ``no drive inertia`` where the
-            scene gives shaft 0 none.
-        variation: peak-to-peak variation of the freely running drive over its mean speed.
-        shaft: the shaft whose kinetic energy varies most at constant drive speed.
-        shaft_variation: its own variation at constant drive speed.
-        inertia: of shaft 0 in kg m².
-        needed: least inertia of shaft 0 that makes the assumption fair, in kg m².
-        state: over states, the name of the one that needs the largest inertia, to which the
-            figures belong.
-    """
-
-    verdict: SpeedVerdict
-    variation: float
-    shaft: int
-    shaft_variation: float
-    inertia: float
-    needed: float
-    state: str = ""
-
-    @property
-    def share(self) -> float:
-        """The variation of the drive over that of the shaft."""
-        return self.variation / self.shaft_variation
+    verdict: SpeedVerdict = word("constant speed", "whether that is a fair assumption")
+    state: str = word("in the state", "the one that needs the largest inertia")
+    variation: float = figure(
+        "variation of the drive", "percent", "of its speed over the mean speed, running freely"
+    )
+    shaft: int = count("shaft that varies most", "in kinetic energy, at constant drive speed")
+    shaft_variation: float = figure(
+        "variation of that shaft", "percent", "of its speed, at constant drive speed"
+    )
+    share: float = figure(
+        "share of the drive",
+        "percent",
+        "variation of the drive over that of the shaft",
+        source=f"{SOURCE}: fair up to 10 %",
+    )
+    inertia: float = figure("inertia of shaft 0", "kgm2")
+    needed: float = figure(
+        "needed inertia of shaft 0", "kgm2", "least that makes the assumption fair"
+    )
 
 
-def drive_speed(scene: Scene) -> DriveSpeed | None:
+def find(answer: Answer) -> DriveSpeed | None:
     """Return how constant the speed of a scene's drive is, in the worst of its states.
 
     ``None`` where nothing depends on it: no speed, no inertia behind a joint, no variation, and
     for recorded bends or speeds; a measured drive shows how it gives way.
     """
-    if scene.states:
-        each = {name: drive_speed(scene.in_state(i)) for i, name in enumerate(scene.states.names)}
-        known = [replace(found, state=name) for name, found in each.items() if found]
-        return max(known, key=lambda found: found.needed, default=None)
+    scene = answer.scene
+    if scene.states is None:
+        return _of(scene)
+    each = {name: _of(scene.in_state(i)) for i, name in enumerate(scene.states.names)}
+    known = [replace(found, state=name) for name, found in each.items() if found]
+    return max(known, key=lambda found: found.needed, default=None)
+
+
+def _of(scene: Scene) -> DriveSpeed | None:
     load, line = scene.load_case, scene.line
     if load is None or load.inertias is None or line.shape or not scene.speed:
         return None
@@ -91,47 +89,14 @@ def drive_speed(scene: Scene) -> DriveSpeed | None:
     verdict: SpeedVerdict = "no drive inertia"
     if inertias[0] > 0.0:
         verdict = "fair" if free.variation <= SHARE * shaft_variation else "not fair"
+    variation = float(free.variation)
     return DriveSpeed(
-        verdict, float(free.variation), shaft, shaft_variation, float(inertias[0]), needed
+        verdict,
+        "",
+        variation,
+        shaft,
+        shaft_variation,
+        variation / shaft_variation,
+        float(inertias[0]),
+        needed,
     )
-
-
-def data(found: DriveSpeed, *, radians: bool = False) -> dict[str, Any]:
-    """Return the same as plain data for JSON, as ``SCHEMA`` describes it."""
-    return {
-        "verdict": found.verdict,
-        "variation": finite_or_none(found.variation),
-        "shaft": found.shaft,
-        "shaft_variation": finite_or_none(found.shaft_variation),
-        "share": finite_or_none(found.share),
-        "share_limit": SHARE,
-        "inertia_kgm2": found.inertia,
-        "needed_inertia_kgm2": finite_or_none(found.needed),
-        "source": SOURCE,
-        **({"state": found.state} if found.state else {}),
-    }
-
-
-_FIGURE = {"type": ["number", "null"]}
-
-SCHEMA: Mapping[str, Any] = {
-    "description": "variations are from peak to peak",
-    **record(
-        {
-            "verdict": {"enum": ["fair", "not fair", "no drive inertia"]},
-            "shaft": {"type": "integer", "minimum": 1},
-            **dict.fromkeys(("variation", "shaft_variation", "share"), _FIGURE),
-            "share_limit": {"type": "number"},
-            "inertia_kgm2": {"type": "number"},
-            "needed_inertia_kgm2": _FIGURE,
-            "source": {"type": "string"},
-        },
-        {"state": {"type": "string", "description": "the state that needs most inertia"}},
-    ),
-}
-"""JSON Schema of ``data``."""
-
-
-def find(answer: Answer) -> DriveSpeed | None:
-    """Return the figures of an answer's scene."""
-    return drive_speed(answer.scene)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cardan.app.answers.drive_speed.figures import SHARE, SOURCE, DriveSpeed
-from cardan.app.answers.printed import figure_text, rounded_up
-from cardan.design.wrapping import wrap
+from cardan.app.answers.printed import quantity, rounded_up
 
 _HEADINGS = {
     "fair": "a fair assumption",
@@ -15,15 +14,7 @@ _HEADINGS = {
 }
 
 
-def words(found: DriveSpeed, *, radians: bool = False) -> str:
-    """Return the finding as plain text, 79 characters wide."""
-    lines = [heading_text(found)]
-    for words in sentences(found):
-        lines += wrap(f"- {words}", 79, subsequent_indent="    ")
-    return "\n".join(lines)
-
-
-def heading_text(found: DriveSpeed) -> str:
+def heading(found: DriveSpeed) -> str:
     """Return the verdict."""
     state = f", judged in {found.state}" if found.state else ""
     return f"Constant drive speed: {_HEADINGS[found.verdict]}{state}"
@@ -31,28 +22,26 @@ def heading_text(found: DriveSpeed) -> str:
 
 def sentences(found: DriveSpeed) -> Iterator[str]:
     """Say how far the drive varies, by whose rule that is judged and what to change."""
-    limit = f"the limit is {_percent(SHARE)} ({SOURCE})"
+    limit = f"{100.0 * SHARE:g} %"
     needed = f"{rounded_up(found.needed)} kg m²"
     if found.verdict == "no drive inertia":
         inertia = f"at least {needed}" if found.needed > 0.0 else "any inertia"
         yield (
-            "the scene gives shaft 0 no inertia, so its speed counts as constant; this is fair if "
-            f"shaft 0 has {inertia} (motor, pulley, flywheel): running freely, it then varies by "
-            f"no more than {_percent(SHARE)} of what shaft {found.shaft} varies ({SOURCE})"
+            "The scene gives shaft 0 no inertia, so its speed counts as constant. This is a "
+            f"reasonable assumption if shaft 0 has {inertia} (motor, pulley, flywheel): without "
+            f"torque, its speed then varies at most {limit} as much as that of shaft {found.shaft} "
+            f"({SOURCE})."
         )
         return
     yield (
-        f"running freely, the drive varies by {_percent(found.variation)} from peak to peak; shaft "
-        f"{found.shaft} varies by {_percent(found.shaft_variation)}, so the share is "
-        f"{_percent(found.share)}; {limit}"
+        f"Without torque, the speed of the drive varies by {quantity(found.variation, 'percent')} "
+        f"from peak to peak. Shaft {found.shaft} varies by "
+        f"{quantity(found.shaft_variation, 'percent')}, so the share is "
+        f"{quantity(found.share, 'percent')}; the limit is {limit} ({SOURCE})."
     )
     if found.verdict == "not fair":
         yield (
-            "inertia torques of a freely running drive are smaller than computed, by about that "
-            f"share; shaft 0 needs {needed} for a fair assumption, and has "
-            f"{figure_text(found.inertia)}"
+            "Inertia torques of a freely running drive are smaller than computed, by about that "
+            f"share. A fair assumption needs {needed} of shaft 0, which has "
+            f"{quantity(found.inertia, 'kgm2')}."
         )
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
