@@ -39,8 +39,7 @@ class JudgedFigure(NamedTuple):
     @property
     def name(self) -> str:
         """What it is: ``"shear stress of the tube of shaft 1"``."""
-        about = f" of {self.entry.item}" if self.entry.item else ""
-        return f"{self.entry.row.label} of {self.part.noun}{about}"
+        return " of ".join(filter(None, (self.entry.row.label, self.part.noun, self.entry.item)))
 
 
 class Answer:

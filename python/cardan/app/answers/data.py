@@ -23,12 +23,15 @@ def data_of(found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - plai
     if isinstance(found, tuple):
         return [data_of(each, radians=radians) for each in found]
     data: dict[str, Any] = {}
-    for name, row, hint in rows_of(type(found)):
-        value = getattr(found, name)
+    for name, of, hint in rows_of(type(found)):
+        row, value = of.beside(found), getattr(found, name)
         if row.kind == "figure" and _is_judged(hint):
             data[name] = None if value is None else _judged(value, row, radians=radians)
         elif row.kind == "figure":
             data[name + row.ending(radians=radians)] = _number(value, row, radians=radians)
+        elif row.kind == "numbers":
+            key = name + row.ending(radians=radians)
+            data[key] = [_number(each, row, radians=radians) for each in value]
         elif row.kind == "parts":
             data[name] = None if value is None else data_of(value, radians=radians)
         else:
@@ -78,10 +81,12 @@ def schema_of(of: type) -> dict[str, Any]:
         described = {"title": row.label, "description": row.meaning} if row.meaning else {}
         if row.kind == "figure" and _is_judged(hint):
             needed[name] = _or_null(_judged_schema(row), hint) | described
-        elif row.kind == "figure" and row.unit == "deg":
-            angles |= {f"{name}_{unit}": {**_NUMBER, **described} for unit in ("deg", "rad")}
-        elif row.kind == "figure":
-            needed[name + row.ending()] = {**_NUMBER, **described}
+        elif row.kind in ("figure", "numbers"):
+            number = _NUMBER if row.kind == "figure" else {"type": "array", "items": _NUMBER}
+            if row.unit == "deg":
+                angles |= {f"{name}_{unit}": {**number, **described} for unit in ("deg", "rad")}
+            else:
+                needed[name + row.ending()] = {**number, **described}
         elif row.kind == "parts":
             items = schema_of(element_of(hint))
             several = get_origin(hint) is tuple

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from textwrap import indent
 from typing import Any
 
 from cardan.app.answers.rows import UNITS, Judged, Row, item_of, rows_of
@@ -51,19 +52,30 @@ def table_text(rows: Sequence[Sequence[str]]) -> str:
 
 def quantity(value: float, unit: str, *, radians: bool = False) -> str:
     """Return a value in SI with its unit, a key of ``UNITS``: ``"41.30 MPa"``, ``"2.712°"``."""
+    return _with_unit(value, unit, radians, figure_text)
+
+
+def given(value: float, unit: str, *, radians: bool = False) -> str:
+    """Return a value that someone gave, as ``quantity`` but without zeros at its end: ``"3°"``."""
+    return _with_unit(value, unit, radians, short)
+
+
+def _with_unit(value: float, unit: str, radians: bool, shown: Callable[[float], str]) -> str:
     symbol, factor = UNITS[unit]
     if radians and unit == "deg":
         symbol, factor = "rad", 1.0
-    shown = factor * value
-    if abs(shown) < _FINEST.get(unit, 0.0):
-        shown = 0.0
-    return f"{figure_text(shown)}{'' if symbol in ('°', '%', '') else ' '}{symbol}"
+    number = factor * value
+    if abs(number) < _FINEST.get(unit, 0.0):
+        number = 0.0
+    return f"{shown(number)}{'' if symbol in ('°', '%', '') else ' '}{symbol}"
 
 
 def place_of(value: Judged) -> str:
     """Say where a figure is worst: ``" in rebound"``, ``" at bends_deg = 5"`` or ``""``."""
     if value.state:
-        return f" in {value.state}"
+        return (
+            f" in {value.state}" if value.state[0].isalpha() else f' in the state "{value.state}"'
+        )
     keys = ", ".join(f"{key} = {place:.6g}" for key, place in value.at.items())
     return f" at {keys}" if keys else ""
 
@@ -72,7 +84,10 @@ def bound_of(value: Judged, row: Row, *, radians: bool = False) -> str:
     """Say the limit: ``"at most 80.00 MPa"``; "" without one."""
     if value.limit is None:
         return ""
-    return f"at {value.sense} {quantity(value.limit, row.unit, radians=radians)}"
+    text = f"at {value.sense} {given(value.limit, row.unit, radians=radians)}"
+    if value.maximum is None:
+        return text
+    return f"{text}, maximum {given(value.maximum, row.unit, radians=radians)}"
 
 
 def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401 - of any field
@@ -84,6 +99,8 @@ def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401
         return "; ".join(filter(None, (text, bound_of(value, row, radians=radians))))
     if value is None:
         return ""
+    if row.kind == "numbers":
+        return ", ".join(quantity(each, row.unit, radians=radians) for each in value)
     if row.kind == "figure":
         return quantity(value, row.unit, radians=radians)
     if row.kind == "flag":
@@ -91,11 +108,15 @@ def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401
     return str(value)
 
 
+def _is_printed(row: Row) -> bool:
+    return row.kind not in ("parts", "item") and not row.is_detail
+
+
 def lines_of(found: Any, *, radians: bool = False) -> Iterator[tuple[str, str]]:  # noqa: ANN401
     """Yield label and value of what is known of a part, one line each; not those of its parts."""
     for name, row, _ in rows_of(type(found)):
-        if row.kind not in ("parts", "item"):
-            text = cell(getattr(found, name), row, radians=radians)
+        if _is_printed(row):
+            text = cell(getattr(found, name), row.beside(found), radians=radians)
             if text:
                 yield row.label, text
 
@@ -112,13 +133,20 @@ def table_of(
     rows: list[tuple[str, ...]] = []
     for name, row, _ in rows_of(type(found[0])):
         values = [getattr(each, name) for each in found]
-        if row.kind in ("parts", "item") or all(value is None for value in values):
+        if not _is_printed(row) or all(value is None for value in values):
             continue
+        units = [row.beside(each) for each in found]
         judged = [value for value in values if isinstance(value, Judged)]
-        bounds = [bound_of(value, row, radians=radians) for value in judged]
+        bounds = [
+            bound_of(value, unit, radians=radians)
+            for value, unit in zip(values, units, strict=True)
+            if isinstance(value, Judged)
+        ]
         shared = bounds[0] if bounds and len(set(bounds)) == 1 else ""
         plain = [value.value if isinstance(value, Judged) else value for value in values]
-        cells = [cell(value, row, radians=radians) for value in plain]
+        cells = [
+            cell(value, unit, radians=radians) for value, unit in zip(plain, units, strict=True)
+        ]
         if not any(cells):
             continue
         rows.append((", ".join(filter(None, (row.label, shared))), *cells))
@@ -142,32 +170,36 @@ def part_text(
     if isinstance(found, tuple):
         blocks.append(_several(found, radians))
     else:
-        if lines := list(lines_of(found, radians=radians)):
-            blocks.append(aligned(lines, indent="  "))
+        if any(True for _ in lines_of(found, radians=radians)):
+            blocks.append(_lines(found, radians))
         for name, row, _ in rows_of(type(found)):
             value = getattr(found, name)
             if row.kind == "parts" and value:
-                several = value if isinstance(value, tuple) else (value,)
-                blocks.append(f"  {row.label}\n{_several(several, radians)}")
+                several = isinstance(value, tuple)
+                text = _several(value, radians) if several else _lines(value, radians)
+                blocks.append(f"  {row.label}\n{indent(text, '  ')}")
     words = [fill(text, _WIDTH, break_on_hyphens=False) for text in sentences]
     text = "\n".join(blocks)
     return "\n".join([text, "", *words]) if words else text
 
 
+def _lines(found: Any, radians: bool) -> str:  # noqa: ANN401 - any part
+    return aligned(lines_of(found, radians=radians), indent="  ")
+
+
 def _several(found: Sequence[Any], radians: bool) -> str:
-    """A column for each item, as many beside each other as fit."""
-    texts, left = [], list(found)
-    while left:
-        shown = len(left)
-        while True:
-            head, rows = table_of(left[:shown], radians=radians)
-            text = table_text([(f"  {label}", *cells) for label, *cells in (head, *rows)])
-            if shown == 1 or max(map(len, text.splitlines())) <= _WIDTH:
-                break
-            shown -= 1
-        texts.append(text)
-        left = left[shown:]
-    return "\n".join(texts)
+    """A column for each item, or a row where the columns do not fit beside each other."""
+    head, rows = table_of(found, radians=radians)
+    whole = [(f"  {label}", *cells) for label, *cells in (head, *rows)]
+    turned = [(f"  {label}", *cells) for label, *cells in zip(head, *rows, strict=True)]
+    for table in (whole, turned):
+        text = table_text(table)
+        if max(map(len, text.splitlines())) <= _WIDTH - 2:
+            return text
+    half = len(found) // 2
+    if not half:
+        return table_text(whole)
+    return f"{_several(found[:half], radians)}\n{_several(found[half:], radians)}"
 
 
 # --- numbers -------------------------------------------------------------------------------------
