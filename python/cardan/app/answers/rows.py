@@ -119,9 +119,9 @@ def word(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # n
     return field(metadata={"row": Row("word", label, meaning=meaning, is_detail=is_detail)})
 
 
-def flag(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def flag(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare whether something is so."""
-    return field(metadata={"row": Row("flag", label, meaning=meaning)})
+    return field(metadata={"row": Row("flag", label, meaning=meaning, is_detail=is_detail)})
 
 
 def parts(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
