@@ -186,11 +186,15 @@ def test_tolerances_of_joints_are_those_of_the_library() -> None:
     )
     (figure,) = found.figures
     assert figure.name == "acceleration_order_1"
-    assert figure.worst == pytest.approx(own.worst, rel=1e-12)
-    assert figure.quantiles == pytest.approx(own.quantile([0.5, 0.95, 0.99]), rel=1e-12)
+    assert figure.worst.value == pytest.approx(own.worst, rel=1e-12)
+    quantiles = (figure.half, figure.most, figure.nearly)
+    assert quantiles == pytest.approx(own.quantile([0.5, 0.95, 0.99]), rel=1e-12)
     assert figure.guaranteed is None
-    assert found.given["driving_yoke"] == pytest.approx((0.1, 0.1, "mm"))
-    assert found.given["driven_yoke"] == pytest.approx((0.2, 0.2, "deg"))
+    given = {each.group: each for each in found.given}
+    assert (given["driving_yoke"].unit, given["driven_yoke"].unit) == ("mm", "deg")
+    assert given["driving_yoke"].least == given["driving_yoke"].largest
+    assert given["driving_yoke"].largest == pytest.approx(1e-4, rel=1e-12)
+    assert given["driven_yoke"].largest == pytest.approx(np.radians(0.2), rel=1e-12)
     still = Scene.parse(TOLERANCED.replace("speed_rpm = 3000\n", "")).tolerances
     assert still is not None
     assert still.of == ("angle_error_order_1",)
@@ -203,12 +207,15 @@ def test_figures_of_the_layout_are_those_of_ideal_joints() -> None:
     bend, order = found.figures
     alone = IDEAL.tolerances(phases=2.0, degrees=True)
     assert bend.label == "equivalent bend of ideal joints"
-    assert bend.worst == pytest.approx(alone.worst_deg, rel=1e-12)
-    assert bend.guaranteed == pytest.approx(alone.guaranteed_deg, rel=1e-12)
-    assert [share.label for share in bend.shares] == ["phase of shaft 1"]
+    assert bend.worst.value == pytest.approx(alone.worst, rel=1e-12)
+    assert bend.guaranteed is not None
+    assert bend.guaranteed.value == pytest.approx(alone.guaranteed, rel=1e-12)
+    assert [share.label for share in found.shares if share.name == bend.name] == [
+        "phase of shaft 1"
+    ]
     assert (bend.measured, order.measured) == (False, True)
     first = BUILT.harmonics([1], outputs="acceleration_ratio").acceleration_ratio[0] * SPEED**2
-    assert order.nominal == pytest.approx(first, rel=1e-9)
+    assert order.nominal.value == pytest.approx(first, rel=1e-9)
     # Parameters of the joints do not count among those over which its worst case is searched.
     four = HEAD.replace("[8, 8]", "[8, 8, 5, 5]") + (
         "[tolerances]\nphases_deg = 2\ncross_deg = 0.1\ndriving_yoke_deg = 0.1\n"
@@ -244,8 +251,9 @@ def test_the_example_answers_in_millimetres(answered: Answers) -> None:
         row = next(row for row in text.splitlines() if "within tolerances" in row)
         assert float(row.split()[-4]) > 0.0
     text = command("tolerances", path).output
-    assert "tolerance of driving yokes  ±0.1 mm" in text
-    assert "as measured         34.68 rad/s²" in text
+    assert re.search(r"least tolerance, ± +0\.1000 mm +0\.1000 mm\n", text)
+    assert re.search(r"in the middle of the tolerances +34\.68 rad/s²\n", text)
+    assert "As measured, the driveline is within the 100 rad/s² limit." in text
     limit = re.search(r"driving yokes are exact to\s±([0-9.]+) mm", text)
     assert limit
     measured = np.array([0.0025, 0.0])

@@ -207,7 +207,7 @@ def test_tolerances_of_forces_start_from_the_joints_as_measured() -> None:
     assert found is not None
     (figure,) = found.figures
     peak = BUILT.evaluate(TURN[::20], "bearing_force", load=LOAD, reduce="peak").bearing_force[2]
-    assert figure.nominal == pytest.approx(peak, rel=1e-9)
+    assert figure.nominal.value == pytest.approx(peak, rel=1e-9)
     corners = [
         BUILT.with_deviations(
             BUILT.deviations[:, 0], BUILT.deviations[:, 1], BUILT.deviations[:, 2] + half
@@ -218,4 +218,4 @@ def test_tolerances_of_forces_start_from_the_joints_as_measured() -> None:
         line.evaluate(TURN[::20], "bearing_force", load=LOAD, reduce="peak").bearing_force[2]
         for line in corners
     )
-    assert figure.worst == pytest.approx(worst, rel=1e-9)
+    assert figure.worst.value == pytest.approx(worst, rel=1e-9)

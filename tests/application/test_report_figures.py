@@ -357,14 +357,14 @@ def test_scatter_of_tolerances(answered: Answers) -> None:
     for at, percent in share[::20]:
         assert percent == pytest.approx(100.0 * np.mean(sampled <= at), abs=1.5)
     # The axis reaches the worst driveline, which is not among the random ones.
-    assert share[-1, 0] == pytest.approx(shown.worst, abs=0.02)
+    assert share[-1, 0] == pytest.approx(scene.tolerances.worst_deg, abs=0.02)
     assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
     assert limit[:, 1].max() == pytest.approx(100.0, abs=0.5)
     assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
-    assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
+    assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(3.0, abs=0.02)
     bars = figure(page, f"What makes the {shown.label} scatter")[1]
     widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
-    shares = [share.share for share in shown.shares]
+    shares = [share.share for share in found.shares]
     assert len(shares) > 1
     assert widths == pytest.approx([170.0 * one / max(shares) for one in shares], abs=0.02)
     words = [text.text or "" for text in bars.iter("text")]

@@ -14,10 +14,14 @@ from click.testing import CliRunner
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.schema import answers_schema
-from cardan.app.answers.tolerances.data import tolerances_data
-from cardan.app.answers.tolerances.figures import ToleranceFigure, tolerance_figures
-from cardan.app.answers.tolerances.text import tolerances_text, verdict_texts
+from cardan.app.answers.tolerances.figures import (
+    ToleranceFigure,
+    tolerance_figures,
+    tolerances_data,
+)
+from cardan.app.answers.tolerances.text import sentences, tolerances_text
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -58,20 +62,22 @@ def test_values_are_those_of_the_library() -> None:
     found, states = figure(), line()
     sizes = {"points": 1e-3, "phases": np.radians(3.0), "limit": np.radians(2.0)}
     own = states.tolerances(**sizes, states=0, samples=20_000, seed=0)
-    assert found.worst == pytest.approx(own.worst_deg, rel=1e-9)
-    assert found.passing == own.passing
-    assert found.quantiles == pytest.approx(own.quantile_deg([0.5, 0.95, 0.99]), rel=1e-9)
-    assert found.worst_in == ("low", "rest", "high")[own.worst_state]
-    for i, state in enumerate(found.states):
-        alone = states[i].tolerances(**sizes, samples=20_000, seed=0)
-        assert state.nominal == pytest.approx(alone.nominal_deg, rel=1e-9)
-        assert state.worst == pytest.approx(alone.worst_deg, rel=1e-9)
-        assert state.guaranteed == pytest.approx(alone.guaranteed_deg, rel=1e-9)
-        assert state.passing == alone.passing
     assert found.passing is not None
-    assert found.passing <= min(state.passing or 0.0 for state in found.states)
+    assert found.guaranteed is not None
+    assert found.worst.value == pytest.approx(own.worst, rel=1e-9)
+    assert found.passing.value == own.passing
+    quantiles = (found.half, found.most, found.nearly)
+    assert quantiles == pytest.approx(own.quantile([0.5, 0.95, 0.99]), rel=1e-9)
+    assert found.worst.state == ("low", "rest", "high")[own.worst_state]
+    for i, state in enumerate(("low", "rest", "high")):
+        alone = states[i].tolerances(**sizes, samples=20_000, seed=0)
+        assert found.nominal.each[state] == pytest.approx(alone.nominal, rel=1e-9)
+        assert found.worst.each[state] == pytest.approx(alone.worst, rel=1e-9)
+        assert found.guaranteed.each[state] == pytest.approx(alone.guaranteed, rel=1e-9)
+        assert found.passing.each[state] == alone.passing
+    assert own.passing <= min(found.passing.each.values())
     # As drawn the worst state is another one than within the tolerances.
-    assert found.nominal_in == "high" != found.worst_in
+    assert found.nominal.state == "high" != found.worst.state
 
 
 def test_the_driveline_of_the_scene_need_not_be_a_state() -> None:
@@ -94,12 +100,13 @@ def test_speed_and_load_are_those_of_each_state() -> None:
         excitations = [
             float(one.value) for one in check if one.figure.startswith("inertia_excitation")
         ]
-        assert inertia.states[i].nominal == pytest.approx(max(excitations), rel=1e-9)
+        state = ("low", "rest", "high")[i]
+        assert inertia.nominal.each[state] == pytest.approx(max(excitations), rel=1e-9)
         load = Load(output_torque=torque, speed=speed)
         turn = np.radians(np.arange(360.0))
         peak = line()[i].evaluate(turn, "support_moment", shafts=1, load=load, reduce="peak")
-        assert moment.states[i].nominal == pytest.approx(float(peak.support_moment), rel=1e-9)
-    assert moment.worst_in == "rest"
+        assert moment.nominal.each[state] == pytest.approx(float(peak.support_moment), rel=1e-9)
+    assert moment.worst.state == "rest"
     varied = text.replace("output_torque_Nm = [100, 900, 200]", "speed_rpm = [1000, 1500, 3000]")
     assert Scene.parse(varied).tolerances is not None
     alone = Scene.parse(varied).in_state(2)
@@ -114,12 +121,16 @@ def test_speed_and_load_are_those_of_each_state() -> None:
 def test_the_sentence_names_the_state() -> None:
     found = tolerance_figures(Scene.parse(TEXT))
     assert found is not None
-    (sentence,) = verdict_texts(found)
-    share = f"{100.0 * (found.figures[0].passing or 0.0):.1f} %"
+    (sentence,) = sentences(found)
+    passing, worst = found.figures[0].passing, found.figures[0].worst.value
+    assert passing is not None
+    assert passing.value is not None
+    assert worst is not None
+    share = f"{100.0 * passing.value:.1f} %"
     assert sentence.startswith(
         f"As drawn, the driveline is within the 2° limit in every state. With these tolerances, "
         f"{share} of all drivelines are within it in every state; the worst has about "
-        f"{found.figures[0].worst:.3f}° in low, "
+        f"{np.degrees(worst):.3f}° in low, "
     )
     tight = tolerance_figures(Scene.parse(TEXT.replace("bend_deg = 2", "bend_deg = 1.4")))
     assert tight is not None
@@ -127,30 +138,29 @@ def test_the_sentence_names_the_state() -> None:
         r"As drawn, the driveline is beyond the 1\.4° limit in high\. With these tolerances, "
         r"\d+\.\d % of all drivelines are within it in every state; the worst has about "
         r"\d\.\d+° in low, ",
-        verdict_texts(tight)[0],
+        next(sentences(tight)),
     )
     none = TEXT.replace("samples", "of = 'torque_1_peak'\nsamples") + "[load]\noutput_torque_Nm = 9"
     open_ = tolerance_figures(Scene.parse(none))
     assert open_ is not None
     said = r"Torque of shaft 1, peak: 9\.\d+ N m as drawn in low; with these"
-    assert re.match(said, verdict_texts(open_)[0])
+    assert re.match(said, next(sentences(open_)))
     unnamed = TEXT.replace('names = ["low", "rest", "high"]\n', "")
     found = tolerance_figures(Scene.parse(unnamed))
     assert found is not None
-    assert " in state 0, " in verdict_texts(found)[0]
+    assert " in state 0, " in next(sentences(found))
 
 
 def test_the_text_has_a_row_for_each_state() -> None:
     found = tolerance_figures(Scene.parse(TEXT))
     assert found is not None
     text = tolerances_text(found, ())
-    assert "equivalent bend, largest of 3 states\n" in text
+    assert "Equivalent bend in each state\n" in text
     heads, *rows = text.partition("  state ")[2].partition("\n\n")[0].splitlines()
     assert heads.split("  ")[-1] == "within the limit"
     assert [row.split()[0] for row in rows] == ["low", "rest", "high"]
     assert [row.split()[1] for row in rows] == [
-        f"{state.nominal:.3f}°" if state.nominal >= 1.0 else f"{state.nominal:.4f}°"
-        for state in found.figures[0].states
+        quantity(value, "deg") for value in found.figures[0].nominal.each.values()
     ]
     assert max(map(len, text.splitlines())) <= 79
 
@@ -160,9 +170,10 @@ def test_answers_check_report_and_picture(tmp_path: Path) -> None:
     data = tolerances_data(given)
     ANSWERS.validate(data)
     (entry,) = data["figures"]
-    assert [state["state"] for state in entry["states"]] == ["low", "rest", "high"]
-    assert entry["worst"] == max(state["worst"] for state in entry["states"])
-    assert entry["worst_in"] == "low"
+    states = entry["worst"]["states"]
+    assert [state["state"] for state in states] == ["low", "rest", "high"]
+    assert entry["worst"]["value"] == max(state["value"] for state in states)
+    assert (entry["unit"], entry["worst"]["state"]) == ("deg", "low")
     checked = check_data(Answer(given))
     ANSWERS.validate(checked)
     assert checked["tolerances"]["figures"] == data["figures"]
@@ -176,7 +187,7 @@ def test_answers_check_report_and_picture(tmp_path: Path) -> None:
     assert json.loads(printed.output) == data
     found = tolerance_figures(given)
     assert found is not None
-    (sentence,) = verdict_texts(found)
+    (sentence,) = sentences(found)
     said = CliRunner().invoke(commands(), ["check", str(path)])
     assert sentence in " ".join(said.output.split())
     page = tmp_path / "page.html"

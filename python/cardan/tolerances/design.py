@@ -44,15 +44,23 @@ class Design:
         for case in self.cases:
             case.box.check()
 
-    def values(
-        self, quantities: Mapping[str, Quantity], deviations: FloatArray
-    ) -> dict[str, FloatArray]:
-        """Return the largest figure of all states by name, as ``Case.values``."""
-        first, *others = (case.values(quantities, deviations) for case in self.cases)
-        for found in others:
-            for name, values in found.items():
-                first[name] = np.maximum(first[name], values)
-        return first
+    def sampled(
+        self,
+        quantities: Mapping[str, Quantity],
+        limits: Mapping[str, float],
+        deviations: FloatArray,
+    ) -> dict[Any, Any]:
+        """Return the largest figure of all states by name, as ``Case.values``.
+
+        By name and state there is also whether the figure is within its limit, if it has one.
+        """
+        found: dict[Any, Any] = {}
+        for state, case in enumerate(self.cases):
+            for name, values in case.values(quantities, deviations).items():
+                found[name] = np.maximum(found[name], values) if state else values
+                if name in limits:
+                    found[name, state] = values <= limits[name]
+        return found
 
     def searched(self, quantity: Quantity) -> bool:
         """Whether the worst case is searched over the box, not found to first order."""

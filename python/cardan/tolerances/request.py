@@ -181,9 +181,12 @@ class Figures:
 
 @dataclass(frozen=True)
 class Drawn:
-    """The random drivelines, as the arguments of ``tolerances`` have them."""
+    """The random drivelines, as the arguments of ``tolerances`` have them.
 
-    samples: SupportsIndex = 100_000
+    Without a number, as many as the share within the limits needs are drawn.
+    """
+
+    samples: SupportsIndex | None = None
     seed: int | None = None
     workers: int | None = None
 
@@ -227,7 +230,7 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         quantities,
         several=several,
         limits=_limits(figures.limit, quantities, several, sizes.degrees),
-        samples=integer("samples", drawn.samples, 1),
+        samples=None if drawn.samples is None else integer("samples", drawn.samples, 1),
         seed=integer("seed", seed, 0),
         distribution=sizes.distribution,
         workers=drawn.workers,

@@ -36,6 +36,11 @@ def _share_up_to(values: FloatArray, limit: float) -> FloatArray:
     return np.asarray(np.reshape(counts, values.shape[:-1]) / values.shape[-1])
 
 
+# Where a scene asks for no number, so many random drivelines are drawn, and these first. Of them so
+# few within the limit, or beyond it, mean less than 0.1 % of all (99 % confidence).
+_MOST, _FIRST, _SETTLED = 100_000, 16_384, 4
+
+
 class Tolerances:
     """The effect of tolerances on figures of a driveline; see ``Driveline.tolerances``.
 
@@ -47,7 +52,6 @@ class Tolerances:
         of: names of the figures.
         shape: shape of the batch, without the axis of the states.
         n_states: number of states; ``None`` without them.
-        samples: number of random drivelines.
         seed: of their random numbers; the same seed gives the same samples again.
         distribution: ``"uniform"`` or ``"normal"``.
     """
@@ -60,7 +64,7 @@ class Tolerances:
         *,
         several: bool,
         limits: Mapping[str, float],
-        samples: int,
+        samples: int | None,
         seed: int,
         distribution: str,
         workers: int | None,
@@ -73,7 +77,23 @@ class Tolerances:
         self._limits, self._workers = limits, workers
         self.of = tuple(quantities)
         self.shape = shape
-        self.samples, self.seed, self.distribution = samples, seed, distribution
+        self.seed, self.distribution = seed, distribution
+        self._asked = samples
+        # Those that showed how many are needed.
+        self._left: dict[str, FloatArray] = {}
+        self._passing_each: dict[str, FloatArray] = {}
+
+    @cached_property
+    def samples(self) -> int:
+        """Number of random drivelines."""
+        if self._asked is not None:
+            return self._asked
+        first = self._left = self._drawn(_FIRST)
+        for name, limit in self._limits.items():
+            within = np.count_nonzero(first[name] <= limit, axis=-1)
+            if np.any(np.minimum(within, _FIRST - within) > _SETTLED):
+                return _MOST
+        return _FIRST if self._limits else _MOST
 
     def in_state(self, state: SupportsIndex) -> Tolerances:
         """Return the same in one of the states alone, with the same random numbers.
@@ -97,7 +117,7 @@ class Tolerances:
             self._quantities,
             several=self._several,
             limits=self._limits,
-            samples=self.samples,
+            samples=self._asked,
             seed=self.seed,
             distribution=self.distribution,
             workers=self._workers,
@@ -214,7 +234,7 @@ class Tolerances:
         All drivelines of a batch have the same random numbers, and so have all figures and states,
         so that they can be compared.
         """
-        return self._named(self._drawn())
+        return self._named(self._drawn(self.samples))
 
     @cached_property
     def ascending(self) -> Any:  # noqa: ANN401
@@ -225,7 +245,7 @@ class Tolerances:
         """
         held = self.__dict__.get("sampled")
         if held is None:
-            found = self._drawn()
+            found = self._drawn(self.samples)
         else:
             found = {name: values.copy() for name, values in self._by_name(held).items()}
         for values in found.values():
@@ -289,6 +309,15 @@ class Tolerances:
         if not found:
             raise ArgumentValueError("limit", f"is missing; {self.of[0]!r} has no default limit")
         return found[self.of[0]]
+
+    @property
+    def passing_by_state(self) -> dict[str, FloatArray]:
+        """Share of the random drivelines within the limit in each state alone, by figure.
+
+        ``(..., n_states)``, of the figures that have a limit.
+        """
+        _ = self.ascending
+        return self._passing_each
 
     @property
     def limit(self) -> Any:  # noqa: ANN401
@@ -388,14 +417,25 @@ class Tolerances:
     def _searched(self, quantity: Quantity) -> bool:
         return all(design.searched(quantity) for design in self._designs)
 
-    def _drawn(self) -> dict[str, FloatArray]:
-        """The figure of each random driveline by name."""
-        found = {name: np.empty((len(self._designs), self.samples)) for name in self.of}
+    def _drawn(self, samples: int) -> dict[str, FloatArray]:
+        """The figure of each random driveline by name; what is within in each state is counted."""
+        left, self._left = self._left, {}
+        if left and left[self.of[0]].shape[-1] == samples:
+            return left
+        states = range(self.n_states or 0)
+        found = {name: np.empty((len(self._designs), samples)) for name in self.of}
+        counted = {name: np.empty((len(self._designs), len(states))) for name in self._limits}
         for i, design in enumerate(self._designs):
-            of = partial(design.values, self._quantities)
-            out = {name: values[i] for name, values in found.items()}
-            sample(design.box, self.seed, self._workers, of, out)
-        return {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
+            out: dict[Any, Any] = {name: values[i] for name, values in found.items()}
+            within = {(name, j): np.empty(samples, bool) for name in counted for j in states}
+            of = partial(design.sampled, self._quantities, self._limits if states else {})
+            sample(design.box, self.seed, self._workers, of, out | within)
+            for (name, j), each in within.items():
+                counted[name][i, j] = np.mean(each)
+        self._passing_each = {
+            name: values.reshape((*self.shape, len(states))) for name, values in counted.items()
+        }
+        return {name: values.reshape((*self.shape, samples)) for name, values in found.items()}
 
     def _by_name(self, results: Any) -> Mapping[str, FloatArray]:  # noqa: ANN401
         found: Mapping[str, FloatArray] = results if self._several else {self.of[0]: results}

@@ -23,8 +23,8 @@ def data_of(found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - plai
     if isinstance(found, tuple):
         return [data_of(each, radians=radians) for each in found]
     data: dict[str, Any] = {}
-    for name, row, hint in rows_of(type(found)):
-        value = getattr(found, name)
+    for name, of, hint in rows_of(type(found)):
+        row, value = of.beside(found), getattr(found, name)
         if row.kind == "figure" and _is_judged(hint):
             data[name] = None if value is None else _judged(value, row, radians=radians)
         elif row.kind == "figure":

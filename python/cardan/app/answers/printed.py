@@ -116,7 +116,7 @@ def lines_of(found: Any, *, radians: bool = False) -> Iterator[tuple[str, str]]:
     """Yield label and value of what is known of a part, one line each; not those of its parts."""
     for name, row, _ in rows_of(type(found)):
         if _is_printed(row):
-            text = cell(getattr(found, name), row, radians=radians)
+            text = cell(getattr(found, name), row.beside(found), radians=radians)
             if text:
                 yield row.label, text
 
@@ -135,11 +135,18 @@ def table_of(
         values = [getattr(each, name) for each in found]
         if not _is_printed(row) or all(value is None for value in values):
             continue
+        units = [row.beside(each) for each in found]
         judged = [value for value in values if isinstance(value, Judged)]
-        bounds = [bound_of(value, row, radians=radians) for value in judged]
+        bounds = [
+            bound_of(value, unit, radians=radians)
+            for value, unit in zip(values, units, strict=True)
+            if isinstance(value, Judged)
+        ]
         shared = bounds[0] if bounds and len(set(bounds)) == 1 else ""
         plain = [value.value if isinstance(value, Judged) else value for value in values]
-        cells = [cell(value, row, radians=radians) for value in plain]
+        cells = [
+            cell(value, unit, radians=radians) for value, unit in zip(plain, units, strict=True)
+        ]
         if not any(cells):
             continue
         rows.append((", ".join(filter(None, (row.label, shared))), *cells))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple, get_args, get_type_hints
 
 from cardan.app.scene.units import ENDINGS, RPM
@@ -55,6 +55,7 @@ class Row:
         source: formula and source.
         limit: the key of the scene that gives its limit, as ``"[slip] travel_mm"``.
         is_detail: whether it is left out of printed text.
+        is_own: whether the unit is what the field ``unit`` beside it says; keys then end in none.
     """
 
     kind: Kind
@@ -64,11 +65,16 @@ class Row:
     source: str = ""
     limit: str = ""
     is_detail: bool = False
+    is_own: bool = False
+
+    def beside(self, found: Any) -> Row:  # noqa: ANN401 - any part
+        """Return the row with the unit that the figures themselves say."""
+        return replace(self, unit=found.unit) if self.is_own else self
 
     def ending(self, *, radians: bool = False) -> str:
         """Return what follows the name of the field in a key of the JSON."""
         unit = "rad" if radians and self.unit == "deg" else self.unit
-        return f"_{unit}" if unit else ""
+        return f"_{unit}" if unit and not self.is_own else ""
 
     def shown(self, value: float, *, radians: bool = False) -> float:
         """Return a value in the unit in which it is shown."""
@@ -84,8 +90,13 @@ def figure(
     limit: str = "",
     is_detail: bool = False,
 ) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
-    """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``."""
-    return field(metadata={"row": Row("figure", label, unit, meaning, source, limit, is_detail)})
+    """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``.
+
+    The unit is a key of ``UNITS``, or ``"own"`` if the field ``unit`` beside it has the key.
+    """
+    own = unit == "own"
+    row = Row("figure", label, "" if own else unit, meaning, source, limit, is_detail, own)
+    return field(metadata={"row": row})
 
 
 def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
@@ -98,19 +109,19 @@ def item(of: str) -> Any:  # noqa: ANN401 - as of figure
     return field(metadata={"row": Row("item", of)})
 
 
-def count(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def count(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare a number of things."""
-    return field(metadata={"row": Row("count", label, meaning=meaning)})
+    return field(metadata={"row": Row("count", label, meaning=meaning, is_detail=is_detail)})
 
 
-def word(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def word(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare a word or name: ``str``, ``str | None`` or a ``Literal``."""
-    return field(metadata={"row": Row("word", label, meaning=meaning)})
+    return field(metadata={"row": Row("word", label, meaning=meaning, is_detail=is_detail)})
 
 
-def flag(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def flag(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare whether something is so."""
-    return field(metadata={"row": Row("flag", label, meaning=meaning)})
+    return field(metadata={"row": Row("flag", label, meaning=meaning, is_detail=is_detail)})
 
 
 def parts(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
@@ -204,7 +215,7 @@ def entries(found: Any, path: str, item: str = "") -> Iterator[Entry]:  # noqa: 
     for name, row, _ in rows_of(type(found)):
         value = getattr(found, name)
         if row.kind != "parts":
-            yield Entry(f"{path}.{name}", row, value, item)
+            yield Entry(f"{path}.{name}", row.beside(found), value, item)
         elif value is not None:
             yield from entries(value, f"{path}.{name}", item)
 

@@ -145,7 +145,7 @@ _PARTS = (
     Part("spline", "Spline", "the spline", ("slip",), _ALL),
     Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
     Part("steering", "Steering", "the steering", ("steering",), _ALL),
-    Part("tolerances", "Tolerances", "the driveline", ("tolerances",), ("check", "report")),
+    Part("tolerances", "Tolerances", "", ("tolerances",), ("check", "report")),
     Part(
         "life", "Life of the joints", "the joints", ("joints", "life"), ("check", "life", "report")
     ),

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.tolerances.data import tolerances_data
-from cardan.app.answers.tolerances.figures import needed_tolerances, permitted_tolerances
+from cardan.app.answers.tolerances.figures import (
+    needed_tolerances,
+    permitted_tolerances,
+    tolerances_data,
+)
 from cardan.app.answers.tolerances.picture import write_tolerances
 from cardan.app.answers.tolerances.text import tolerances_text
 from cardan.app.command.files import check_output
@@ -21,7 +24,7 @@ from cardan.app.scene.scene import Scene
 @picture_as_well
 @json_option
 def command(scene: Path, output: Path | None, as_json: bool) -> None:
-    """Say what errors of manufacture and assembly make of a driveline.
+    """Show how manufacturing and assembly errors affect a driveline.
 
     The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
 

@@ -18,7 +18,7 @@ from cardan.app.answers.limits.remedies_text import (
     remedies,
 )
 from cardan.app.answers.printed import figure_text, range_ends
-from cardan.app.answers.tolerances.text import verdict_texts
+from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
 from cardan.app.answers.yokes.text import phases_text, tooth_lines, yoke_lines
 from cardan.app.charts.motion import deviates, turn_motion
 from cardan.app.charts.samples import Samples
@@ -73,7 +73,7 @@ def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None)
 
 def _toleranced(answer: Answer) -> list[str]:
     found = answer["tolerances"]
-    return verdict_texts(found) if found else []
+    return list(tolerance_sentences(found)) if found else []
 
 
 def _smooth(scene: Scene, found: Check) -> dict[str, Any]:

@@ -212,6 +212,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "torsion": torsion,
         "deviations": deviations,
         "tolerance_arms": tolerance_arms,
+        "tolerance_share": given.get("tolerances", {}).get("share"),
         "length_unit": "m" if {"points_m", "lengths_m"} & described_in.keys() else "mm",
     }
 

@@ -96,6 +96,8 @@ class Scene:
             driveline of the drawing, ``line_as_built`` has them.
         tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
             lengths.
+        tolerance_share: share of the toleranced drivelines that must be within the limit; ``None``
+            if all must.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
     """
 
@@ -131,6 +133,7 @@ class Scene:
     torsion: TorsionCase | None = None
     deviations: FloatArray | None = None
     tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
+    tolerance_share: float | None = None
     length_unit: LengthUnit = "mm"
 
     @classmethod

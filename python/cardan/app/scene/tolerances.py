@@ -109,7 +109,7 @@ def tolerances_of(
                 reduce=values.get("reduce", "peak"),
                 motion_as_drawn=True,
             ),
-            Drawn(values.get("samples", 100_000), values.get("seed", 0)),
+            Drawn(values.get("samples"), values.get("seed", 0)),
         )
     except ArgumentValueError as error:
         key = keys.get(error.argument, error.argument)

@@ -70,9 +70,16 @@ TOLERANCES = Section(
         "limit": Key(
             kinds.POSITIVE,
             "of a single figure, in degrees for an angle, else in SI units; default: that of "
-            "[limits]",
+            "[limits]. Every driveline within the tolerances must keep it",
         ),
-        "samples": Key(kinds.SAMPLES, "random drivelines", default=100_000),
+        "share": Key(
+            kinds.SHARE, "share of the drivelines that must keep the limit, in place of all"
+        ),
+        "samples": Key(
+            kinds.SAMPLES,
+            "random drivelines; default: 100 000, or 16 384 where almost all of these keep the "
+            "limit, or almost none",
+        ),
         "seed": Key(kinds.SEED, "of their random numbers", default=0),
     },
     needed=(("bends_deg", "twists_deg", "phases_deg", "points_mm", "teeth", *_OF_JOINTS),),

@@ -1,104 +1,95 @@
-"""What a ball joint of a scene carries: its figures, its verdict, and the answer as plain data."""
+"""What a ball joint of a scene carries, beside what its materials bear."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import ANGLE, one_of, record
-from cardan.app.answers.study.extremes import finite_or_none
+from cardan.app.answers.rows import Judged, figure, word
 from cardan.app.scene.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
-from cardan.design.judged import LimitVerdict, is_within, worst_of
 
-# A ball that is sized reaches the allowable pressure itself, and the pressure at the rim of a
-# hemisphere is 0, to rounding.
+# The pressure at the rim of a hemisphere is 0, to rounding.
 _ROUNDING = 1e-12
-
-_SMALL_CLEARANCE = 0.1
-
-# The law of a layer holds for strains that are small beside 1.
-_SMALL_STRAIN = 0.1
-
-
-@dataclass(frozen=True)
-class Part:
-    """One of the two materials under the peak pressure.
-
-    Attributes:
-        material: the material.
-        verdict: whether it bears the peak pressure.
-        approach: how far it yields in line with the load, in m, if the compliance is known.
-    """
-
-    material: Material
-    verdict: LimitVerdict
-    approach: float | None
-
-    @property
-    def strain(self) -> float | None:
-        """The approach over the thickness of its layer, if it is a layer that yields."""
-        layer = self.material.layer
-        return None if self.approach is None or layer is None else self.approach / layer
-
-    @property
-    def is_overstrained(self) -> bool:
-        """Whether its layer is compressed by more than the model of a layer allows."""
-        return self.strain is not None and self.strain > _SMALL_STRAIN
 
 
 @dataclass(frozen=True)
 class BallJointFigures:
-    """What a ball joint carries; SI units.
+    """What a ball joint carries."""
 
-    Attributes:
-        peak: pressure in line with the load.
-        edge: pressure at the edge of the contact.
-        projected: load over the projected area of the seat, as bearing catalogues count it.
-        contact_angle: from the load to the edge of the contact.
-        verdict: whether both materials bear the peak pressure.
-        parts: ball and seat.
-        allowable: the smaller of their allowable pressures, if any is given.
-        smallest_radius: of a ball whose peak pressure is just allowable, if that is given.
-        allowable_load: at which the peak pressure is just allowable, if that is given.
-        turning: friction moment about the line of the load, if the friction is given.
-        swivelling: friction moment about a line across the load, if the friction is given.
-        wide_clearance: whether the clearance is too large beside the radius for the model.
-    """
-
-    peak: float
-    edge: float
-    projected: float
-    contact_angle: float
-    verdict: LimitVerdict
-    parts: tuple[Part, Part]
-    allowable: float | None
-    smallest_radius: float | None
-    allowable_load: float | None
-    turning: float | None
-    swivelling: float | None
-    wide_clearance: bool
+    ball: str = word("material of the ball")
+    seat: str = word("material of the seat")
+    load: float = figure("load", "N")
+    radius: float = figure("radius of the ball", "mm")
+    radius_from: Literal["scene", "allowable pressure"] = word(
+        "radius from", "a scene without a radius leaves it to the allowable pressure"
+    )
+    half_angle: float = figure("half-angle of the seat", "deg")
+    clearance: float = figure("clearance", "mm", "radius of the seat less that of the ball")
+    ball_pressure: Judged = figure(
+        "peak pressure on the ball",
+        "MPa",
+        "in line with the load",
+        source="M. Marcus (1902): each point yields in proportion to its own pressure",
+        limit="[ball_joint] ball.allowable_pressure_MPa",
+    )
+    seat_pressure: Judged = figure(
+        "peak pressure on the seat",
+        "MPa",
+        "in line with the load; as large as on the ball",
+        source="M. Marcus (1902): each point yields in proportion to its own pressure",
+        limit="[ball_joint] seat.allowable_pressure_MPa",
+    )
+    edge_pressure: float = figure("pressure at the edge of contact", "MPa")
+    contact_angle: float = figure("edge of contact from the load", "deg")
+    projected_pressure: float = figure(
+        "load over projected area", "MPa", "as bearing catalogues count it"
+    )
+    allowable_load: float | None = figure(
+        "largest allowable load", "N", "at which the peak pressure is just allowable"
+    )
+    smallest_radius: float | None = figure(
+        "smallest allowable radius", "mm", "of a ball whose peak pressure is just allowable"
+    )
+    ball_approach: float | None = figure(
+        "approach, ball", "mm", "how far it yields in line with the load"
+    )
+    seat_approach: float | None = figure(
+        "approach, seat", "mm", "how far it yields in line with the load"
+    )
+    ball_strain: float | None = figure("compression of the layer of the ball", "percent")
+    seat_strain: float | None = figure("compression of the layer of the seat", "percent")
+    turning_friction: float | None = figure("friction moment, turning about the load", "Nm")
+    swivelling_friction: float | None = figure(
+        "friction moment, swivelling", "Nm", "about a line across the load"
+    )
 
     @property
-    def passes(self) -> bool:
-        """Whether no allowable pressure is exceeded."""
-        return self.verdict != "beyond"
+    def weaker(self) -> Literal["ball", "seat"] | None:
+        """The part with the smaller allowable pressure, if any is given."""
+        limits: dict[Literal["ball", "seat"], float | None] = {
+            "ball": self.ball_pressure.limit,
+            "seat": self.seat_pressure.limit,
+        }
+        given = [(limit, part) for part, limit in limits.items() if limit is not None]
+        return min(given, default=(0.0, None))[1]
 
     @property
-    def weaker(self) -> Material | None:
-        """The material with the smaller allowable pressure, if any is given."""
-        judged = [
-            (part.material.allowable_pressure, part.material)
-            for part in self.parts
-            if part.material.allowable_pressure is not None
-        ]
-        return min(judged, key=lambda entry: entry[0])[1] if judged else None
+    def peak(self) -> float:
+        """The pressure in line with the load in Pa."""
+        assert self.seat_pressure.value is not None
+        return self.seat_pressure.value
+
+
+def find(answer: Answer) -> BallJointFigures | None:
+    """Return what the ball joint of a scene carries; ``None`` without one."""
+    case = answer.of.ball_joint
+    return None if case is None else ball_joint_figures(case)
 
 
 def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
@@ -108,33 +99,41 @@ def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
     contact_angle = float(joint.contact_angle(load))
     edge = float(joint.pressure(contact_angle, load))
     rim = float(joint.radius) * math.sin(float(joint.half_angle))
-    one, other = (_part(material, peak) for material in case.materials)
+    ball, seat = case.materials
     friction = case.friction
     return BallJointFigures(
-        peak=peak,
-        edge=edge if edge > _ROUNDING * peak else 0.0,
-        projected=load / (math.pi * rim**2),
+        ball=ball.name,
+        seat=seat.name,
+        load=load,
+        radius=float(joint.radius),
+        radius_from="allowable pressure" if case.sized else "scene",
+        half_angle=float(joint.half_angle),
+        clearance=float(joint.clearance),
+        ball_pressure=Judged(peak, ball.allowable_pressure),
+        seat_pressure=Judged(peak, seat.allowable_pressure),
+        edge_pressure=edge if edge > _ROUNDING * peak else 0.0,
         contact_angle=contact_angle,
-        verdict=worst_of((one.verdict, other.verdict)),
-        parts=(one, other),
-        allowable=allowable,
-        smallest_radius=None if allowable is None else _smallest(case, allowable),
+        projected_pressure=load / (math.pi * rim**2),
         allowable_load=None if allowable is None else float(joint.allowable_load(allowable)),
-        turning=None if friction is None else float(joint.friction_moment(load, friction)),
-        swivelling=(
+        smallest_radius=None if allowable is None else _smallest(case, allowable),
+        ball_approach=_approach(ball, peak),
+        seat_approach=_approach(seat, peak),
+        ball_strain=_strain(ball, peak),
+        seat_strain=_strain(seat, peak),
+        turning_friction=None if friction is None else float(joint.friction_moment(load, friction)),
+        swivelling_friction=(
             None if friction is None else float(joint.tilting_friction_moment(load, friction))
         ),
-        wide_clearance=bool(joint.clearance > _SMALL_CLEARANCE * joint.radius),
     )
 
 
-def _part(material: Material, peak: float) -> Part:
-    verdict: LimitVerdict = "not judged"
-    if material.allowable_pressure is not None:
-        bears = is_within(peak, material.allowable_pressure)
-        verdict = "within" if bears else "beyond"
-    approach = None if material.compliance is None else material.compliance * peak
-    return Part(material, verdict, approach)
+def _approach(material: Material, peak: float) -> float | None:
+    return None if material.compliance is None else material.compliance * peak
+
+
+def _strain(material: Material, peak: float) -> float | None:
+    approach = _approach(material, peak)
+    return None if approach is None or material.layer is None else approach / material.layer
 
 
 def _smallest(case: BallJointCase, allowable: float) -> float:
@@ -173,103 +172,3 @@ def cross_section(theta: FloatArray, height: FloatArray | float) -> tuple[FloatA
         height: over the surface of the ball, in its radii.
     """
     return (1.0 + height) * np.sin(theta), -(1.0 + height) * np.cos(theta)
-
-
-# --- plain data --------------------------------------------------------------------------------
-
-
-def data(case: BallJointCase, *, radians: bool = False) -> dict[str, Any]:
-    """Return a ball joint as plain data for JSON, as ``SCHEMA`` describes it."""
-    found, joint = ball_joint_figures(case), case.joint
-    unit, turned = ("rad", float) if radians else ("deg", math.degrees)
-    return {
-        "verdict": found.verdict,
-        "load_N": case.load,
-        "radius_mm": 1e3 * float(joint.radius),
-        "radius": "smallest" if case.sized else "given",
-        f"half_angle_{unit}": turned(float(joint.half_angle)),
-        "clearance_mm": 1e3 * float(joint.clearance),
-        "peak_pressure_MPa": _scaled(found.peak, 1e-6),
-        "edge_pressure_MPa": _scaled(found.edge, 1e-6),
-        "projected_pressure_MPa": _scaled(found.projected, 1e-6),
-        f"contact_angle_{unit}": turned(found.contact_angle),
-        "parts": [_part_data(part, found.peak) for part in found.parts],
-        "smallest_radius_mm": _scaled(found.smallest_radius, 1e3),
-        "allowable_load_N": _scaled(found.allowable_load, 1.0),
-        "turning_friction_Nm": _scaled(found.turning, 1.0),
-        "swivelling_friction_Nm": _scaled(found.swivelling, 1.0),
-    }
-
-
-def _part_data(part: Part, peak: float) -> dict[str, Any]:
-    allowable = part.material.allowable_pressure
-    margin = None if allowable is None else allowable - peak
-    return {
-        "part": part.material.part,
-        "name": part.material.name,
-        "verdict": part.verdict,
-        "allowable_pressure_MPa": _scaled(allowable, 1e-6),
-        "margin_MPa": _scaled(margin, 1e-6),
-        "approach_um": _scaled(part.approach, 1e6),
-    }
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else finite_or_none(factor * value)
-
-
-_FIGURE = {"type": ["number", "null"]}
-_VERDICT = {"enum": ["within", "beyond", "not judged"]}
-
-SCHEMA: Mapping[str, Any] = one_of(
-    {
-        "verdict": _VERDICT,
-        "load_N": {"type": "number"},
-        "radius_mm": {"type": "number"},
-        "radius": {
-            "enum": ["given", "smallest"],
-            "description": "smallest: the scene leaves it to the allowable pressure",
-        },
-        "clearance_mm": {"type": "number"},
-        **dict.fromkeys(
-            (
-                "peak_pressure_MPa",
-                "edge_pressure_MPa",
-                "projected_pressure_MPa",
-                "smallest_radius_mm",
-                "allowable_load_N",
-                "turning_friction_Nm",
-                "swivelling_friction_Nm",
-            ),
-            _FIGURE,
-        ),
-        "parts": {
-            "type": "array",
-            "items": record(
-                {
-                    "part": {"enum": ["ball", "seat"]},
-                    "name": {"type": "string"},
-                    "verdict": _VERDICT,
-                    **dict.fromkeys(
-                        ("allowable_pressure_MPa", "margin_MPa", "approach_um"), _FIGURE
-                    ),
-                }
-            ),
-        },
-    },
-    *(
-        {f"{name}_{angle}": {"type": "number"} for angle in ANGLE}
-        for name in ("half_angle", "contact_angle")
-    ),
-)
-"""JSON Schema of ``data``: figures that the scene has no input for are null."""
-
-
-def find(answer: Answer) -> BallJointCase | None:
-    """Return the figures of an answer's scene."""
-    return answer.of.ball_joint
-
-
-def verdicts(found: BallJointCase) -> dict[str, str]:
-    """Return the verdicts on what the scene limits."""
-    return {"pressure": ball_joint_figures(found).verdict}

@@ -9,17 +9,15 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
     BallJointFigures,
-    ball_joint_figures,
     cross_section,
     fitting_curve,
     pressure_curve,
 )
-from cardan.app.answers.ball_joint.text import ball_joint_lines, verdict_text
-from cardan.app.answers.limits.page import shown
-from cardan.app.answers.printed import figure_text
+from cardan.app.answers.page import section_of
+from cardan.app.answers.printed import quantity
+from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
 from cardan.app.scene.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 
@@ -28,22 +26,21 @@ _SCALE, _PEAK, _SEAT = 100.0, 0.5, 0.7
 _ARROWS = 13
 
 
-def section(_: Answer, case: BallJointCase) -> dict[str, Any]:
+def section(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
     """Return a ball joint as plain data for ``page.html``."""
-    found = ball_joint_figures(case)
+    case = answer.of.ball_joint
+    assert case
     theta, pressure = pressure_curve(case)
     curves = [Curve("pressure on the seat", 1e-6 * pressure)]
     fit = fitting_curve(case, theta)
     if fit is not None:
         curves += [Curve("without clearance", 1e-6 * fit)]
-    if found.allowable is not None and found.weaker is not None:
-        level = np.full_like(theta, 1e-6 * found.allowable)
-        curves += [Curve(f"allowable for the {found.weaker.part}", level)]
+    if found.weaker is not None and case.allowable_pressure is not None:
+        level = np.full_like(theta, 1e-6 * case.allowable_pressure)
+        curves += [Curve(f"allowable for the {found.weaker}", level)]
     panel = Panel("Pressure on the seat", "MPa", tuple(curves))
     return {
-        "class": shown(found.verdict),
-        "verdict": list(verdict_text(case, found)),
-        "table": Table("Ball joint", ("Figure", "Value"), ball_joint_lines(case, found)),
+        **section_of(PARTS["ball_joint"], found),
         "chart": chart(panel, np.degrees(theta), "angle from the line of the load [deg]"),
         "drawing": _drawing(case, found),
     }
@@ -65,11 +62,11 @@ def _drawing(case: BallJointCase, found: BallJointFigures) -> dict[str, Any]:
             for angle, size in zip(arrows, arrow_pressure, strict=True)
             if size > 0.0
         ],
-        "load": f"{figure_text(case.load)} N",
-        "peak": f"{figure_text(1e-6 * found.peak)} MPa",
+        "load": quantity(case.load, "N"),
+        "peak": quantity(found.peak, "MPa"),
         "spoken": (
             f"Ball and seat in section: the pressure is largest in line with the load, "
-            f"{figure_text(1e-6 * found.peak)} MPa"
+            f"{quantity(found.peak, 'MPa')}"
         ),
     }
 

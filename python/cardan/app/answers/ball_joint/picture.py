@@ -13,7 +13,7 @@ from cardan.app.answers.ball_joint.figures import (
     fitting_curve,
     pressure_curve,
 )
-from cardan.app.answers.printed import figure_text
+from cardan.app.answers.printed import quantity
 from cardan.app.pictures.style import (
     MM,
     STYLE,
@@ -110,17 +110,17 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
             (0.0, 0.75),
             arrowprops={"arrowstyle": "-|>", "color": "black", "linewidth": 1.2},
         )
-        axes.text(0.07, 0.35, f"{figure_text(case.load)} N", parse_math=False)
+        axes.text(0.07, 0.35, quantity(case.load, "N"), parse_math=False)
         across, down = cross_section(np.array(0.0), _SEAT + 0.04)
         axes.text(
             float(across),
             float(down),
-            f"{figure_text(1e-6 * found.peak)} MPa",
+            quantity(found.peak, "MPa"),
             ha="center",
             va="top",
             parse_math=False,
         )
-        axes.text(0.0, 1.06, f"ball radius {figure_text(1e3 * case.joint.radius)} mm", ha="center")
+        axes.text(0.0, 1.06, f"ball radius {quantity(float(case.joint.radius), 'mm')}", ha="center")
         axes.set_aspect("equal")
         axes.set_axis_off()
     return axes
@@ -145,10 +145,10 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         top = found.peak
         if fit is not None:
             axes.plot(degrees, 1e-6 * fit, label="without clearance", **line_style(1))
-        if found.allowable is not None and found.weaker is not None:
-            label = f"allowable, {found.weaker.part}"
-            axes.axhline(1e-6 * found.allowable, label=label, **line_style(3))
-            top = max(top, found.allowable)
+        if found.weaker is not None and case.allowable_pressure is not None:
+            label = f"allowable, {found.weaker}"
+            axes.axhline(1e-6 * case.allowable_pressure, label=label, **line_style(3))
+            top = max(top, case.allowable_pressure)
         axes.grid(visible=True)
         axes.set_xlim(degrees[0], degrees[-1])
         axes.set_ylim(0.0, 1.05e-6 * top)

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.data import data_of, schema_of
+from cardan.app.answers.json_schema import answer, answer_schema
+from cardan.app.answers.over import over
+from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, parts, word
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import in_degrees
+from cardan.app.scene.units import ENDINGS, ending_of
 from cardan.arrays import FloatArray
 from cardan.design.quantities import MOTION_QUANTITIES, label
 from cardan.tolerances import JOINT_GROUPS, Tolerances
 
-SHARES = (0.5, 0.95, 0.99)
-"""Shares of the drivelines of which the largest figure is listed."""
-
-_GROUPS = {
+_GROUPS: Mapping[str, Literal["joint", "shaft", "point"]] = {
     "bends": "joint",
     "twists": "shaft",
     "phases": "shaft",
@@ -35,159 +36,112 @@ GROUP_NAMES = {
 }
 """What groups of parameters are called in words, where that is not their name."""
 
+_UNIT = "unit of the figures beside it"
+
+
+@dataclass(frozen=True)
+class Given:
+    """The tolerances of one group of parameters."""
+
+    group: str = item("group")
+    unit: str = word("unit", _UNIT, is_detail=True)
+    least: float = figure("least tolerance, ±", "own", "above 0")
+    largest: float = figure("largest tolerance, ±", "own")
+
+
+@dataclass(frozen=True)
+class Permitted(Given):
+    """How exact one group must be so that the worst driveline is within the limit."""
+
+    factor: float = figure(
+        "factor",
+        "",
+        "by which its tolerances may be multiplied; null if the others alone exceed the limit",
+    )
+    needless: bool = flag("needless", "whether nothing reaches the limit")
+
 
 @dataclass(frozen=True)
 class Share:
-    """The part that one joint, shaft or point has in the scatter of a figure.
+    """The part that one joint, shaft or point has in the scatter of a figure."""
 
-    Attributes:
-        group: ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"driving_yoke"``,
-            ``"cross"`` or ``"driven_yoke"``.
-        of: ``"joint"``, ``"shaft"`` or ``"point"``.
-        number: which one, counted from 0.
-        share: of 1; of a point all its coordinates together.
-    """
-
-    group: str
-    of: str
-    number: int
-    share: float
-
-    @property
-    def label(self) -> str:
-        """What it is: ``phase of shaft 1``."""
-        if self.of == "point":
-            return f"point {self.number}"
-        if self.group in JOINT_GROUPS:
-            return f"{self.group.replace('_', ' ')} of joint {self.number}"
-        return f"{self.group[:-1]} of {self.of} {self.number}"
-
-
-@dataclass(frozen=True)
-class Permitted:
-    """How exact one group must be so that the worst driveline is within the limit.
-
-    Attributes:
-        group: of parameters.
-        given: its tolerances in deg or mm, least and largest.
-        factor: by which they may be multiplied; NaN if the others alone exceed the limit, infinite
-            if nothing reaches it.
-        unit: ``"deg"`` or ``"mm"``.
-    """
-
-    group: str
-    given: tuple[float, float]
-    factor: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class ToleranceState:
-    """One figure of a toleranced driveline in one state; attributes as of ``ToleranceFigure``."""
-
-    name: str
-    nominal: float
-    worst: float
-    guaranteed: float | None
-    passing: float | None
+    label: str = item("parameter")
+    name: str = word("figure", "in whose scatter", is_detail=True)
+    group: str = word("group", "of parameters", is_detail=True)
+    of: Literal["joint", "shaft", "point"] = word("of", is_detail=True)
+    number: int = count("number", "of the joint, shaft or point", is_detail=True)
+    share: float = figure("share in the scatter", "percent", "of a point all coordinates together")
 
 
 @dataclass(frozen=True)
 class ToleranceFigure:
-    """One figure of a toleranced driveline; angles in degrees.
+    """One figure of a toleranced driveline."""
 
-    Attributes:
-        name: for programs.
-        label: in words.
-        unit: of the values.
-        nominal: of the driveline as drawn.
-        quantiles: at ``SHARES``.
-        worst: of any driveline within the tolerances.
-        worst_kind: how it was found.
-        guaranteed: bound, ``None`` where none is known.
-        limit: ``None`` without one.
-        passing: share of the drivelines within the limit, ``None`` without one.
-        shares: of each joint, shaft or point, the largest first.
-        measured: whether the nominal driveline has deviations that were measured.
-        worst_in: name of the state of the worst driveline; "" without states.
-        nominal_in: name of the state in which the driveline as drawn has its value.
-        states: the figure in each state.
-    """
-
-    name: str
-    label: str
-    unit: str
-    nominal: float
-    quantiles: tuple[float, ...]
-    worst: float
-    worst_kind: str
-    guaranteed: float | None
-    limit: float | None
-    passing: float | None
-    shares: tuple[Share, ...]
-    measured: bool = False
-    worst_in: str = ""
-    nominal_in: str = ""
-    states: tuple[ToleranceState, ...] = ()
+    label: str = item("figure")
+    name: str = word("name", "in a scene", is_detail=True)
+    unit: str = word("unit", _UNIT, is_detail=True)
+    nominal: Judged = figure("in the middle of the tolerances", "own", "as drawn or as measured")
+    half: float = figure("half of the drivelines up to", "own")
+    most: float = figure("95 % up to", "own")
+    nearly: float = figure("99 % up to", "own")
+    worst: Judged = figure(
+        "worst with tolerances",
+        "own",
+        "of any driveline within the tolerances",
+        limit="[tolerances] limit",
+    )
+    worst_kind: Literal["box", "linear"] = word(
+        "worst found", "box: over all combinations; linear: to first order, with many parameters"
+    )
+    guaranteed: Judged | None = figure(
+        "guaranteed bound",
+        "own",
+        "that no driveline within the tolerances exceeds",
+        source="triangle inequality in the hyperbolic plane",
+    )
+    limit: float | None = figure("limit", "own", is_detail=True)
+    passing: Judged | None = figure(
+        "share within the limit", "percent", "of the drivelines", limit="[tolerances] share"
+    )
+    measured: bool = flag(
+        "measured", "whether joints in the middle have measured deviations", is_detail=True
+    )
 
 
 @dataclass(frozen=True)
 class ToleranceFigures:
-    """The figures of a scene's tolerances.
+    """The figures of a scene's tolerances."""
 
-    Attributes:
-        given: tolerance of each group: least, largest and unit.
-        half_tooth: half a tooth of the splines in deg: least and largest; ``None`` without teeth.
-        distribution: of the tolerances.
-        samples: random drivelines.
-        seed: of their numbers.
-        figures: what was asked for.
-    """
+    given: tuple[Given, ...] = parts("Given", "the tolerances of the scene")
+    distribution: str = word("distribution")
+    samples: int = count("random drivelines")
+    seed: int = count("seed", "of the random numbers")
+    figures: tuple[ToleranceFigure, ...] = parts("Drivelines")
+    shares: tuple[Share, ...] = parts("Shares in the scatter", "the largest of each figure first")
 
-    given: Mapping[str, tuple[float, float, str]]
-    half_tooth: tuple[float, float] | None
-    distribution: str
-    samples: int
-    seed: int
-    figures: tuple[ToleranceFigure, ...]
+
+def find(answer: Answer) -> ToleranceFigures | None:
+    """Return the figures of a scene's tolerances; ``None`` without any."""
+    return tolerance_figures(answer.scene)
 
 
 def tolerance_figures(scene: Scene) -> ToleranceFigures | None:
-    """Return the figures of a scene's tolerances, if it has any."""
+    """Return the figures of a scene's tolerances; ``None`` without any."""
     found = scene.tolerances
     if found is None:
         return None
-    given = _given(found, scene.tolerance_arms)
-    half_tooth = _ends(found.half_tooth.get("phases", np.zeros(0)), math.degrees(1.0))
-    names = scene.states.names if scene.states else ()
-    figures = tuple(figure_of(found, name, names) for name in found.of)
+    given = [Given(*each) for each in _given(found, scene.tolerance_arms)]
+    tooth = found.half_tooth.get("phases", np.zeros(0))
+    if np.any(tooth > 0.0):
+        given.append(Given("half a tooth", "deg", float(tooth[tooth > 0.0].min()), tooth.max()))
     return ToleranceFigures(
-        given, half_tooth, found.distribution, found.samples, found.seed, figures
+        tuple(given),
+        found.distribution,
+        found.samples,
+        found.seed,
+        tuple(figure_of(found, name, scene) for name in found.of),
+        tuple(share for name in found.of for share in shares_of(found, name)),
     )
-
-
-def _given(
-    found: Tolerances, arms: Mapping[str, FloatArray]
-) -> dict[str, tuple[float, float, str]]:
-    """The tolerances above 0 by group: the least, the largest and the unit.
-
-    Args:
-        found: the tolerances.
-        arms: arm of each joint in m by the groups that are given as lengths.
-    """
-    given = {}
-    for group, sizes in found.given.items():
-        length = group == "points" or group in arms
-        factor = 1e3 * arms.get(group, 1.0) if length else math.degrees(1.0)
-        if ends := _ends(sizes, factor):
-            given[group] = (*ends, "mm" if length else "deg")
-    return given
-
-
-def _ends(sizes: FloatArray, factor: Any) -> tuple[float, float] | None:  # noqa: ANN401
-    """The least and the largest tolerance above 0, times a factor."""
-    known = (sizes * factor)[sizes > 0.0]
-    return (float(known.min()), float(known.max())) if known.size else None
 
 
 def needed_tolerances(scene: Scene) -> ToleranceFigures:
@@ -202,6 +156,46 @@ def needed_tolerances(scene: Scene) -> ToleranceFigures:
     return found
 
 
+def tolerances_data(scene: Scene) -> dict[str, Any]:
+    """Return the tolerances of a scene as plain data for JSON.
+
+    Raises:
+        ValueError: it has none.
+    """
+    found = needed_tolerances(scene)
+    assert scene.tolerances
+    permitted = permitted_tolerances(scene.tolerances, scene.tolerance_arms)
+    return answer("tolerances", scene.title, **data_of(found), permitted=data_of(permitted))
+
+
+TOLERANCES_SCHEMA = answer_schema(
+    "tolerances",
+    "what cardan tolerances prints with --json",
+    {
+        **schema_of(ToleranceFigures)["properties"],
+        "permitted": {"type": "array", "items": schema_of(Permitted)},
+    },
+)
+"""JSON Schema of what ``tolerances_data`` returns."""
+
+
+def _given(
+    found: Tolerances, arms: Mapping[str, FloatArray]
+) -> Iterator[tuple[str, str, float, float]]:
+    """The groups with tolerances above 0: name, unit, the least and the largest.
+
+    Args:
+        found: the tolerances.
+        arms: arm of each joint in m by the groups that are given as lengths.
+    """
+    for group, sizes in found.given.items():
+        length = group == "points" or group in arms
+        values = sizes * arms.get(group, 1.0)
+        if np.any(values > 0.0):
+            least = float(values[values > 0.0].min())
+            yield group, "mm" if length else "deg", least, float(values.max())
+
+
 def permitted_tolerances(
     found: Tolerances, arms: Mapping[str, FloatArray] | None = None
 ) -> tuple[Permitted, ...]:
@@ -213,96 +207,82 @@ def permitted_tolerances(
     """
     if len(found.of) > 1 or math.isnan(float(found.limit)):
         return ()
-    return tuple(
-        Permitted(group, (low, high), float(found.permitted(group)), unit)
-        for group, (low, high, unit) in _given(found, arms or {}).items()
-    )
-
-
-def in_figure_units(found: Tolerances, name: str, value: Any) -> Any:  # noqa: ANN401
-    """Return a result of one figure, with angles in degrees."""
-    return in_degrees(_one(value, name), found.unit(name))[0]
+    factors = ((each, float(found.permitted(each[0]))) for each in _given(found, arms or {}))
+    return tuple(Permitted(*each, factor, math.isinf(factor)) for each, factor in factors)
 
 
 def unit_of(found: Tolerances, name: str) -> str:
-    """Return the unit of a figure as it is shown: degrees for angles, nothing for a ratio."""
-    return in_degrees(np.zeros(0), found.unit(name))[1]
+    """Return the unit in which a figure is shown, a key of ``UNITS``."""
+    unit = found.unit(name)
+    return "deg" if unit == "rad" else ending_of("" if unit == "1" else unit)[1:]
 
 
-def figure_of(found: Tolerances, name: str, states: Sequence[str] = ()) -> ToleranceFigure:
-    """Return one figure of the tolerances of a single driveline.
+def figure_of(found: Tolerances, name: str, scene: Scene) -> ToleranceFigure:
+    """Return one figure of the tolerances of a scene."""
+    alone = [found.in_state(i) for i in range(found.n_states or 0)] or [found]
+    known = float(one(found.limit, name))
+    limit = None if math.isnan(known) else known
+    passing: Judged | None = None
+    if limit is not None:
+        passing = Judged(float(one(found.passing, name)), scene.tolerance_share, sense="least")
+        if scene.states:
+            each = found.passing_by_state[name].tolist()
+            passing = replace(passing, each=dict(zip(scene.states.names, each, strict=True)))
 
-    Args:
-        found: the tolerances.
-        name: of the figure.
-        states: names of the states, if there are any.
-    """
+    def worst_of(values: Literal["nominal", "worst", "guaranteed"], limit: float | None) -> Judged:
+        return over(scene, np.array([one(getattr(each, values), name) for each in alone]), limit)
 
-    def value(of: Any) -> float:  # noqa: ANN401
-        return float(in_figure_units(found, name, of))
-
-    limit = value(found.limit)
-    each = tuple(_in_state(found, name, i, state) for i, state in enumerate(states))
+    half, most, nearly = map(float, one(found.quantile((0.5, 0.95, 0.99)), name))
     return ToleranceFigure(
+        called(found, name),
         name,
-        f"{label(name)}{_of_ideal_joints(found, name)}",
         unit_of(found, name),
-        value(found.nominal),
-        tuple(map(float, np.atleast_1d(in_figure_units(found, name, found.quantile(SHARES))))),
-        value(found.worst),
-        str(_one(found.worst_kind, name)),
-        value(found.guaranteed) if name in MOTION_QUANTITIES else None,
-        None if math.isnan(limit) else limit,
-        _passing(found, name),
-        tuple(sorted(_shares(found, name), key=lambda share: -share.share)),
+        worst_of("nominal", None),
+        half,
+        most,
+        nearly,
+        worst_of("worst", limit if scene.tolerance_share is None else None),
+        one(found.worst_kind, name),
+        worst_of("guaranteed", None) if name in MOTION_QUANTITIES else None,
+        limit,
+        passing,
         found.measured and name not in MOTION_QUANTITIES,
-        states[int(_one(found.worst_state, name))] if states else "",
-        max(each, key=lambda state: state.nominal).name if each else "",
-        each,
     )
 
 
-def _of_ideal_joints(found: Tolerances, name: str) -> str:
-    """What to add to a figure of the motion, which leaves deviations of the joints out."""
-    return " of ideal joints" if found.as_built and name in MOTION_QUANTITIES else ""
+def called(found: Tolerances, name: str) -> str:
+    """Return what a figure is called; those of the motion leave deviations of the joints out."""
+    of_ideal = found.as_built and name in MOTION_QUANTITIES
+    return f"{label(name)}{' of ideal joints' if of_ideal else ''}"
 
 
-def _in_state(found: Tolerances, name: str, state: int, called: str) -> ToleranceState:
-    alone = found.in_state(state)
-
-    def value(of: Any) -> float:  # noqa: ANN401
-        return float(in_figure_units(alone, name, of))
-
-    return ToleranceState(
-        called,
-        value(alone.nominal),
-        value(alone.worst),
-        value(alone.guaranteed) if name in MOTION_QUANTITIES else None,
-        _passing(alone, name),
-    )
+def in_its_unit(found: Tolerances, name: str, value: Any) -> Any:  # noqa: ANN401
+    """Return a result of one figure in the unit in which it is shown."""
+    return UNITS[unit_of(found, name)].factor * np.asarray(one(value, name))
 
 
-def _passing(found: Tolerances, name: str) -> float | None:
-    """The share of the drivelines within the limit; ``None`` without one."""
-    return None if math.isnan(float(_one(found.limit, name))) else float(_one(found.passing, name))
+def with_symbol(found: Tolerances, name: str) -> str:
+    """Return what a figure is called with its unit, for an axis."""
+    unit = unit_of(found, name)
+    return called(found, name) + (f" [{ENDINGS[unit].symbol}]" if unit else "")
 
 
-def _one(value: Any, name: str) -> Any:  # noqa: ANN401
-    """The result of one figure."""
+def one(value: Any, name: str) -> Any:  # noqa: ANN401
+    """Return the result of one figure."""
     return value[name] if isinstance(value, Mapping) else value
 
 
-def _shares(found: Tolerances, name: str) -> Iterator[Share]:
+def shares_of(found: Tolerances, name: str) -> list[Share]:
+    """Return the shares of each joint, shaft or point in the scatter of a figure, largest first."""
     groups = found.shares if found.shares.keys().isdisjoint(found.of) else found.shares[name]
+    made = []
     for group, values in groups.items():
         if group in JOINT_GROUPS and name in MOTION_QUANTITIES:
             continue
-        first = 1 if group in ("twists", "phases") else 0
-        parts = values.sum(axis=-1) if group == "points" else values
-        for number, share in enumerate(parts.tolist(), first):
-            yield Share(group, _GROUPS[group], number, share)
-
-
-def find(answer: Answer) -> ToleranceFigures | None:
-    """Return the figures of an answer's scene."""
-    return tolerance_figures(answer.scene)
+        of = _GROUPS[group]
+        about = group.replace("_", " ") if group in JOINT_GROUPS else group[:-1]
+        about = "" if of == "point" else f"{about} of "
+        each = values.sum(axis=-1) if group == "points" else values
+        for number, share in enumerate(each.tolist(), 1 if group in ("twists", "phases") else 0):
+            made.append(Share(f"{about}{of} {number}", name, group, of, number, share))
+    return sorted(made, key=lambda share: -share.share)

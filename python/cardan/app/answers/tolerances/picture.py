@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.answers.tolerances.figures import figure_of, in_figure_units
+from cardan.app.answers.tolerances.figures import (
+    in_its_unit,
+    shares_of,
+    unit_of,
+    with_symbol,
+)
 from cardan.app.pictures.style import (
     LINES,
     MM,
@@ -55,8 +60,8 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         ValueError: a batch, a figure that was not asked for.
     """
     name = _checked(found, of)
-    values = np.asarray(in_figure_units(found, name, found.ascending), dtype=float)
-    figure = figure_of(found, name)
+    values = in_its_unit(found, name, found.ascending)
+    limit, worst = in_its_unit(found, name, found.limit), in_its_unit(found, name, found.worst)
     with drawing(ax, height_mm=55.0) as axes:
         counts, edges = np.histogram(values, _BINS)
         shares = 100.0 * counts / len(values)
@@ -83,12 +88,13 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         upto.set_ylabel("drivelines up to this value [%]")
         upto.grid(visible=True, axis="y")
         upto.set_zorder(2.0)
-        mark = "°" if figure.unit == "deg" else ""
-        if figure.limit is not None:
-            upto.axvline(figure.limit, label=f"limit {figure.limit:.4g}{mark}", **_LIMIT)
-        upto.axvline(figure.worst, label=f"worst {figure.worst:.4g}{mark}", **_WORST)
+        mark = "°" if unit_of(found, name) == "deg" else ""
+        if not np.isnan(limit):
+            upto.axvline(limit, label=f"limit {limit:.4g}{mark}", **_LIMIT)
+        upto.axvline(worst, label=f"worst {worst:.4g}{mark}", **_WORST)
         of = f", largest of {found.n_states} states" if found.n_states else ""
-        axes.set_xlabel(f"{figure.label}{of}{figure.unit and f' [{figure.unit}]'}")
+        name, bracket, unit = with_symbol(found, name).partition(" [")
+        axes.set_xlabel(f"{name}{of}{bracket}{unit}")
         value_ticks(axes.xaxis)
         value_ticks(axes.yaxis)
         legend_above(upto)
@@ -110,7 +116,7 @@ def plot_tolerance_shares(
         ValueError: a batch, a figure that was not asked for.
     """
     name = _checked(found, of)
-    shares = figure_of(found, name).shares
+    shares = shares_of(found, name)
     rest = math.fsum(share.share for share in shares[_MOST_BARS:])
     bars = [(share.label, share.share) for share in shares[:_MOST_BARS]]
     if rest > 0.0:
@@ -149,7 +155,7 @@ def write_tolerances(found: Tolerances, path: str | PathLike[str]) -> None:
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix, a batch.
     """
-    bars = min(len(figure_of(found, _checked(found, None)).shares), _MOST_BARS + 1)
+    bars = min(len(shares_of(found, _checked(found, None))), _MOST_BARS + 1)
     heights = (55.0, 12.0 + 5.0 * bars)
     with matplotlib().rc_context(STYLE):
         from matplotlib import pyplot
