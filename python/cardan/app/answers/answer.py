@@ -38,7 +38,10 @@ class JudgedFigure(NamedTuple):
     @property
     def name(self) -> str:
         """What it is: ``"shear stress of the tube of shaft 1"``."""
-        return " of ".join(filter(None, (self.entry.row.label, self.part.noun, self.entry.item)))
+        label, item = self.entry.row.label, self.entry.item
+        if item and not item[-1].isdigit():
+            return f"{item}, {label}"
+        return " of ".join(filter(None, (label, self.part.noun, item)))
 
 
 class Answer:

@@ -17,8 +17,9 @@ from cardan.arrays.errors import ArgumentValueError
 @scene_argument
 @click.argument("key", required=False)
 def command(scene: Path, key: str | None) -> None:
-    """Explain a figure of the answer to a scene: what it is, its formula and source, its inputs
-    and its limit. Keys are those of check with --json, as spline.travel or tubes.1.stress.
+    """Explain a figure of a scene: its meaning, formula, source, inputs and limit.
+
+    Keys are those of "cardan check SCENE --json", such as spline.travel or tubes.1.stress.
 
     Without KEY, describe how the scene and its study are evaluated: the steps, what is skipped and
     why, and the memory that each sample needs.
