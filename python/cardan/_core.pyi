@@ -35,6 +35,7 @@ __all__ = [
     "optimal_phases",
     "outputs",
     "pin_means",
+    "ranks",
     "spline_forces",
     "steering",
     "tubes",
@@ -79,6 +80,9 @@ def spline_forces(
     lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
 ) -> tuple[_Flat, str | None]: ...
 def tubes(dimensions: list[_Flat]) -> _Flat: ...
+def ranks(
+    values: _Flat, limits: _Flat, maxima: _Flat, most: bool, size: float
+) -> NDArray[np.int64]: ...
 def check_bearings(
     joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
 ) -> None: ...

@@ -33,8 +33,6 @@ mod sink;
 mod stores_as;
 mod supports;
 mod sweep_tables;
-#[cfg(test)]
-mod taken;
 pub mod threads;
 mod torsion_parts;
 mod turned;
