@@ -36,6 +36,7 @@ class Steering:
             [-pi/2, pi/2], so that the ratio is largest straight ahead; positive is clockwise,
             looking from the column towards the output.
         turn_to_slow: the same for the least ratio.
+        difference: largest difference of the ratio after equal turns to the left and to the right.
     """
 
     ratio: FloatArray
@@ -44,6 +45,7 @@ class Steering:
     quick: NDArray[np.bool_]
     turn_to_quick: FloatArray
     turn_to_slow: FloatArray
+    difference: FloatArray
 
 
 def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False) -> Steering:
@@ -66,6 +68,6 @@ def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False)
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
     shape, numbers, (angles,) = broadcast(line, centre=angle)
     flat = _core.steering(line._lines, numbers, angles, threads.at_most(None))
-    ratio, slope, offset, quick, turn_to_quick, turn_to_slow = flat.reshape(6, *shape)
+    ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference = flat.reshape(7, *shape)
     quickly = np.asarray(quick != 0.0)[()]
-    return Steering(ratio, slope, offset, quickly, turn_to_quick, turn_to_slow)
+    return Steering(ratio, slope, offset, quickly, turn_to_quick, turn_to_slow, difference)

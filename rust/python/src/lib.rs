@@ -37,7 +37,7 @@ mod _core {
         mean_leads,
     };
     #[pymodule_export]
-    use super::judge::ranks;
+    use super::judge::{NativeMachine, kinds, ranks};
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]

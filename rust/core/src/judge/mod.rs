@@ -1,6 +1,18 @@
 //! What is within its limits: ranks, the figures of a machine in all of its states, and the single
 //! changes that bring everything within.
 
+pub mod figures;
+pub mod machine;
+pub mod suggest;
+mod turned;
+
+use crate::error::{Error, Result};
+use crate::plan::output::Per;
+
+pub use figures::{Figure, Variable};
+pub use machine::{CaseLoads, Cases, LimitOf, Machine, Parts, SlidingShaft};
+pub use suggest::{Change, Search};
+
 /// What counts as rounding, of a limit or of the size of what is judged.
 ///
 /// A bend that is entered as 3° comes back with a rounding error, and limits have two digits.
@@ -89,6 +101,143 @@ impl Limit {
     }
 }
 
+/// Where a figure has values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// In each state.
+    States,
+    /// In each state, and in each step of the duty cycle.
+    Cases,
+    /// One over all states or steps.
+    Once,
+}
+
+/// What computes a figure, from the least effort to the most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    /// Closed forms.
+    Closed,
+    /// The fatigue of the pins over a turn.
+    Fatigue,
+    /// Their friction.
+    Friction,
+    /// The largest torque over a turn.
+    Torque,
+    /// The motion on both flanks of the play.
+    Play,
+    /// The largest forces over a turn.
+    Forces,
+}
+
+impl Stage {
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Closed, Self::Fatigue, Self::Friction, Self::Torque, Self::Play, Self::Forces];
+}
+
+/// The properties of a kind of figure.
+#[derive(Clone, Copy, Debug)]
+pub struct KindRow {
+    /// The name in requests.
+    pub name: &'static str,
+    /// Its unit, `"1"` for a ratio.
+    pub unit: &'static str,
+    /// Whether it is of each shaft, joint or bearing, or of the whole driveline.
+    pub per: Option<Per>,
+    /// Whether its limit is the most or the least.
+    pub side: Side,
+    /// Where it has values.
+    pub scope: Scope,
+    pub(crate) stage: Stage,
+}
+
+/// The table of kinds: each row has a meaning, a variant, a name, a unit, the part described, the
+/// side of its limit, where it has values, and what computes it.
+macro_rules! kinds {
+    ($($(#[$meaning:meta])* $kind:ident: $name:literal, $unit:literal, $per:expr, $side:ident,
+        $scope:ident, $stage:ident;)*) => {
+        /// What a figure is.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Kind {$($(#[$meaning])* $kind,)*}
+
+        impl Kind {
+            /// All kinds.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$kind),*];
+
+            /// The properties of the kind.
+            pub const fn row(self) -> KindRow {
+                match self {
+                    $(Self::$kind => KindRow {
+                        name: $name,
+                        unit: $unit,
+                        per: $per,
+                        side: Side::$side,
+                        scope: Scope::$scope,
+                        stage: Stage::$stage,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+const JOINT: Option<Per> = Some(Per::Joint);
+const SHAFT: Option<Per> = Some(Per::Shaft);
+
+kinds! {
+    /// Bend of the joint that moves the last shaft as the driveline does.
+    EquivalentBend: "equivalent_bend", "rad", None, Most, States, Closed;
+    /// Difference of the bends of a driveline of two joints.
+    BendDifference: "bend_difference", "rad", None, Most, States, Closed;
+    /// Largest acceleration of the last shaft.
+    TorsionalExcitation: "torsional_excitation", "rad/s²", None, Most, States, Closed;
+    /// Second order of the accelerations of all intermediate shafts together.
+    InertiaDriving: "inertia_excitation_driving", "rad/s²", None, Most, States, Closed;
+    /// The same where the output drives.
+    InertiaCoasting: "inertia_excitation_coasting", "rad/s²", None, Most, States, Closed;
+    /// Bend of a joint.
+    Bend: "bend", "rad", JOINT, Most, Cases, Closed;
+    /// Speed of the drive times the bend of a joint.
+    SpeedBend: "speed_bend", "rad²/s", JOINT, Most, Cases, Closed;
+    /// Life that 90 % of the joints reach over the duty cycle.
+    Life: "life", "h", JOINT, Least, Once, Fatigue;
+    /// Heat of a joint, the mean over a turn.
+    Heat: "heat", "W", JOINT, Most, Cases, Friction;
+    /// Critical bending speed of a tube over its speed.
+    CriticalMargin: "critical_margin", "1", SHAFT, Least, Cases, Closed;
+    /// Shear stress of a tube under the largest torque over a turn.
+    ShearStress: "shear_stress", "Pa", SHAFT, Most, Cases, Torque;
+    /// Longest less shortest length of the shaft with the spline over the states.
+    SplineTravel: "spline_travel", "m", SHAFT, Most, Once, Closed;
+    /// Engaged length of the spline.
+    SplineEngaged: "spline_engaged", "m", SHAFT, Least, States, Closed;
+    /// What is left until the spline bottoms.
+    SplinePushIn: "spline_push_in", "m", SHAFT, Least, States, Closed;
+    /// Axial force of the spline under the largest torque over a turn.
+    SplineForce: "spline_force", "N", SHAFT, Most, Cases, Torque;
+    /// Distance of straight ahead from the nearest angle about which a steering column is
+    /// symmetric.
+    SteeringOffset: "steering_offset", "rad", None, Most, States, Closed;
+    /// Largest difference of the ratio after equal turns to the left and to the right.
+    SteeringRatio: "steering_ratio", "1", None, Most, States, Closed;
+    /// Largest angle by which the last shaft is loose while the drive is held.
+    Lash: "lash", "rad", None, Most, States, Play;
+    /// Largest force of a joint over a turn.
+    JointForce: "joint_force", "N", JOINT, Most, States, Forces;
+    /// Largest force of a bearing over a turn.
+    BearingForce: "bearing_force", "N", Some(Per::Bearing), Most, States, Forces;
+}
+
+impl Kind {
+    /// The kind with this name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        let found = Self::ALL.into_iter().find(|kind| kind.row().name == name);
+        found.ok_or_else(|| Error::new("limits", &[], format!("is of {name:?}, which is unknown")))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +274,14 @@ mod tests {
         assert_eq!(Limit::NONE.rank(1.0), Rank::NotJudged);
         assert_eq!(rank(f64::NAN, [3.0; 2], Side::Most, 0.0), Rank::NotJudged);
         assert_eq!(Limit::NONE.excess(1.0), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn every_kind_has_a_name() {
+        for kind in Kind::ALL {
+            assert_eq!(Kind::named(kind.row().name), Ok(kind));
+        }
+        let error = Kind::named("noise").unwrap_err();
+        assert_eq!(error.to_string(), "limits is of \"noise\", which is unknown");
     }
 }
