@@ -81,6 +81,9 @@ def by_name(machine: Machine) -> dict[tuple[str, int | None], MachineFigure]:
     return {(figure.kind.name, figure.item): figure for figure in machine.figures()}
 
 
+DRAWN = Driveline.from_points(points(-0.18))
+
+
 # --- ranks ---------------------------------------------------------------------------------------
 
 
@@ -167,7 +170,7 @@ def test_every_figure_is_that_of_the_library() -> None:
         near(found.pop(("shear_stress", shaft)), tube.shear_stress(torques[shaft]))
         margins = [tube.critical_speed / load.speed for _, load in every]
         near(found.pop(("critical_margin", shaft)), margins)
-    drawn = Driveline.from_points(points(-0.18)).lengths().each[2]
+    drawn = DRAWN.lengths().each[2]
     near(found.pop(("spline_travel", 2)), [lengths.travel[2]])
     near(found.pop(("spline_engaged", 2)), lengths.engagement(2, 0.09, drawn))
     near(found.pop(("spline_push_in", 2)), 0.03 + (lengths.each[:, 2] - drawn))
@@ -232,7 +235,8 @@ def test_each_limit_is_met_to_the_last_digit_and_missed_beyond() -> None:
     }
     assert {name for name, _ in bare} == set(KINDS) - {"bend_difference"}
     for (name, item), figure in bare.items():
-        assert figure.verdict == "not judged"
+        # A spline that has come apart or bottoms is beyond, whatever the limit.
+        assert figure.verdict == ("within" if figure.limit == 0.0 else "not judged")
         value, outwards = worst_value(figure), 1.0 if figure.kind.most else -1.0
         extreme = np.max(figure.values) if figure.kind.most else np.min(figure.values)
         assert value == extreme
@@ -262,7 +266,7 @@ def test_every_state_has_its_rank_and_the_worst_its_place() -> None:
     assert [found["life", joint].verdict for joint in range(3)] == ["within", "beyond", "within"]
     assert truck().verdict() == "beyond"
     assert truck({"bend": 1.0}).verdict() == "within"
-    assert truck({}).verdict() == "not judged"
+    assert Machine(truck().states).verdict() == "not judged"
 
 
 def test_what_is_not_known_is_not_judged() -> None:
@@ -296,13 +300,27 @@ def test_forces_that_are_not_determinate_are_not_judged() -> None:
 
 
 def test_a_spline_that_has_come_apart_or_bottoms_is_beyond() -> None:
-    pulled = truck({"spline_engaged": 0.0}, engaged=0.001)
-    assert pulled.verdict() == "beyond"
-    exact = truck(
-        {"spline_engaged": 0.0},
-        engaged=0.09 - float(np.min(by_name(truck())["spline_engaged", 2].values)),
+    engaged, push_in = (
+        np.min(by_name(truck())[name, 2].values) for name in ("spline_engaged", "spline_push_in")
     )
-    assert exact.verdict() == "within"
+    assert truck({}).verdict() == "within"
+    assert truck({}, engaged=0.09 - engaged).verdict() == "within"
+    assert truck({}, engaged=0.09 - engaged - 1e-6).verdict() == "beyond"
+    for room, verdict in ((0.0, "within"), (1e-6, "beyond")):
+        lines = truck().states
+        spline = Machine(lines).with_spline(2, drawn=DRAWN, push_in=0.03 - push_in - room)
+        assert spline.verdict() == verdict
+
+
+def test_a_limit_of_what_a_machine_lacks_is_not_judged() -> None:
+    lines = Driveline.from_bends([[0.1, 0.2, 0.1]])
+    limits = {"life": 1.0, "lash": 1.0, "shear_stress": {1: 1.0}, "bend_difference": 0.01}
+    found = by_name(Machine(lines, limits=limits))
+    for key in (("life", None), ("lash", None), ("shear_stress", 1), ("bend_difference", None)):
+        assert found[key].verdict == "not judged"
+        assert found[key].limit in (1.0, 0.01)
+        assert found[key].worst is None
+    assert Machine(lines, limits=limits).suggest() == ()
 
 
 # --- arguments -----------------------------------------------------------------------------------

@@ -186,11 +186,10 @@ fn cases((lines, speeds, load): CaseArrays<'_>) -> PyResult<Cases> {
 
 fn fields(py: Python<'_>, figure: Figure) -> FigureFields<'_> {
     let Figure { kind, item, values, limit, ranks, worst } = figure;
-    let row = kind.row();
     let ranks: Vec<i64> = ranks.into_iter().map(|rank| rank as i64).collect();
     (
-        row.name,
-        row.per.map(|_| item),
+        kind.row().name,
+        item,
         values.into_pyarray(py),
         ranks.into_pyarray(py),
         [limit.limit, limit.maximum],

@@ -5,9 +5,9 @@ use crate::design::{Excitations, Steering};
 use crate::error::Result;
 use crate::input::Drivelines;
 use crate::input::batch::check_bearings;
-use crate::judge::machine::{Arrays, Figured, Machine};
+use crate::judge::machine::{Arrays, Figured, LimitOf, Machine};
 use crate::judge::turned::{Group, joined};
-use crate::judge::{Kind, Limit, Rank, Side, Stage};
+use crate::judge::{Kind, Limit, Look, Rank, Side, Stage};
 use crate::mechanics::geometry::{Geometry, Vector};
 use crate::run::execution::Execution;
 
@@ -16,8 +16,8 @@ use crate::run::execution::Execution;
 pub struct Figure {
     /// What it is.
     pub kind: Kind,
-    /// Of which shaft, joint or bearing; 0 if it is of none.
-    pub item: usize,
+    /// Of which shaft, joint or bearing, if it is of one.
+    pub item: Option<usize>,
     /// Its value in every state and then, where the kind has them, in every step of the duty cycle.
     pub values: Vec<f64>,
     /// What it should keep.
@@ -63,16 +63,31 @@ pub(crate) struct Variant {
 }
 
 impl Machine {
-    /// All figures of the machine with their ranks.
+    /// All figures of the machine with their ranks. A limit of what it does not have gives a figure
+    /// without numbers.
     ///
     /// # Errors
     /// A plan that cannot be made.
     pub fn figures(&self, execution: Execution<'_>) -> Result<Vec<Figure>> {
         let mut variant = [self.unchanged()];
         for stage in Stage::ALL {
-            self.compute(stage, &mut variant.iter_mut().collect::<Vec<_>>(), execution)?;
+            let every = &mut variant.iter_mut().collect::<Vec<_>>();
+            self.compute((stage, Look::Full), every, execution)?;
         }
-        Ok(self.figures_of(&variant[0].values))
+        let mut figures = self.figures_of(&variant[0].values);
+        figures.extend(self.absent.iter().map(|&LimitOf { kind, item, limit, maximum }| {
+            let count = self.places(kind);
+            Figure {
+                kind,
+                item,
+                values: vec![f64::NAN; count],
+                limit: Limit { limit, maximum, side: kind.row().side, size: 0.0 },
+                ranks: vec![Rank::NotJudged; count],
+                worst: None,
+            }
+        }));
+        figures.sort_by_key(|figure| figure.kind);
+        Ok(figures)
     }
 
     /// The figures with these values.
@@ -90,6 +105,7 @@ impl Machine {
                 .filter(|&i| !values[i].is_nan())
                 .rev()
                 .max_by(|i, j| past(i).total_cmp(&past(j)));
+            let item = kind.row().per.map(|_| item);
             Figure { kind, item, values, limit, ranks, worst }
         };
         self.figured.iter().map(of).collect()
@@ -107,10 +123,10 @@ impl Machine {
         }
     }
 
-    /// Computes the figures of a stage for some variants.
+    /// Computes the figures of a stage for some variants, by a brief or a full look at the turn.
     pub(crate) fn compute(
         &self,
-        stage: Stage,
+        (stage, look): (Stage, Look),
         variants: &mut [&mut Variant],
         execution: Execution<'_>,
     ) -> Result<()> {
@@ -127,7 +143,7 @@ impl Machine {
             let arrays = joined(variants, group);
             let lines = Drivelines::from_arrays(arrays.each_ref().map(Vec::as_slice));
             let shape = [variants.len(), cases.count];
-            Group { machine: self, number: group, cases, lines, shape }
+            Group { machine: self, number: group, cases, lines, shape, look }
                 .compute(stage, variants, execution)?;
         }
         Ok(())

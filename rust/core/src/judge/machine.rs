@@ -3,7 +3,7 @@
 use crate::design::tube::Round;
 use crate::error::{Error, Result, Rule};
 use crate::input::batch::{Batch, check_length, check_shaft};
-use crate::input::{Drivelines, Load, Source};
+use crate::input::{Angles, Drivelines, Load, Samples, Source};
 use crate::judge::{Kind, Limit, Scope, Side};
 use crate::mechanics::geometry::Vector;
 use crate::plan::output::Per;
@@ -35,7 +35,8 @@ pub struct CaseLoads {
 pub struct Cases {
     pub(crate) lines: Arrays,
     pub(crate) count: usize,
-    strides: [usize; 2],
+    /// Of rows of several variants and their samples, in drivelines.
+    strides: [usize; 3],
     speeds: Vec<f64>,
     pub(crate) load: Option<CaseLoads>,
 }
@@ -69,7 +70,7 @@ impl Cases {
             }
         }
         let lines = lines.arrays().map(<[f64]>::to_vec);
-        Ok(Self { lines, count, strides: [count, 1], speeds: speeds.to_vec(), load })
+        Ok(Self { lines, count, strides: [count, 1, 0], speeds: speeds.to_vec(), load })
     }
 
     /// The magnitude of the speed in a case; NaN where it is not known.
@@ -85,18 +86,29 @@ impl Cases {
 
     /// The cases of several variants of a machine as rows, one variant after another.
     pub(crate) fn rows<'a>(&'a self, lines: Drivelines<'a>, shape: &'a [usize; 2]) -> Rows<'a> {
-        let in_all_variants = |data: &'a Vec<f64>| Source { data, strides: &[0, 1] };
-        let load = self.load.as_ref().map(|load| Load {
-            torque: in_all_variants(&load.torque),
-            speed: in_all_variants(&self.speeds),
-            acceleration: in_all_variants(&load.acceleration),
-            inertias: load
-                .inertias
-                .iter()
-                .map(|(shaft, each)| (*shaft, in_all_variants(each)))
-                .collect(),
-        });
-        Rows { shape, lines, line_strides: &self.strides, load }
+        Rows { shape, lines, line_strides: &self.strides[..2], load: self.loads(&[0, 1]) }
+    }
+
+    /// The same with samples at these drive angles along each row.
+    pub(crate) fn samples<'a>(
+        &'a self,
+        lines: Drivelines<'a>,
+        shape: &'a [usize; 3],
+        angles: &'a [f64],
+    ) -> Samples<'a> {
+        let angle = Angles::Array(Source { data: angles, strides: &[0, 0, 1] });
+        let load = self.loads(&[0, 1, 0]);
+        Samples { shape, lines, line_strides: &self.strides, angle, load }
+    }
+
+    fn loads<'a>(&'a self, strides: &'a [usize]) -> Option<Load<'a>> {
+        let of = |data: &'a Vec<f64>| Source { data, strides };
+        self.load.as_ref().map(|load| Load {
+            torque: of(&load.torque),
+            speed: of(&self.speeds),
+            acceleration: of(&load.acceleration),
+            inertias: load.inertias.iter().map(|(shaft, each)| (*shaft, of(each))).collect(),
+        })
     }
 }
 
@@ -174,6 +186,8 @@ pub struct Machine {
     pub(crate) cases: Vec<Cases>,
     pub(crate) parts: Parts,
     pub(crate) figured: Vec<Figured>,
+    /// The limits of what the machine does not have.
+    pub(crate) absent: Vec<LimitOf>,
 }
 
 impl Machine {
@@ -195,8 +209,14 @@ impl Machine {
             check_length("steps", each.lines[0].len(), each.count, joints)?;
         }
         check_parts(joints, &cases, &parts)?;
-        let mut machine =
-            Self { joints, bearings: bearings.to_vec(), cases, parts, figured: vec![] };
+        let mut machine = Self {
+            joints,
+            bearings: bearings.to_vec(),
+            cases,
+            parts,
+            figured: vec![],
+            absent: vec![],
+        };
         machine.figured = machine.arranged();
         for (place, limit) in limits.iter().enumerate() {
             machine.put(place, limit)?;
@@ -230,24 +250,30 @@ impl Machine {
 
     /// The figures that the machine has, without limits.
     fn arranged(&self) -> Vec<Figured> {
-        let of_states = self.cases[0].count;
-        let of_all = self.cases.iter().map(|cases| cases.count).sum();
         let (mut figured, mut first) = (vec![], 0);
         for kind in Kind::ALL {
             let row = kind.row();
-            let count = match row.scope {
-                Scope::States => of_states,
-                Scope::Cases => of_all,
-                Scope::Once => 1,
-            };
+            let count = self.places(kind);
             for item in self.items(kind) {
                 let size = self.size(kind);
-                let limit = Limit { side: row.side, size, ..Limit::NONE };
+                // What has come apart or bottoms is beyond, whatever the limit.
+                let ends = matches!(kind, Kind::SplineEngaged | Kind::SplinePushIn);
+                let limit = if ends { 0.0 } else { f64::NAN };
+                let limit = Limit { limit, maximum: limit, side: row.side, size };
                 figured.push(Figured { kind, item, limit, first, count });
                 first += count;
             }
         }
         figured
+    }
+
+    /// In how many places a figure of a kind has values.
+    pub(crate) fn places(&self, kind: Kind) -> usize {
+        match kind.row().scope {
+            Scope::States => self.cases[0].count,
+            Scope::Cases => self.cases.iter().map(|cases| cases.count).sum(),
+            Scope::Once => 1,
+        }
     }
 
     /// The shafts, joints or bearings of which a kind of figure is known; 0 if it is of none of
@@ -319,10 +345,15 @@ impl Machine {
             let problem = format!("is of {} {item}; there are {count}", row.name);
             return Err(Error::new("limits", &[place], problem));
         }
-        for figured in &mut self.figured {
-            if figured.kind == kind && item.is_none_or(|item| item == figured.item) {
-                (figured.limit.limit, figured.limit.maximum) = (limit, maximum);
-            }
+        let concerns =
+            |one: &&mut Figured| one.kind == kind && item.is_none_or(|item| item == one.item);
+        let mut found = self.figured.iter_mut().filter(concerns).peekable();
+        if found.peek().is_none() {
+            self.absent.push(*given);
+            return Ok(());
+        }
+        for figured in found {
+            (figured.limit.limit, figured.limit.maximum) = (limit, maximum);
         }
         Ok(())
     }

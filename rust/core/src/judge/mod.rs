@@ -129,6 +129,15 @@ pub(crate) enum Stage {
     Forces,
 }
 
+/// How many places of the turn are looked at for what is largest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// A few: what is found is at most the largest.
+    Brief,
+    /// As many as the largest needs.
+    Full,
+}
+
 impl Stage {
     pub(crate) const ALL: [Self; 6] =
         [Self::Closed, Self::Fatigue, Self::Friction, Self::Torque, Self::Play, Self::Forces];

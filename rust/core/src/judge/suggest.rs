@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::error::Result;
 use crate::judge::figures::{Variable, Variant};
 use crate::judge::machine::Machine;
-use crate::judge::{Figure, Rank, Stage};
+use crate::judge::{Figure, Look, Rank, Stage};
 use crate::run::execution::Execution;
 
 /// Steps to either side.
@@ -20,6 +20,19 @@ const STEPS: usize = 24;
 /// Halvings of a step about the best one, and of the interval in which the boundary is.
 const HALVINGS: usize = 10;
 const BISECTIONS: usize = 24;
+
+/// What is computed of a change, as long as nothing decides against it.
+const LOOKS: [(Stage, Look); 9] = [
+    (Stage::Closed, Look::Full),
+    (Stage::Torque, Look::Brief),
+    (Stage::Forces, Look::Brief),
+    (Stage::Friction, Look::Full),
+    (Stage::Fatigue, Look::Full),
+    (Stage::Play, Look::Brief),
+    (Stage::Torque, Look::Full),
+    (Stage::Play, Look::Full),
+    (Stage::Forces, Look::Full),
+];
 
 /// What is tried.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +101,7 @@ impl Machine {
         let machine = self.limited();
         let mut present = machine.unchanged();
         for stage in Stage::ALL {
-            machine.compute(stage, &mut [&mut present], execution)?;
+            machine.compute((stage, Look::Full), &mut [&mut present], execution)?;
         }
         let excess = machine.excess(&present, &present, &Stage::ALL);
         if excess <= 0.0 {
@@ -221,7 +234,7 @@ impl Trials<'_> {
                     let (centre, by) = (*centres.next()?, half * way.steps[0]);
                     let tried = way.is_continuous && way.bracket.is_none();
                     let change = centre + side * by;
-                    (tried && change < way.steps[way.steps.len() - 1])
+                    (tried && change > 0.0 && change < way.steps[way.steps.len() - 1])
                         .then_some([if side < 0.0 { centre - 2.0 * by } else { centre }, change])
                 })?;
             }
@@ -280,7 +293,7 @@ impl Trials<'_> {
                 *found = self.machine.excess(variant, &self.present, &untouched);
             }
         }
-        for stage in Stage::ALL {
+        for (stage, look) in LOOKS {
             let (mut alive, mut places) = (vec![], vec![]);
             for (place, variant) in variants.iter_mut().enumerate() {
                 let touched = |one: &&mut Variant| one.touched.contains(&stage);
@@ -291,7 +304,7 @@ impl Trials<'_> {
                     places.push(place);
                 }
             }
-            self.machine.compute(stage, &mut alive, self.execution)?;
+            self.machine.compute((stage, look), &mut alive, self.execution)?;
             for (variant, place) in alive.into_iter().zip(places) {
                 let excess = self.machine.excess(variant, &self.present, &[stage]);
                 found[place] = found[place].max(excess);
@@ -306,7 +319,7 @@ impl Trials<'_> {
         let made = machine.changed(&self.present, way.variable, way.sign * by);
         let mut variant = made.unwrap_or_else(|| self.present.clone());
         for &stage in variant.touched {
-            machine.compute(stage, &mut [&mut variant], self.execution)?;
+            machine.compute((stage, Look::Full), &mut [&mut variant], self.execution)?;
         }
         let figures = machine.figures_of(&variant.values);
         let verdict = figures.iter().flat_map(|one| &one.ranks).max().copied().unwrap_or_default();

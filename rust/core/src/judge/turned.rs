@@ -7,10 +7,11 @@ use crate::error::Result;
 use crate::input::Drivelines;
 use crate::judge::figures::Variant;
 use crate::judge::machine::{Arrays, Cases, Machine};
-use crate::judge::{Kind, Stage};
+use crate::judge::{Kind, Look, Stage};
 use crate::mechanics::chain::Equivalent;
 use crate::mechanics::general::General;
 use crate::plan::output::Output;
+use crate::plan::reduction::Reduction;
 use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::Plan;
 use crate::run::execution::Execution;
@@ -22,6 +23,14 @@ use crate::wear::pins::{Wear, heat, pin_means};
 
 /// Steps of half a turn in which the largest lash is looked for.
 const STEPS: usize = 360;
+
+/// Steps of half a turn for a brief look.
+const FEW: usize = 24;
+
+/// Drive angles in equal steps of half a turn.
+fn half_turn(steps: usize) -> Vec<f64> {
+    (0..steps).map(|i| i as f64 * (PI / steps as f64)).collect()
+}
 
 /// The arrays of one group of several variants, one after another.
 pub(crate) fn joined(variants: &[&mut Variant], group: usize) -> Arrays {
@@ -41,6 +50,7 @@ pub(crate) struct Group<'a> {
     pub(crate) lines: Drivelines<'a>,
     /// The numbers of variants and of cases.
     pub(crate) shape: [usize; 2],
+    pub(crate) look: Look,
 }
 
 impl Group<'_> {
@@ -202,9 +212,25 @@ impl Group<'_> {
             as_built: false,
             axes: Axes::Space,
         })?;
+        if self.look == Look::Brief {
+            return self.sampled(&plan, execution);
+        }
         let rows = self.cases.rows(self.lines, &self.shape);
         let peaks = Turns::new(&plan, &rows).peaks(Sought::Largest, execution)?;
         Ok(peaks.into_iter().map(|peak| peak.value).collect())
+    }
+
+    /// The largest magnitudes at a few angles, which are at most the largest.
+    fn sampled(&self, plan: &Plan, execution: Execution<'_>) -> Result<Vec<f64>> {
+        let rows = self.shape[0] * self.shape[1];
+        let (angles, shape) = (half_turn(FEW), [self.shape[0], self.shape[1], FEW]);
+        let samples = self.cases.samples(self.lines, &shape, &angles);
+        let results = Reduction::Peak.results(plan);
+        let mut found = vec![0.0; results * rows];
+        let mut planes: Vec<&mut [f64]> = found.chunks_mut(rows).collect();
+        let precision = plan.precision(None, false);
+        plan.reduce(&samples, None, precision, Reduction::Peak, &mut planes, execution)?;
+        Ok((0..found.len()).map(|i| found[i % results * rows + i / results]).collect())
     }
 
     fn inertias(&self) -> Vec<usize> {
@@ -237,9 +263,13 @@ impl Group<'_> {
         let apart: Vec<f64> =
             coasting.iter().zip(driven).map(|(after, before)| after - before).collect();
         let largest = |turn: &[f64]| turn.iter().fold(f64::NEG_INFINITY, |most, &x| most.max(x));
-        let found: Vec<f64> = apart.chunks_exact(STEPS).map(largest).collect();
+        let found: Vec<f64> = apart.chunks_exact(self.steps()).map(largest).collect();
         self.put(variants, Kind::Lash, (&found, 1), |lash, _, _| lash[0]);
         Ok(())
+    }
+
+    fn steps(&self) -> usize {
+        if self.look == Look::Brief { FEW } else { STEPS }
     }
 
     /// How far the last shaft is ahead of the drive on one flank of the play, over half a turn of
@@ -267,13 +297,12 @@ impl Group<'_> {
             as_built: true,
             axes: Axes::Space,
         })?;
-        let turn = (0..STEPS).map(|i| i as f64 * (PI / STEPS as f64)).collect::<Vec<_>>();
         let all: Vec<usize> = (0..rows).collect();
         let unloaded = Rows { load: None, ..self.cases.rows(lines, &self.shape) };
-        let angles = turn.repeat(rows);
+        let angles = half_turn(self.steps()).repeat(rows);
         let mut ahead =
             unloaded.gathered(&all, joints).run(&plan, plan.precision(None, false), &angles)?;
-        for (row, ahead) in ahead.chunks_exact_mut(STEPS).enumerate() {
+        for (row, ahead) in ahead.chunks_exact_mut(self.steps()).enumerate() {
             let (bends, twists, phases) = lines.chain(joints, row);
             let lead = General::as_built(bends, twists, phases, &own)?.mean_lead();
             for ahead in ahead {
