@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from cardan.design.judged import Finding as Finding
     from cardan.design.limits import Limit as Limit
     from cardan.design.limits import Limits as Limits
+    from cardan.design.machine import Machine as Machine
     from cardan.driveline import Driveline as Driveline
     from cardan.evaluation.derivatives import Derivatives as Derivatives
     from cardan.evaluation.derivatives import Gradient as Gradient
@@ -76,6 +77,7 @@ else:
         "design.check": "Check",
         "design.judged": "Finding",
         "design.limits": "Limit Limits",
+        "design.machine": "Machine",
         "driveline": "Driveline",
         "evaluation.derivatives": "Derivatives Gradient",
         "evaluation.harmonics": "Harmonics",

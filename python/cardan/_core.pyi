@@ -8,9 +8,14 @@ _Flat: TypeAlias = NDArray[np.float64]
 _Spread: TypeAlias = NDArray[np.float64]
 _Stepped: TypeAlias = tuple[_Flat, int, int]
 
+_Load: TypeAlias = tuple[str, Sequence[float], Sequence[float], list[tuple[int, Sequence[float]]]]
+_Cases: TypeAlias = tuple[Lines, Sequence[float], _Load | None]
+_Figure: TypeAlias = tuple[str, int | None, _Flat, NDArray[np.int64], list[float], int | None]
+
 __all__ = [
     "Integral",
     "Lines",
+    "Machine",
     "Plan",
     "Sweep",
     "Torsion",
@@ -29,12 +34,14 @@ __all__ = [
     "from_directions",
     "from_points",
     "hours",
+    "kinds",
     "least_drive_inertias",
     "levels",
     "mean_leads",
     "optimal_phases",
     "outputs",
     "pin_means",
+    "ranks",
     "spline_forces",
     "steering",
     "tubes",
@@ -79,6 +86,18 @@ def spline_forces(
     lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
 ) -> tuple[_Flat, str | None]: ...
 def tubes(dimensions: list[_Flat]) -> _Flat: ...
+def kinds() -> list[
+    tuple[
+        str,
+        str,
+        Literal["shaft", "joint", "bearing"] | None,
+        bool,
+        Literal["states", "cases", "once"],
+    ]
+]: ...
+def ranks(
+    values: _Flat, limits: _Flat, maxima: _Flat, most: bool, size: float
+) -> NDArray[np.int64]: ...
 def check_bearings(
     joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
 ) -> None: ...
@@ -133,6 +152,26 @@ class Lines:
     def __new__(
         cls, joints: int, shape: Sequence[int], arrays: list[_Flat], bearings: Sequence[int]
     ) -> Lines: ...
+
+@final
+class Machine:
+    def __new__(
+        cls,
+        states: _Cases,
+        steps: _Cases | None,
+        shares: Sequence[float],
+        ratings: Sequence[float],
+        friction: Sequence[Sequence[float]],
+        tubes: Sequence[tuple[int, Sequence[float]]],
+        spline: tuple[int, Sequence[float], Sequence[float]] | None,
+        centres: Sequence[float],
+        play: Sequence[float],
+        limits: Sequence[tuple[str, int | None, float, float]],
+    ) -> Machine: ...
+    def figures(self, workers: int | None) -> list[_Figure]: ...
+    def suggest(
+        self, reach: float, teeth: Sequence[int], ratings: Sequence[float], workers: int | None
+    ) -> list[tuple[str, int, int | None, list[float], float, int, _Figure | None]]: ...
 
 @final
 class Plan:

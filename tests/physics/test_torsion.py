@@ -421,3 +421,20 @@ def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
     assert np.max([abs(state[0] - a - zero) for a, state in zip(angles, states, strict=True)]) > 1.5
     assert states[-1] - [np.pi, 0.0] == pytest.approx(start, abs=1e-7 * drive)
     assert system.stability(drive).stable
+
+
+def test_a_flywheel_is_accelerated_by_the_torque_of_its_shaft() -> None:
+    line = cardan.Driveline.from_bends([20.0], degrees=True)
+    inertia, speed = 0.05, 150.0
+    system = cardan.TorsionalSystem(
+        line,
+        inertias=[[0.0, 0.0], [0.0, inertia]],
+        stiffnesses=[np.inf, 8000.0],
+        dampings=[0.0, 2.0],
+    )
+    found = system.steady(speed)
+    assert found.found
+    rates = 1j * found.orders * speed
+    wanted = np.max(np.abs(found.torque_orders[0]))
+    residual = inertia * rates * found.speed_orders[-1, 1] - found.torque_orders[0]
+    assert np.max(np.abs(residual)) < 1e-8 * wanted

@@ -23,7 +23,7 @@ from cardan.reference import design, evaluation, torsion
 from cardan.reference.forces import Forces
 from cardan.wear.axial_travel import SlideName
 
-CLASSES = ("Driveline", "Transmission", "Plan", "TorsionalSystem", "BallJoint")
+CLASSES = ("Driveline", "Machine", "Transmission", "Plan", "TorsionalSystem", "BallJoint")
 
 # The other public names of the package: they state, choose or carry results of those above.
 CARRIERS = (
@@ -101,6 +101,12 @@ TWINS = {
         "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
         "dampings line load_torque shape": SHAPE,
+    },
+    "Machine": {
+        "figures verdict": "design.ranked",
+        "suggest": "design.smallest_change",
+        "with_duty with_friction with_play with_ratings": SHAPE,
+        "with_spline with_steering with_tubes": SHAPE,
     },
     "BallJoint": {
         "allowable_load approach contact_angle friction_moment peak_pressure pressure pressure_at "
@@ -425,6 +431,7 @@ def test_steering_and_excitations(seed: int) -> None:
     ratio, slope, *turns = design.steering(shafts, centre)
     assert found.ratio == pytest.approx(ratio, rel=1e-13)
     assert found.slope == pytest.approx(slope, abs=1e-10)
+    assert found.difference == pytest.approx(design.left_and_right(shafts, centre), rel=1e-11)
     # Where a ratio is largest it is flat, which leaves half of the digits.
     for got, turn in zip((found.turn_to_quick, found.turn_to_slow), turns, strict=True):
         assert abs(math.remainder(float(got) - turn, math.pi)) < 1e-6

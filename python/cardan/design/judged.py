@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray
+from cardan import _core
+from cardan.arrays import FloatArray, as_float64
 from cardan.design.limits import Limit
 
 VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
@@ -19,11 +20,10 @@ VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
 LimitVerdict: TypeAlias = Literal["within", "beyond", "not judged"]
 """On a limit without a maximum; ``not judged`` where there is none."""
 
-ROUNDING = 1e-9
-"""What counts as rounding, of a limit or of the size of what is judged.
-
-A bend that is entered as 3 deg comes back with a rounding error, and limits have two digits.
-"""
+# The verdicts by the ranks of the core.
+_OF_RANK = np.array(
+    [VERDICTS.index(name) for name in ("not judged", "within", "tolerable", "beyond")]
+)
 
 # Less than this is what rounding leaves of joints that cancel each other.
 _NEGLIGIBLE = {"deg": 3e-6, "rad/s²": 3e-4}
@@ -31,17 +31,37 @@ _NEGLIGIBLE = {"deg": 3e-6, "rad/s²": 3e-4}
 _RPM = math.tau / 60.0
 
 
-def is_within(value: float, limit: float, *, most: bool = True, size: float = 0.0) -> bool:
-    """Return whether a value is on the right side of a limit, but for rounding.
+def ranked(
+    value: ArrayLike,
+    limit: ArrayLike,
+    maximum: ArrayLike | None = None,
+    *,
+    most: bool = True,
+    size: float = 0.0,
+) -> NDArray[np.int_]:
+    """Return how figures stand to their limits, but for rounding; the core has the rule.
 
     Args:
-        value: the value; NaN is on neither side.
-        limit: the limit.
-        most: whether it is the most that the value may be, or the least.
+        value: the figures.
+        limit: what they should keep; NaN where there is none.
+        maximum: what they must keep; the limit by default.
+        most: whether both are the most that a figure may be, or the least.
         size: of what is judged, for limits near 0.
+
+    Returns:
+        positions in ``VERDICTS``, in the shape to which the arrays broadcast.
     """
-    rounding = ROUNDING * max(abs(limit), size)
-    return value <= limit + rounding if most else value >= limit - rounding
+    given = (value, limit, limit if maximum is None else maximum)
+    spread = np.broadcast_arrays(*(as_float64("value", x) for x in given))
+    values, limits, maxima = (np.ravel(x) for x in spread)
+    found = _OF_RANK[_core.ranks(values, limits, maxima, most, size)]
+    found[np.isnan(values) & ~np.isnan(limits)] = VERDICTS.index("unknown")
+    return found.reshape(spread[0].shape)
+
+
+def is_within(value: float, limit: float, *, most: bool = True, size: float = 0.0) -> bool:
+    """Return whether a value keeps a limit; arguments as of ``ranked``. NaN does not."""
+    return bool(ranked(value, limit, most=most, size=size) == VERDICTS.index("within"))
 
 
 def worst_of(verdicts: Iterable[LimitVerdict]) -> LimitVerdict:
@@ -90,11 +110,7 @@ class Finding:
         value = np.asarray(self.value)
         if self.limit is None or self.needs_speed:
             return np.zeros(value.shape, dtype=int)
-        limit, maximum = (
-            bound * (1.0 + ROUNDING) for bound in (self.limit.limit, self.limit.maximum)
-        )
-        above = 1 + (value > limit) + 2 * (value > maximum)
-        return np.asarray(np.where(np.isnan(value), VERDICTS.index("unknown"), above))
+        return ranked(value, self.limit.limit, self.limit.maximum)
 
     @property
     def verdict(self) -> NDArray[np.str_]:

@@ -69,27 +69,6 @@ def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False)
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
     shape, numbers, (angles,) = broadcast(line, centre=angle)
     flat = _core.steering(line._lines, numbers, angles, threads.at_most(None))
-    ratio, slope, offset, quick, turn_to_quick, turn_to_slow = flat.reshape(6, *shape)
+    ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference = flat.reshape(7, *shape)
     quickly = np.asarray(quick != 0.0)[()]
-    difference = _difference(np.asarray(line.equivalent().k), offset, quickly)
     return Steering(ratio, slope, offset, quickly, turn_to_quick, turn_to_slow, difference)
-
-
-def _difference(k: FloatArray, offset: FloatArray, quick: NDArray[np.bool_]) -> FloatArray:
-    """The largest difference of the ratios at the angles ``x`` and ``-x`` from straight ahead.
-
-    With ``a`` twice the input angle straight ahead and ``y = 2 x`` it is ``4 k (1 - k**2) sin a sin
-    y / ((1 - k**2)**2 + 4 k**2 (cos(a)**2 + cos(y)**2) - 4 k (1 + k**2) cos a cos y)``. Its
-    derivative vanishes where ``4 k**2 c**3 - b c + 4 k (1 + k**2) cos a = 0`` with ``c = cos y``,
-    which has one root within [-1, 1], the middle one of three (derived here).
-    """
-    cosine = np.where(quick, 1.0, -1.0) * np.cos(2.0 * offset)
-    less, more = 1.0 - k * k, 1.0 + k * k
-    b = less**2 + 4.0 * (k * cosine) ** 2 + 8.0 * k * k
-    root = np.sqrt(b / 12.0)
-    third = np.arcsin(np.clip(more * cosine * k * k / (2.0 * root**3), -1.0, 1.0)) / 3.0
-    # Where the ratio is constant, any angle serves.
-    c = 2.0 * root * np.sin(third) / np.where(k > 0.0, k, 1.0)
-    sines = np.abs(np.sin(2.0 * offset)) * np.sqrt(np.maximum(1.0 - c * c, 0.0))
-    below = less**2 + 4.0 * k * k * (cosine**2 + c * c) - 4.0 * k * more * cosine * c
-    return np.asarray(4.0 * k * less * sines / below)[()]

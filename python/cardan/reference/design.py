@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -29,6 +30,62 @@ from cardan.reference.vectors import (
 )
 
 Array: TypeAlias = NDArray[np.floating[Any]]
+
+# --- limits ---------------------------------------------------------------------------------------
+
+
+def ranked(
+    value: float, limit: float, maximum: float, *, most: bool = True, size: float = 0.0
+) -> int:
+    """Return the rank of a figure by exact fractions.
+
+    It is 0 where nothing is judged, 1 within, 2 tolerable and 3 beyond.
+
+    Args:
+        value: the figure.
+        limit: up to which it is within.
+        maximum: up to which it is tolerable.
+        most: whether both are the most that it may be, or the least.
+        size: of what is judged; rounding is a billionth of this or of the limit.
+    """
+    if math.isnan(value) or math.isnan(limit):
+        return 0
+
+    def kept(bound: float) -> bool:
+        if math.isinf(value) or math.isinf(bound):
+            return value <= bound if most else value >= bound
+        past = (Fraction(value) - Fraction(bound)) * (1 if most else -1)
+        return past <= max(abs(Fraction(bound)), Fraction(size)) / 10**9
+
+    return 1 if kept(limit) else 2 if kept(maximum) else 3
+
+
+def smallest_change(
+    suffices: Callable[[float], bool], reach: float, steps: int = 400
+) -> float | None:
+    """Return the smallest change of one variable that suffices; ``None`` if none does.
+
+    Args:
+        suffices: whether a change does.
+        reach: how large it may be to either side.
+        steps: of the search to either side, between which nothing is found.
+    """
+    for i in range(1, steps + 1):
+        found = [
+            sign * reach * i / steps for sign in (1.0, -1.0) if suffices(sign * reach * i / steps)
+        ]
+        if found:
+            ends = [(change * (i - 1) / i, change) for change in found]
+            return min((_boundary(suffices, *pair) for pair in ends), key=abs)
+    return None
+
+
+def _boundary(suffices: Callable[[float], bool], short: float, enough: float) -> float:
+    for _ in range(50):
+        middle = 0.5 * (short + enough)
+        short, enough = (short, middle) if suffices(middle) else (middle, enough)
+    return enough
+
 
 # --- layouts -------------------------------------------------------------------------------------
 
@@ -122,6 +179,20 @@ def steering(shafts: Shafts, centre: float) -> tuple[float, float, float, float]
     quick, slow = largest(ratio)[0], largest(lambda angle: -ratio(angle))[0]
     to_quick, to_slow = (math.remainder(place - centre, math.pi) for place in (quick, slow))
     return ratio(centre), float(slope), to_quick, to_slow
+
+
+def left_and_right(shafts: Shafts, centre: float) -> float:
+    """Return the largest difference of the ratio after equal turns to the left and to the right.
+
+    Args:
+        shafts: the driveline, as a steering column.
+        centre: drive angle straight ahead.
+    """
+
+    def ratio(angle: float) -> float:
+        return motion(shafts, angle, offset=0.0).speed_ratio
+
+    return largest(lambda turn: abs(ratio(centre + turn) - ratio(centre - turn)))[1]
 
 
 def excitations(shafts: Shafts) -> tuple[float, float, float]:

@@ -13,6 +13,7 @@
 //! | [`turns`] | what outputs do over a turn of the drive |
 //! | [`wear`] | friction and fatigue of the pins, from means over a turn |
 //! | [`design`] | closed forms of drivelines and shafts: excitations, steering, splines, tubes |
+//! | [`judge`] | ranks of figures against limits, the figures of a machine in all states |
 //! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
 //! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
@@ -26,6 +27,7 @@ pub mod design;
 pub mod dynamics;
 pub mod error;
 pub mod input;
+pub mod judge;
 pub mod measured;
 pub mod mechanics;
 pub mod number;

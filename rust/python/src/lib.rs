@@ -10,6 +10,7 @@ mod convert;
 mod derivatives;
 mod design;
 mod driveline;
+mod judge;
 mod lines;
 mod measured;
 mod phases;
@@ -35,6 +36,8 @@ mod _core {
         check_bearings, check_deviations, equivalent, from_bends, from_directions, from_points,
         mean_leads,
     };
+    #[pymodule_export]
+    use super::judge::{NativeMachine, kinds, ranks};
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]

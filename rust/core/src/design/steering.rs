@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::design::records::fill_records;
 use crate::input::Drivelines;
 use crate::mechanics::transmission::Ideal;
+use crate::number::elementary::asin;
+use crate::number::trig;
 use crate::run::execution::Execution;
 
 /// What a steering column does about straight ahead.
@@ -28,11 +30,13 @@ pub struct Steering {
     pub turn_to_quick: f64,
     /// The same for the least ratio.
     pub turn_to_slow: f64,
+    /// Largest difference of the ratio after equal turns to the left and to the right.
+    pub difference: f64,
 }
 
 impl Steering {
     /// The number of fields.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 7;
 
     /// From `n` bends, `n − 1` twists and `n − 1` phases, and the angle of the column straight
     /// ahead, in rad.
@@ -49,8 +53,33 @@ impl Steering {
             quick: quarters % 2.0 == 0.0,
             turn_to_quick: within_quarter(-at),
             turn_to_slow: within_quarter(FRAC_PI_2 - at),
+            difference: difference(ideal.equivalent().joint.k, at),
         }
     }
+}
+
+/// The largest difference of the ratio after equal turns to the left and to the right of an input
+/// angle of the equivalent joint.
+///
+/// Let `A = 1 + k²`, `B = 2k`, `c` and `s` be cosine and sine of twice that angle, and `u` the cosine
+/// of twice the turn. With the ratio `(1 − k²)/(A − B cos 2t)` both sides differ by
+/// `2 (1 − k²) B s √(1 − u²)/((A − B c u)² − B² s² (1 − u²))`. This is largest at the root between
+/// −1 and 1 of `B² u³ − (A² + B² (2 − s²)) u + 2 A B c`; one of the others is below and one above
+/// (derived here).
+fn difference(k: f64, at: f64) -> f64 {
+    if k == 0.0 {
+        return 0.0;
+    }
+    let (s, c) = trig::sin_cos(2.0 * at);
+    let (a, b) = (1.0 + k * k, 2.0 * k);
+    let linear = (a * a + b * b * (2.0 - s * s)) / (b * b);
+    let reach = (linear / 3.0).sqrt();
+    // At its end rounding leaves the sine of a right angle.
+    let sine = (a * c / (b * reach * reach * reach)).clamp(-1.0, 1.0);
+    let u = 2.0 * reach * trig::sin_cos(asin(sine) / 3.0).0;
+    let rest = (1.0 - u * u).max(0.0);
+    let (near, far) = (a - b * c * u, b * s);
+    2.0 * (1.0 - k * k) * (far * rest.sqrt()).abs() / (near * near - far * far * rest)
 }
 
 /// The steering of drivelines of a batch with `joints` joints each, given by their numbers, at
@@ -66,10 +95,12 @@ pub fn steering_of_batch(
 ) {
     fill_records(Steering::COUNT, out, execution, |i, record| {
         let (bends, twists, phases) = lines.chain(joints, numbers[i]);
-        let Steering { ratio, slope, offset, quick, turn_to_quick, turn_to_slow } =
-            Steering::of_chain(bends, twists, phases, centres[i]);
+        let found = Steering::of_chain(bends, twists, phases, centres[i]);
+        let Steering { ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference } =
+            found;
         let quick = f64::from(u8::from(quick));
-        record.copy_from_slice(&[ratio, slope, offset, quick, turn_to_quick, turn_to_slow]);
+        let fields = [ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference];
+        record.copy_from_slice(&fields);
     });
 }
 
@@ -91,6 +122,32 @@ mod tests {
                 let [left, right] = [side, -side].map(|by| ideal.motion(0.7 + turn + by));
                 assert!((left.speed_ratio - right.speed_ratio).abs() < 1e-14);
                 assert_eq!(left.speed_ratio < turned.ratio, quick);
+            }
+        }
+    }
+
+    #[test]
+    fn the_difference_of_left_and_right_is_the_largest() {
+        for (bends, twists, phases) in [
+            (&[0.4, 0.3][..], &[0.8][..], &[-0.2][..]),
+            (&[1.2], &[], &[]),
+            (&[1e-4], &[], &[]),
+            (&[0.3, 0.3], &[0.0], &[0.0]),
+        ] {
+            let ideal = Ideal::of_chain(bends, twists, phases);
+            for centre in [0.0, 0.1, 0.7, -1.3, 2.0] {
+                let found = Steering::of_chain(bends, twists, phases, centre).difference;
+                let apart = |i: i32| {
+                    let by = f64::from(i) * 1e-3;
+                    let [left, right] = [by, -by].map(|by| ideal.motion(centre + by).speed_ratio);
+                    (left - right).abs()
+                };
+                let largest = (0..3142).map(apart).fold(0.0, f64::max);
+                let least = largest * (1.0 - 1e-5) - 1e-15;
+                assert!(
+                    found >= least && found <= largest * (1.0 + 1e-5) + 1e-15,
+                    "{bends:?} {centre}"
+                );
             }
         }
     }

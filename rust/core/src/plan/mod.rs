@@ -1,7 +1,6 @@
 //! Plans: the requested outputs, the steps that compute them, and the routes of a run.
 
 pub(crate) mod forces;
-pub(crate) mod load;
 pub mod output;
 pub(crate) mod planning;
 pub mod reduction;

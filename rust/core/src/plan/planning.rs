@@ -4,10 +4,10 @@ use crate::error::{Error, Result};
 use crate::input::batch::check_shafts;
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
-use crate::plan::load::{LoadStep, Station};
 use crate::plan::output::{Needs, OfCross, Output, Per};
 use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::{JointNeeds, JointStep, Plan, ShaftStep, Support, range};
+use crate::plan::steps::{LoadStep, Station};
 
 impl Plan {
     /// Plans a request.

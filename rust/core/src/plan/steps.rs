@@ -10,9 +10,8 @@ use crate::input::batch::check_length;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::forces::ForceStep;
-use crate::plan::load::LoadStep;
 use crate::plan::output::{Output, OutputPlanes};
-use crate::plan::request::Axes;
+use crate::plan::request::{Axes, End};
 
 /// The steps for one request. The planes of the result are numbered by output, then by shaft or
 /// joint, then by component.
@@ -314,4 +313,34 @@ impl Plan {
 pub(super) fn range(cos: f64) -> AtanRange {
     // An upper bound on the tangent, with a margin for rounding.
     AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
+}
+
+/// How the power is computed along the driveline, from the end where the torque is given.
+#[derive(Clone, Debug)]
+pub(crate) struct LoadStep {
+    pub(crate) end: End,
+    /// Whether any shaft has an inertia, needed or not.
+    pub(crate) has_inertias: bool,
+    /// In the order of computation.
+    pub(crate) stations: Vec<Station>,
+}
+
+impl LoadStep {
+    /// Whether any shaft on the path of the load absorbs power.
+    pub(crate) fn absorbs(&self) -> bool {
+        self.stations.iter().any(|station| station.absorbs)
+    }
+}
+
+/// One shaft on the path of the load.
+#[derive(Clone, Debug)]
+pub(crate) struct Station {
+    pub(crate) shaft: usize,
+    pub(crate) absorbs: bool,
+    /// Plane of the torque entering this shaft.
+    pub(crate) torque: Option<usize>,
+    /// Whether the torsion entering the joint before this shaft is needed.
+    pub(crate) torsion: bool,
+    /// Whether forces are computed from the power entering that joint.
+    pub(crate) force_power: bool,
 }

@@ -14,16 +14,16 @@ use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
-use crate::run::chunk_length::{SHORT_CHUNK, chunk_length};
 use crate::run::constants::GeometryIndex;
-use crate::run::extrema;
 use crate::run::fold::Folded;
 use crate::run::kernels;
 use crate::run::level::{Level, is_compact};
+use crate::run::reduce::samples_near_extrema;
 use crate::run::scratch::Scratch;
+use crate::run::scratch::{SHORT_CHUNK, chunk_length};
 use crate::run::sines;
 use crate::run::stores_as::StoresAs;
-use crate::run::sweep_tables::SweepTables;
+use crate::run::threads::SweepTables;
 use crate::sincos::array::DriveAngles;
 
 /// The most rows whose drivelines are folded together.
@@ -297,7 +297,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 .as_ref()
                 .map(|shaft| (step, shaft.extrema_locator(index)))
         });
-        extrema::samples_near_extrema(sweep, samples, shafts)
+        samples_near_extrema(sweep, samples, shafts)
     }
 
     /// Runs one chunk of a row, or samples selected from it. Returns whether it has results: not if an

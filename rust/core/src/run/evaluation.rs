@@ -10,9 +10,9 @@ use crate::plan::forces::ForceStep;
 use crate::plan::reduction::Reduction;
 use crate::plan::steps::Plan;
 use crate::run::block::GROUP;
-use crate::run::chunk_length::CHUNK;
 use crate::run::execution::{Execution, Planes};
 use crate::run::fold::FoldedDriveline;
+use crate::run::scratch::CHUNK;
 use crate::run::threads::{BLOCK, Run};
 
 impl Plan {

@@ -65,7 +65,7 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
         let rates = &mut rates[step.shaft];
         let (route, range) = folded.route(routes, step.shaft, geometry);
         #[cfg(test)]
-        crate::run::taken::note(step.shaft, route, range);
+        crate::run::explain::taken::note(step.shaft, route, range);
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
         else {
             T::run(

@@ -7,21 +7,23 @@ use std::sync::atomic::Ordering;
 use cardan_memory::write_strips;
 
 use crate::error::{Error, Result};
+use crate::input::sweep::Sweep;
 use crate::input::table::{GeometryVariation, Table};
 use crate::number::float::Float;
+use crate::number::trig::Angle;
 use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
 use crate::run::block::{Block, Shared, Target};
-use crate::run::chunk_length::CHUNK;
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
-use crate::run::level::{Level, has_wide_registers};
+use crate::run::level::{Level, compiled_for, has_wide_registers};
 use crate::run::queue::work_off;
-use crate::run::stores_as::StoresAs;
-use crate::run::sweep_tables::SweepTables;
-use crate::run::unwritten;
+use crate::run::scratch::CHUNK;
+use crate::run::stores_as::{StoresAs, first_unwritten, mark_unwritten};
+use crate::sincos::rotation::Rotations;
+use crate::sincos::tangent_sum::TangentSum;
 
 /// The most samples in a part of a row that is reduced: about 20 µs of work. It is a multiple of
 /// the chunk.
@@ -72,12 +74,12 @@ impl<'a, 's> Run<'a, 's> {
             return Ok(());
         }
         if cfg!(debug_assertions) {
-            unwritten::mark(planes);
+            mark_unwritten(planes);
         }
         self.fill_pieces::<T, W>(planes);
         if cfg!(debug_assertions)
             && self.execution.stop.is_none_or(|stop| !stop.load(Ordering::Relaxed))
-            && let Some(plane) = unwritten::first(planes)
+            && let Some(plane) = first_unwritten(planes)
         {
             let of = |output: &Output| vec![output.row().name; output.components()];
             let names: Vec<&str> = self.plan.outputs.iter().flat_map(of).collect();
@@ -224,4 +226,24 @@ pub(super) fn threads(samples: usize, workers: Option<usize>) -> usize {
     }
     let pool = rayon::current_num_threads().min(samples / SHARE);
     workers.map_or(pool, |workers| pool.min(workers.max(1)))
+}
+
+/// The tables that the routes of a run need.
+pub(crate) struct SweepTables<T: Angle> {
+    /// For sine and cosine of the drive angle, up to a common factor.
+    pub(crate) tangent_sum: Option<TangentSum<T>>,
+    /// For sine and cosine of twice the drive angle.
+    pub(crate) rotations: Option<Rotations<T>>,
+}
+
+impl<T: Angle> SweepTables<T> {
+    pub(crate) fn new(routes: &Routes, sweep: Option<&Sweep>, level: Level) -> Self {
+        let Some(sweep) = sweep else { return Self { tangent_sum: None, rotations: None } };
+        let sum = |length| compiled_for!(level, TangentSum::new(sweep, length));
+        let rotations = || compiled_for!(level, Rotations::new(sweep));
+        Self {
+            tangent_sum: routes.tangent_sum.map(sum),
+            rotations: routes.needs_rotations().then(rotations),
+        }
+    }
 }

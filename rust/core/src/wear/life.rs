@@ -47,9 +47,22 @@ pub fn hours(means: [f64; 5], bend: f64, rpm: f64, rating: f64) -> [f64; 2] {
     [turning * harm(rating) / both, turning * harm(rating / torque)]
 }
 
+/// The life in a duty cycle of steps, from the share of each in the time and the life in it alone:
+/// each step uses its share of the time over its life (Miner's rule).
+pub fn miner(steps: impl Iterator<Item = (f64, f64)>) -> f64 {
+    1.0 / steps.map(|(share, hours)| share / hours).sum::<f64>()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn damages_add_up() {
+        let hours = miner([(0.25, 1000.0), (0.75, 3000.0)].into_iter());
+        assert!((hours - 2000.0).abs() < 1e-9);
+        assert_eq!(miner([(1.0, f64::INFINITY)].into_iter()), f64::INFINITY);
+    }
 
     #[test]
     fn a_straight_joint_bears_the_torque_alone() {

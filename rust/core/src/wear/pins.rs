@@ -9,8 +9,8 @@ use crate::turns::rows::Rows;
 use crate::turns::{Integrands, Turns};
 use crate::wear::life::harm;
 
-/// What is averaged over the turn, per radian of the drive. The moment `M` of a joint loads the pins
-/// of both yokes.
+/// What is averaged over the turn, per radian of the drive. The moment `M` of a joint loads the
+/// pins of both yokes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wear {
     /// The torque of the drive, and for each joint `|M|` times the ways of both yokes, and these
@@ -84,6 +84,14 @@ pub fn pin_means(
     };
     let integrands = Integrands { count: wear.count(joints), together: 1, of: &of };
     Turns::new(&plan, rows).means(&integrands, out, execution)
+}
+
+/// The heat of a joint per radian of the drive, from its two means of [`Wear::Friction`] and from
+/// its coefficient of friction, the radius of its pins, their arm and the torque of its seals. The
+/// moment `M` presses each of two pins on its bearing with `M/(2 R)` at the arm `R`; a seal adds
+/// its torque.
+pub fn heat([lost, way]: [f64; 2], [friction, radius, arm, seal]: [f64; 4]) -> f64 {
+    friction * radius / arm * lost + seal * way
 }
 
 /// Moments of the pins and their ways in the driving and in the driven yokes, each joint by joint.

@@ -4,7 +4,6 @@ use super::*;
 use crate::input::{Angles, Drivelines, Source, Sweep};
 use crate::plan::request::{Axes, Request};
 use crate::run::execution::{Execution, Planes};
-use crate::run::taken;
 
 /// Drivelines of three joints.
 struct BatchCase {

@@ -1,0 +1,429 @@
+"""A machine in all of its states beside all of its limits, and single changes that mend it."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan import _core
+from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import item_index
+from cardan.design.limits import Bound
+from cardan.evaluation.load import Load, require_load
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
+
+MachineVerdict: TypeAlias = Literal["not judged", "within", "tolerable", "beyond"]
+"""A rank in words."""
+
+RANKS: tuple[MachineVerdict, ...] = ("not judged", "within", "tolerable", "beyond")
+"""The verdicts by their rank."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a figure of a machine is.
+
+    Attributes:
+        name: for programs, as in ``limits``.
+        unit: of its values; ``"1"`` for a ratio.
+        per: of what each is; ``None`` if it is of the whole driveline.
+        most: whether a limit is the most that it may be, or the least.
+        scope: whether it has a value in each of the ``"states"``, in states and then steps of the
+            duty cycle (``"cases"``), or ``"once"``.
+    """
+
+    name: str
+    unit: str
+    per: Literal["shaft", "joint", "bearing"] | None
+    most: bool
+    scope: Literal["states", "cases", "once"]
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType({row[0]: Kind(*row) for row in _core.kinds()})
+"""The kinds of figures by their name."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineFigure:
+    """One figure of a machine.
+
+    Attributes:
+        kind: what it is.
+        item: of which shaft, joint or bearing; ``None`` if it is of the whole driveline.
+        values: in every state, and for some kinds then in every step of the duty cycle, in SI
+            units, lives in h; NaN where the machine does not determine it.
+        ranks: the rank of each value, a position in ``RANKS``.
+        limit: what it should keep; NaN if there is no limit.
+        maximum: what it must keep.
+        worst: the place in ``values`` of the one that is nearest to the limit or farthest past it;
+            ``None`` if none is a number.
+    """
+
+    kind: Kind
+    item: int | None
+    values: FloatArray
+    ranks: NDArray[np.int64]
+    limit: float
+    maximum: float
+    worst: int | None
+
+    @property
+    def verdict(self) -> MachineVerdict:
+        """The worst of its ranks."""
+        return RANKS[int(np.max(self.ranks))]
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A single change of a machine.
+
+    Attributes:
+        variable: what changes: ``"point"``, ``"phase"``, ``"bearing"``, the ``"engaged"`` length of
+            the spline in the drawing, or a ``"rating"``.
+        item: which point from the upstream end, shaft, bearing or joint.
+        axis: of a point, 0 for x, 1 for y, 2 for z.
+        start: what it is in the first state, in rad, m or N m; points count from the upstream end.
+        end: what it becomes.
+        share: size of the change as a part of what was tried.
+        verdict: of the machine after it; everything is then within if this is.
+        worst: the figure that is then nearest to its limit or farthest past it.
+    """
+
+    variable: Literal["point", "phase", "bearing", "engaged", "rating"]
+    item: int
+    axis: int | None
+    start: float
+    end: float
+    share: float
+    verdict: MachineVerdict
+    worst: MachineFigure | None
+
+    @property
+    def change(self) -> float:
+        """By how much it changes."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Machine:
+    """A driveline in all of its states with its parts, loads and limits.
+
+    The methods ``with_...`` add what else the machine has. Whatever it does not have is left out.
+
+    Attributes:
+        states: the driveline in each state, a batch ``(states,)``.
+
+    >>> import cardan
+    >>> lines = cardan.Driveline.from_bends([[5.0, 4.0], [8.0, 4.0]], degrees=True)
+    >>> machine = cardan.Machine(lines, limits={"equivalent_bend": 0.0524, "bend": {0: 0.1}})
+    >>> [(f.kind.name, f.item, f.verdict) for f in machine.figures() if f.verdict != "not judged"]
+    [('equivalent_bend', None, 'beyond'), ('bend', 0, 'beyond')]
+    """
+
+    states: Driveline
+    _parts: dict[str, Any] = field(repr=False)
+
+    def __init__(
+        self,
+        states: Driveline,
+        load: Load | None = None,
+        *,
+        limits: Mapping[str, Bound | Mapping[int, Bound]] | None = None,
+        speed: ArrayLike | None = None,
+    ) -> None:
+        """Make a machine without further parts.
+
+        Args:
+            states: one driveline, or a batch with one for each state.
+            load: one for all states, or with arrays ``(states,)``. Without torque and inertias
+                nothing is loaded.
+            limits: by name of ``KINDS``: a number, or a limit and a maximum, or these by the number
+                of a shaft, joint or bearing.
+            speed: of the drive in rad/s, by default that of the load; 0 is not known.
+
+        Raises:
+            TypeError: a load that is none, values that are not real numbers.
+            ValueError: joints with deviations, shapes that do not fit; what is wrong with limits is
+                found with the first figures.
+        """
+        own = _states_of("states", states)
+        given = [
+            (name, item, *_pair(name, bound))
+            for name, bounds in (limits or {}).items()
+            for item, bound in (bounds.items() if isinstance(bounds, Mapping) else [(None, bounds)])
+        ]
+        object.__setattr__(self, "states", own)
+        parts = {"states": _cases(own, load, speed), "limits": given}
+        object.__setattr__(self, "_parts", parts)
+
+    def with_duty(self, steps: Driveline, load: Load, shares: ArrayLike) -> Machine:
+        """Add a duty cycle, over which lives are judged, and loads beside those of the states.
+
+        Args:
+            steps: the driveline in each step, one or a batch ``(steps,)``.
+            load: the load in each step, likewise.
+            shares: of each step in the time, ``(steps,)``, with sum 1.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: shares that are not positive or do not add up to 1, another number of
+                joints, shapes that do not fit.
+        """
+        own, part = _states_of("steps", steps), np.atleast_1d(positive("shares", shares))
+        if own.n_joints != self.states.n_joints:
+            raise ArgumentValueError(
+                "steps", f"has {own.n_joints} joints; the states have {self.states.n_joints}"
+            )
+        own = own if own.size == len(part) or own.size > 1 else own[np.zeros(len(part), dtype=int)]
+        if abs(float(np.sum(part)) - 1.0) > 1e-9 or part.shape != own.shape:
+            raise ArgumentValueError(
+                "shares", f"are {part.tolist()}; they must add up to 1, with one per step"
+            )
+        return self._with(steps=_cases(own, load, None), shares=part.tolist())
+
+    def with_ratings(self, rating: ArrayLike) -> Machine:
+        """Add ratings of the joints, whose lives are then judged over the duty cycle.
+
+        Args:
+            rating: torque in N m for 5000 h at 3 degrees and 100 rpm: one number, or one per joint;
+                NaN for a joint whose life is not known, such as one with plain bearings.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: not one value per joint; one that is not positive, with the first figures.
+        """
+        return self._with(ratings=self._per_joint("rating", as_float64("rating", rating)))
+
+    def with_friction(
+        self,
+        friction: ArrayLike,
+        pin_radius: ArrayLike,
+        arm: ArrayLike,
+        seal_torque: ArrayLike = 0.0,
+    ) -> Machine:
+        """Add the friction of the pins, whose heat is then judged.
+
+        Args:
+            friction: as of ``Driveline.losses``, like the following arguments and the errors.
+            pin_radius: in m.
+            arm: in m.
+            seal_torque: in N m.
+        """
+        columns = (
+            self._per_joint("friction", not_negative("friction", friction)),
+            self._per_joint("pin_radius", positive("pin_radius", pin_radius)),
+            self._per_joint("arm", positive("arm", arm)),
+            self._per_joint("seal_torque", not_negative("seal_torque", seal_torque)),
+        )
+        return self._with(friction=list(zip(*columns, strict=True)))
+
+    def with_tubes(
+        self,
+        shafts: Sequence[int],
+        outer_diameter: ArrayLike,
+        wall: ArrayLike | None = None,
+        *,
+        length: ArrayLike | None = None,
+        elastic_modulus: ArrayLike = 2.06e11,
+        density: ArrayLike = 7850.0,
+    ) -> Machine:
+        """Add shafts of round section, whose stress and critical speed are then judged.
+
+        Args:
+            shafts: which ones.
+            outer_diameter: as of ``cardan.tube``, like the following arguments and the errors: one
+                number, or one per listed shaft.
+            wall: in m.
+            length: in m; by default as long as the shaft in its longest state.
+            elastic_modulus: in Pa.
+            density: in kg/m³.
+        """
+        outer = positive("outer_diameter", outer_diameter)
+        columns = {
+            "outer_diameter": outer,
+            "wall": 0.5 * outer if wall is None else positive("wall", wall),
+            "length": np.asarray(math.nan) if length is None else positive("length", length),
+            "shear_modulus": np.asarray(math.nan),  # stiffness is not judged
+            "elastic_modulus": positive("elastic_modulus", elastic_modulus),
+            "density": positive("density", density),
+        }
+        count = self.states.n_joints + 1
+        numbers = [item_index("shafts", shaft, count, (i,)) for i, shaft in enumerate(shafts)]
+        full = [_spread(name, array, len(numbers)) for name, array in columns.items()]
+        for i, (diameter, thickness) in enumerate(zip(*full[:2], strict=True)):
+            if thickness > 0.5 * diameter:
+                problem = f"is {thickness} m; a wall is at most half the outer diameter"
+                raise ArgumentValueError("wall", problem, (i,))
+        return self._with(tubes=list(zip(numbers, zip(*full, strict=True), strict=True)))
+
+    def with_spline(
+        self,
+        shaft: int,
+        *,
+        drawn: Driveline | None = None,
+        engaged: float = math.nan,
+        push_in: float = math.nan,
+        friction: float = math.nan,
+        radius: float = math.nan,
+    ) -> Machine:
+        """Add the spline of a shaft, whose lengths and axial force are then judged.
+
+        Args:
+            shaft: which one.
+            drawn: the driveline for which engaged length and push-in hold; by default that of the
+                first state.
+            engaged: engaged length in m; not known by default, like the following arguments.
+            push_in: how far it can be pushed in until it bottoms, in m.
+            friction: coefficient of friction.
+            radius: pitch radius in m.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            ValueError: drivelines without lengths.
+        """
+        index = item_index("shaft", shaft, self.states.n_joints + 1)
+        drawing = self.states[0] if drawn is None else drawn
+        each = drawing.lengths().each
+        spans = each[:, np.newaxis] * drawing.directions
+        points = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)])
+        numbers = (float(each[index]), engaged, push_in, friction, radius)
+        return self._with(spline=(index, numbers, points.ravel().tolist()))
+
+    def with_steering(self, centre: ArrayLike) -> Machine:
+        """Add a steering column, whose symmetry is then judged.
+
+        Args:
+            centre: drive angle straight ahead in rad, one or one per state.
+        """
+        return self._with(centres=_spread("centre", as_float64("centre", centre), self.states.size))
+
+    def with_play(self, radial: ArrayLike, arm: ArrayLike) -> Machine:
+        """Add play of the pins, whose lash is then judged; arguments as of ``Driveline.lash``."""
+        play = not_negative("radial", radial) / positive("arm", arm)
+        return self._with(play=self._per_joint("play", play))
+
+    def figures(self) -> tuple[MachineFigure, ...]:
+        """Return every figure that the machine has, with its rank in every state.
+
+        Raises:
+            ValueError: limits or parts of what does not exist, a maximum on the wrong side.
+        """
+        return tuple(_figure(row) for row in self._core.figures(threads.at_most(None)))
+
+    def verdict(self) -> MachineVerdict:
+        """Return the worst verdict of all figures."""
+        return RANKS[max(int(np.max(figure.ranks)) for figure in self.figures())]
+
+    def suggest(
+        self, reach: float = 0.0, *, teeth: Sequence[int] = (), ratings: ArrayLike = ()
+    ) -> tuple[Change, ...]:
+        """Return the smallest single changes that bring everything within its limits.
+
+        Tried are every point along every axis, every phase, the place of every bearing, the engaged
+        length of the spline and the rating of every joint. A point moves alike in all states.
+
+        Args:
+            reach: by how much points, bearings and the engaged length may change, in m; by default
+                not at all.
+            teeth: of the spline of each shaft between two joints, by which its phase can change; 0
+                for one that can be set at will, as all can by default.
+            ratings: of the joints that there are, in N m.
+
+        Returns:
+            the changes, smallest first, compared as parts of what was tried. If none suffices, the
+            one after which the worst figure is least past its limit, as a part of this limit; none
+            if everything is within, or if nothing makes it better.
+
+        Raises:
+            ValueError: as for ``figures``.
+        """
+        known = np.atleast_1d(positive("ratings", ratings)).tolist()
+        found = self._core.suggest(float(reach), list(teeth), known, threads.at_most(None))
+        return tuple(_change(row) for row in found)
+
+    @property
+    def _core(self) -> _core.Machine:
+        has = self._parts.get
+        return _core.Machine(
+            self._parts["states"],
+            has("steps"),
+            has("shares", []),
+            has("ratings", []),
+            has("friction", []),
+            has("tubes", []),
+            has("spline"),
+            has("centres", []),
+            has("play", []),
+            self._parts["limits"],
+        )
+
+    def _with(self, **parts: Any) -> Machine:  # noqa: ANN401 - what the core takes
+        other = copy.copy(self)
+        object.__setattr__(other, "_parts", {**self._parts, **parts})
+        return other
+
+    def _per_joint(self, name: str, array: FloatArray) -> list[float]:
+        found: list[float] = per_joint(name, array, self.states.n_joints).tolist()
+        return found
+
+
+def _states_of(name: str, line: Driveline) -> Driveline:
+    if len(line.shape) > 1:
+        problem = f"has shape {line.shape}; it is one driveline or a batch of one axis"
+        raise ArgumentValueError(name, problem)
+    return line.reshape(-1)
+
+
+def _cases(line: Driveline, load: Load | None, speed: ArrayLike | None) -> tuple[Any, ...]:
+    """Drivelines, speeds and load as the core takes them."""
+    count = line.size
+    if load is None:
+        speeds = as_float64("speed", 0.0 if speed is None else speed)
+        return line._lines, _spread("speed", speeds, count), None
+    require_load(load)
+    speeds = load.speed if speed is None else as_float64("speed", speed)
+    inertias = load.inertias_by_shaft(line.n_joints).items()
+    arrays = (
+        load.end,
+        _spread(f"{load.end}_torque", load.torque, count),
+        _spread("acceleration", load.acceleration, count),
+        [(shaft, _spread("inertias", each, count)) for shaft, each in inertias],
+    )
+    return line._lines, _spread("speed", speeds, count), arrays
+
+
+def _spread(name: str, array: FloatArray, count: int) -> list[float]:
+    """One number, or one for each of so many."""
+    if array.shape not in ((), (1,), (count,)):
+        raise ArgumentValueError(name, f"has shape {array.shape}; it must be one or ({count},)")
+    found: list[float] = np.broadcast_to(array, count).tolist()
+    return found
+
+
+def _pair(name: str, bound: Bound) -> tuple[float, float]:
+    """A limit and its maximum, which may be the same."""
+    values = np.atleast_1d(as_float64(name, bound))
+    if values.shape not in ((1,), (2,)):
+        raise ArgumentValueError(name, f"is {bound!r}; it must be a number or [limit, maximum]")
+    return float(values[0]), float(values[-1])
+
+
+def _figure(row: Any) -> MachineFigure:  # noqa: ANN401 - of the core
+    name, item, values, ranks, (limit, maximum), worst = row
+    return MachineFigure(KINDS[name], item, values, ranks, limit, maximum, worst)
+
+
+def _change(row: Any) -> Change:  # noqa: ANN401 - of the core
+    variable, item, axis, (start, end), share, rank, worst = row
+    left = None if worst is None else _figure(worst)
+    return Change(variable, item, axis, start, end, share, RANKS[rank], left)
