@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cardan.app.figures.turn_extremes import peak
 
 import cardan
 from cardan import Driveline, Load, Machine
+from cardan.app.answers.turn.extremes import peak
 from cardan.design.judged import VERDICTS, is_within, ranked
 from cardan.design.machine import KINDS, RANKS, Change, MachineFigure
 from cardan.reference import design
@@ -314,7 +314,12 @@ def test_a_spline_that_has_come_apart_or_bottoms_is_beyond() -> None:
 
 def test_a_limit_of_what_a_machine_lacks_is_not_judged() -> None:
     lines = Driveline.from_bends([[0.1, 0.2, 0.1]])
-    limits = {"life": 1.0, "lash": 1.0, "shear_stress": {1: 1.0}, "bend_difference": 0.01}
+    limits: dict[str, Any] = {
+        "life": 1.0,
+        "lash": 1.0,
+        "shear_stress": {1: 1.0},
+        "bend_difference": 0.01,
+    }
     found = by_name(Machine(lines, limits=limits))
     for key in (("life", None), ("lash", None), ("shear_stress", 1), ("bend_difference", None)):
         assert found[key].verdict == "not judged"

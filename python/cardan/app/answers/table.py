@@ -136,6 +136,7 @@ class Part:
 _ALL = ("run", "check", "report")
 
 _PARTS = (
+    Part("moves", "What would help", "", (), ()),
     Part("limits", "Motion", "", ("load", "limits"), ("check",)),
     Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),

@@ -12,6 +12,7 @@ from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.limits.remedies import scene_advice
 from cardan.app.answers.limits.remedies_text import remedies
 from cardan.app.answers.limits.text import check_text
+from cardan.app.answers.table import PARTS
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, progress_bar, say
 from cardan.app.scene import load_scene
@@ -54,8 +55,11 @@ def command(scene: Path, as_json: bool) -> int:
 
 def _advice(answer: Answer) -> list[str]:
     """What would bring a driveline within its limits, a sentence each."""
-    if not isinstance(answer.of, Scene):
+    if not isinstance(answer.of, Scene) or answer.verdict == "within":
         return []
-    advised, life = scene_advice(answer.scene), answer["life"]
-    sentences = remedies(advised) if advised else []
+    moves, advised, life = answer["moves"], scene_advice(answer.scene), answer["life"]
+    sentences = PARTS["moves"].sentences(moves)
+    # Where no single change suffices, the yokes of all shafts may do.
+    if not any(move.verdict == "within" for move in moves):
+        sentences = [*(remedies(advised) if advised else []), *sentences]
     return [*sentences, *(life_remedies(life) if life and not life.passes else [])]

@@ -10,6 +10,7 @@ import numpy as np
 
 from cardan.app.scene.bearings import LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.tubes_section import TUBES
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.torsion import Tube, tube
@@ -24,12 +25,14 @@ class Tubes:
         tube: their figures, ``(shafts,)``.
         permitted_stress: in Pa; ``None`` if the scene permits any.
         least_margin: of the critical speed over the largest speed; ``None`` if any will do.
+        section: dimensions and material as the section gives them, arguments of ``cardan.tube``.
     """
 
     shafts: tuple[int, ...]
     tube: Tube
     permitted_stress: float | None
     least_margin: float | None
+    section: Mapping[str, FloatArray]
 
 
 def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
@@ -62,6 +65,7 @@ def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
             )
         array = key.factor * np.asarray(value, dtype=np.float64)
         given[key.argument] = np.broadcast_to(array, (len(shafts),))
+    section = {name: array for name, array in given.items() if name != "shear_modulus"}
     if "length" not in given:
         if not has_lengths(line):
             raise ArgumentValueError("length_mm", f"is missing; give it, or {LENGTHS_NEEDED}")
@@ -78,5 +82,9 @@ def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
         raise ArgumentValueError("wall_mm", problem, place) from None
     stress = values.get("permitted_stress_MPa")
     return Tubes(
-        tuple(shafts), found, None if stress is None else 1e6 * stress, values.get("least_margin")
+        tuple(shafts),
+        found,
+        None if stress is None else 1e6 * stress,
+        values.get("least_margin"),
+        section,
     )

@@ -23,6 +23,7 @@ def check_data(found: Answer, advice: Sequence[str] = ()) -> dict[str, Any]:
         found.of.title,
         **verdict_data(found),
         advice=list(advice),
+        moves=PARTS["moves"].data(found["moves"] or ()),
         **{part.name: part.data(each) for part, each in found.parts("check")},
     )
 
@@ -70,6 +71,10 @@ def check_schema() -> dict[str, Any]:
     return answer_schema(
         "check",
         "what cardan check prints with --json",
-        {**VERDICT_KEYS, "advice": {"type": "array", "items": {"type": "string"}}},
+        {
+            **VERDICT_KEYS,
+            "advice": {"type": "array", "items": {"type": "string"}},
+            "moves": PARTS["moves"].schema(),
+        },
         {name: part.schema() for name, part in PARTS.items() if "check" in part.shown},
     )

@@ -1,0 +1,142 @@
+"""The smallest single changes that bring everything about a scene's machine within its limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.rows import count, figure, word
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.units import RPM
+from cardan.design.machine import Change, Machine
+
+# Points, bearings and the engaged length are tried up to this share of the length of the driveline.
+_REACH = 0.05
+
+# Parts that only searches and simulations of their own find.
+_UNTRIED = ("tolerances", "torsion", "ball_joint")
+
+Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
+
+
+@dataclass(frozen=True)
+class Move:
+    """One change of the machine and what it leaves; ``None`` where another variable changes."""
+
+    variable: Variable = word("variable", "what changes")
+    number: int = count("number", "of the point from upstream, of the shaft, bearing or joint")
+    of: str = word("of", "the same in words")
+    axis: str | None = word("axis", "of a point")
+    shift: float | None = figure("by", "mm", "of a point, a bearing or the engaged length")
+    turn: float | None = figure("turned by", "deg", "of the output-side yoke of a shaft")
+    rating: float | None = figure("rating", "Nm", "of a joint, in place of the one it has")
+    verdict: str = word("verdict then")
+    left: str | None = word("what is then worst")
+    untried: str = word("beyond and not tried", "what else is beyond, which this search leaves out")
+
+
+def find(answer: Answer) -> tuple[Move, ...]:
+    """Return the changes, smallest first; none where everything is within its limits."""
+    machine = machine_of(answer.scene)
+    if machine is None:
+        return ()
+    scene, joints = answer.scene, answer.scene.service.joints
+    lengths = scene.line._geometry.lengths
+    sizes = [size.rating for size in joints.table if size.rating] if joints else []
+    found = machine.suggest(
+        _REACH * float(np.sum(lengths)), teeth=scene.teeth, ratings=sorted(set(sizes))
+    )
+    untried = [each.name for each in answer.of_verdict("beyond") if each.part.name in _UNTRIED]
+    return tuple(_move(change, scene.line.n_joints, ", ".join(untried)) for change in found)
+
+
+def _move(change: Change, joints: int, untried: str) -> Move:
+    by = change.change
+    return Move(
+        change.variable,
+        change.item,
+        _of(change, joints),
+        None if change.axis is None else "xyz"[change.axis],
+        by if change.variable in ("point", "bearing", "engaged") else None,
+        by if change.variable == "phase" else None,
+        change.end if change.variable == "rating" else None,
+        change.verdict,
+        None
+        if change.worst is None or change.verdict == "within"
+        else change.worst.kind.name.replace("_", " "),
+        untried,
+    )
+
+
+def _of(change: Change, joints: int) -> str:
+    if change.variable == "point":
+        ends = {0: "the upstream end", joints + 1: "the downstream end"}
+        return ends.get(change.item, f"joint {change.item - 1}")
+    whose = {"phase": "shaft", "bearing": "bearing", "engaged": "the spline of shaft"}
+    return f"{whose.get(change.variable, 'joint')} {change.item}"
+
+
+def machine_of(scene: Scene) -> Machine | None:
+    """Return a scene as a machine; ``None`` where a study or a recording has no states."""
+    recorded = scene.line.shape or scene.speed_recorded or scene.recording is not None
+    if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
+        return None
+    lines, load, service = scene.drivelines(), scene.load_case, scene.service
+    if scene.states:
+        load = scene.states.loads(load)
+    machine = Machine(lines, load, limits=_limits(scene), speed=None if load else scene.speed)
+    duty = service.duty
+    if duty is not None:
+        machine = machine.with_duty(duty.line, duty.load, duty.shares)
+    sizes = service.joints.each if service.joints else ()
+    if sizes and duty is not None:
+        ratings = [size.rating if size.wears else None for size in sizes]
+        machine = machine.with_ratings([np.nan if one is None else one for one in ratings])
+    if tubes := service.tubes:
+        machine = machine.with_tubes(tubes.shafts, **tubes.section)
+    if slip := scene.slip:
+        known = {"engaged": slip.engaged, "push_in": slip.push_in}
+        lengths = {name: 1e-3 * value for name, value in known.items() if value is not None}
+        if slip.friction is not None and slip.radius is not None:
+            lengths |= {"friction": slip.friction, "radius": slip.radius}
+        machine = machine.with_spline(slip.shaft, drawn=scene.line, **lengths)
+    return machine
+
+
+def _limits(scene: Scene) -> dict[str, Any]:
+    """The limits that the scene gives, in SI, by the names of the machine's figures."""
+    limits: dict[str, Any] = {}
+    for key, bound in scene.limits.figures.items():
+        name, factor = key.removesuffix("_rad_s2"), 1.0
+        if key.endswith("_deg"):
+            name, factor = key.removesuffix("_deg"), np.pi / 180.0
+        pair = (factor * bound.limit, factor * bound.maximum)
+        for ending in ("_driving", "_coasting") if name == "inertia_excitation" else ("",):
+            limits[f"{name}{ending}"] = pair
+    service, slip = scene.service, scene.slip
+    for joint, size in enumerate(service.joints.each if service.joints else ()):
+        if size.max_bend_deg is not None:
+            limits.setdefault("bend", {})[joint] = np.radians(size.max_bend_deg)
+        if size.max_speed_bend is not None:
+            product = size.max_speed_bend * RPM * np.pi / 180.0
+            limits.setdefault("speed_bend", {})[joint] = product
+        if service.duty is not None and service.duty.target is not None and size.wears:
+            limits.setdefault("life", {})[joint] = service.duty.target
+    if tubes := service.tubes:
+        for name, limit in (
+            ("shear_stress", tubes.permitted_stress),
+            ("critical_margin", tubes.least_margin),
+        ):
+            if limit is not None:
+                limits[name] = dict.fromkeys(tubes.shafts, limit)
+    if slip:
+        given = {
+            "spline_travel": slip.travel,
+            "spline_engaged": slip.least_engaged,
+            "spline_push_in": None if slip.push_in is None else 0.0,
+        }
+        limits |= {name: 1e-3 * one for name, one in given.items() if one is not None}
+    return limits

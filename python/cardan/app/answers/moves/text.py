@@ -1,0 +1,41 @@
+"""Single changes of a machine in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from cardan.app.answers.moves.figures import Move
+from cardan.app.answers.printed import quantity
+from cardan.motion.workshop import both_senses
+
+# More are not read.
+_MOST = 5
+
+
+def sentences(found: Iterable[Move]) -> Iterator[str]:
+    """Say each of the smallest changes and what it leaves."""
+    for move in [*found][:_MOST]:
+        all_but = f" but the {move.untried}" if move.untried else ""
+        then = f"everything{all_but} is then within its limits"
+        if move.verdict != "within":
+            then = f"this helps most; the {move.left} is then still {move.verdict}"
+        yield f"{_change(move)}: {then}."
+
+
+def _change(move: Move) -> str:
+    if move.turn is not None:
+        sense = "clockwise" if move.turn > 0.0 else "counter-clockwise"
+        turn = both_senses(abs(math.degrees(move.turn)), sense)
+        return f"Turn the output-side yoke of {move.of} by {turn}"
+    if move.rating is not None:
+        return f"Choose a rating of {quantity(move.rating, 'Nm')} for {move.of}"
+    assert move.shift is not None
+    by = quantity(abs(move.shift), "mm")
+    if move.axis is not None:
+        sign = "+" if move.shift > 0.0 else "\N{MINUS SIGN}"
+        return f"Move {move.of} by {by} along {sign}{move.axis}"
+    if move.variable == "bearing":
+        return f"Move {move.of} by {by} {'down' if move.shift > 0.0 else 'up'}stream"
+    more = "more" if move.shift > 0.0 else "less"
+    return f"Make {move.of} engage {by} {more} where it is drawn"
