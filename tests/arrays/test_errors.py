@@ -23,11 +23,15 @@ from cardan import (
     BallJoint,
     Driveline,
     Load,
+    Machine,
     Sweep,
 )
 from cardan.reference import approximations as approximate
 
 TWO = Driveline.from_bends([0.1, 0.2])
+ONE = Driveline.from_bends([0.1])
+SKEW = ONE.with_deviations(cross=0.01)
+SLOW = Load(output_torque=1.0, speed=1.0)
 LOADED = Load(drive_torque=[1.0, 2.0, 3.0])
 NAN = np.nan
 BATCH = np.zeros((2, 3, 2))
@@ -91,6 +95,31 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
         "is 2.0; each must be +1 or -1",
     ),
     (lambda: TWO.evaluate(0.1, workers=0), "workers", (), "is 0; it must be positive"),
+    # Of machines.
+    (lambda: Machine(TWO, limits={"noise": 1.0}).figures(), "limits", (), 'is of "noise", which'),
+    (lambda: Machine(TWO, limits={"bend": (2.0, 1.0)}).figures(), "limits", (0,), "is 1.0 rad; a"),
+    (
+        lambda: Machine(TWO, limits={"life": (1.0, 2.0)}).figures(),
+        "limits",
+        (0,),
+        "is 2.0 h; a max",
+    ),
+    (
+        lambda: Machine(TWO, limits={"bend": {2: 1.0}}).figures(),
+        "limits",
+        (0,),
+        "is of bend 2; the",
+    ),
+    (lambda: Machine(TWO).with_ratings(-1.0).figures(), "rating", (0,), "is -1.0; it must be"),
+    (lambda: Machine(TWO).with_duty(ONE, SLOW, [1.0]).figures(), "steps", (), "has 1 values; 1 dr"),
+    (lambda: Machine(TWO).with_friction(1, 0, 1).figures(), "pin_radius", (0,), "is 0.0; it must"),
+    (lambda: Machine(SKEW).figures(), "driveline", (), "has joints with deviations; machines are"),
+    (lambda: Machine(TWO, limits={"bend": [1, 2, 3]}), "bend", (), "is [1, 2, 3]; it must be a n"),
+    (lambda: Machine(TWO, LOADED), "drive_torque", (), "has shape (3,); it must be one or (1,)"),
+    (lambda: Machine(TWO.reshape(1, 1)), "states", (), "has shape (1, 1); it is one driveline"),
+    (lambda: Machine(TWO).with_duty(TWO, SLOW, [0.4]), "shares", (), "are [0.4]; they must add up"),
+    (lambda: Machine(TWO).with_tubes([1], 0.1, 0.06), "wall", (0,), "is 0.06 m; a wall is at most"),
+    (lambda: Machine(TWO).with_steering([1, 2, 3]), "centre", (), "has shape (3,); it must be one"),
 ]
 
 TYPES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [

@@ -10,6 +10,8 @@ import pytest
 
 import cardan
 from cardan import Driveline
+from cardan.design.judged import VERDICTS, is_within, ranked
+from cardan.reference import design
 from oracle import read
 
 DATA = read("design.json")
@@ -195,3 +197,35 @@ def test_tubes_broadcast() -> None:
 def test_wrong_tubes_are_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(cardan.ArgumentValueError, match=message):
         cardan.tube(**arguments)  # type: ignore[arg-type]
+
+
+# --- ranks ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("most", [True, False])
+@pytest.mark.parametrize("size", [0.0, 1.0, 1e4])
+def test_ranks_are_those_of_exact_fractions(size: float, most: bool) -> None:
+    # None is just at the rounding.
+    near = [sign * 0.7 * 10.0**-power for power in range(6, 13) for sign in (1, -1)]
+    limits = [0.0, 7.3e-3, 3.0, -2.0, math.inf, -math.inf, math.nan]
+    for limit in limits:
+        for room in (0.0, 0.5):
+            maximum = limit + room if most else limit - room
+            scale = max(abs(limit), size) if math.isfinite(limit) else 1.0
+            values = [limit, maximum, *(limit + x * scale for x in near), math.inf, math.nan, -1e9]
+            values += [maximum + x * max(abs(maximum), size) for x in near]
+            got = ranked(values, limit, maximum, most=most, size=size)
+            for value, rank in zip(values, got, strict=True):
+                want = design.ranked(value, limit, maximum, most=most, size=size)
+                unknown = math.isnan(value) and not math.isnan(limit)
+                names = ("not judged", "within", "tolerable", "beyond")
+                word = "unknown" if unknown else names[want]
+                assert VERDICTS[rank] == word, (value, limit, maximum)
+                within = design.ranked(value, limit, limit, most=most, size=size) == 1
+                assert is_within(value, limit, most=most, size=size) == within
+
+
+def test_ranks_broadcast() -> None:
+    got = ranked([[1.0], [3.0]], [2.0, math.nan, 0.5], [4.0, 4.0, 0.5])
+    words = [["within", "not judged", "beyond"], ["tolerable", "not judged", "beyond"]]
+    assert np.array(VERDICTS)[got].tolist() == words

@@ -49,6 +49,12 @@ class Kind:
     scope: Literal["states", "cases", "once"]
 
 
+# What the core is told of a machine without parts.
+_NOTHING: Mapping[str, Any] = {
+    **dict.fromkeys(("shares", "ratings", "friction", "tubes", "centres", "play"), ()),
+    **dict.fromkeys(("steps", "spline")),
+}
+
 KINDS: Mapping[str, Kind] = MappingProxyType({row[0]: Kind(*row) for row in _core.kinds()})
 """The kinds of figures by their name."""
 
@@ -119,6 +125,7 @@ class Machine:
     """A driveline in all of its states with its parts, loads and limits.
 
     The methods ``with_...`` add what else the machine has. Whatever it does not have is left out.
+    Values that break a rule raise an error there or with the first figures.
 
     Attributes:
         states: the driveline in each state, a batch ``(states,)``.
@@ -153,17 +160,15 @@ class Machine:
 
         Raises:
             TypeError: a load that is none, values that are not real numbers.
-            ValueError: joints with deviations, shapes that do not fit; what is wrong with limits is
-                found with the first figures.
+            ValueError: shapes that do not fit.
         """
         own = _states_of("states", states)
-        given = [
-            (name, item, *_pair(name, bound))
-            for name, bounds in (limits or {}).items()
-            for item, bound in (bounds.items() if isinstance(bounds, Mapping) else [(None, bounds)])
-        ]
+        given = []
+        for name, bounds in (limits or {}).items():
+            each = bounds.items() if isinstance(bounds, Mapping) else [(None, bounds)]
+            given += [(name, item, *_pair(name, bound)) for item, bound in each]
+        parts = {**_NOTHING, "states": _cases(own, load, speed), "limits": given}
         object.__setattr__(self, "states", own)
-        parts = {"states": _cases(own, load, speed), "limits": given}
         object.__setattr__(self, "_parts", parts)
 
     def with_duty(self, steps: Driveline, load: Load, shares: ArrayLike) -> Machine:
@@ -175,15 +180,9 @@ class Machine:
             shares: of each step in the time, ``(steps,)``, with sum 1.
 
         Raises:
-            TypeError: values that are not real numbers.
-            ValueError: shares that are not positive or do not add up to 1, another number of
-                joints, shapes that do not fit.
+            ValueError: shares that are not positive or do not add up to 1.
         """
         own, part = _states_of("steps", steps), np.atleast_1d(positive("shares", shares))
-        if own.n_joints != self.states.n_joints:
-            raise ArgumentValueError(
-                "steps", f"has {own.n_joints} joints; the states have {self.states.n_joints}"
-            )
         own = own if own.size == len(part) or own.size > 1 else own[np.zeros(len(part), dtype=int)]
         if abs(float(np.sum(part)) - 1.0) > 1e-9 or part.shape != own.shape:
             raise ArgumentValueError(
@@ -197,10 +196,6 @@ class Machine:
         Args:
             rating: torque in N m for 5000 h at 3 degrees and 100 rpm: one number, or one per joint;
                 NaN for a joint whose life is not known, such as one with plain bearings.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: not one value per joint; one that is not positive, with the first figures.
         """
         return self._with(ratings=self._per_joint("rating", as_float64("rating", rating)))
 
@@ -211,20 +206,10 @@ class Machine:
         arm: ArrayLike,
         seal_torque: ArrayLike = 0.0,
     ) -> Machine:
-        """Add the friction of the pins, whose heat is then judged.
-
-        Args:
-            friction: as of ``Driveline.losses``, like the following arguments and the errors.
-            pin_radius: in m.
-            arm: in m.
-            seal_torque: in N m.
-        """
-        columns = (
-            self._per_joint("friction", not_negative("friction", friction)),
-            self._per_joint("pin_radius", positive("pin_radius", pin_radius)),
-            self._per_joint("arm", positive("arm", arm)),
-            self._per_joint("seal_torque", not_negative("seal_torque", seal_torque)),
-        )
+        """Add the friction of the pins, whose heat is then judged, as of ``Driveline.losses``."""
+        given = {"friction": friction, "pin_radius": pin_radius, "arm": arm}
+        given["seal_torque"] = seal_torque
+        columns = [self._per_joint(name, as_float64(name, x)) for name, x in given.items()]
         return self._with(friction=list(zip(*columns, strict=True)))
 
     def with_tubes(
@@ -249,11 +234,12 @@ class Machine:
             density: in kg/m³.
         """
         outer = positive("outer_diameter", outer_diameter)
+        unknown = np.asarray(math.nan)
         columns = {
             "outer_diameter": outer,
             "wall": 0.5 * outer if wall is None else positive("wall", wall),
-            "length": np.asarray(math.nan) if length is None else positive("length", length),
-            "shear_modulus": np.asarray(math.nan),  # stiffness is not judged
+            "length": unknown if length is None else positive("length", length),
+            "shear_modulus": unknown,  # stiffness is not judged
             "elastic_modulus": positive("elastic_modulus", elastic_modulus),
             "density": positive("density", density),
         }
@@ -286,10 +272,6 @@ class Machine:
             push_in: how far it can be pushed in until it bottoms, in m.
             friction: coefficient of friction.
             radius: pitch radius in m.
-
-        Raises:
-            IndexError: a shaft that does not exist.
-            ValueError: drivelines without lengths.
         """
         index = item_index("shaft", shaft, self.states.n_joints + 1)
         drawing = self.states[0] if drawn is None else drawn
@@ -300,11 +282,7 @@ class Machine:
         return self._with(spline=(index, numbers, points.ravel().tolist()))
 
     def with_steering(self, centre: ArrayLike) -> Machine:
-        """Add a steering column, whose symmetry is then judged.
-
-        Args:
-            centre: drive angle straight ahead in rad, one or one per state.
-        """
+        """Add the drive angle of a steering column straight ahead in rad, one or one per state."""
         return self._with(centres=_spread("centre", as_float64("centre", centre), self.states.size))
 
     def with_play(self, radial: ArrayLike, arm: ArrayLike) -> Machine:
@@ -316,7 +294,8 @@ class Machine:
         """Return every figure that the machine has, with its rank in every state.
 
         Raises:
-            ValueError: limits or parts of what does not exist, a maximum on the wrong side.
+            ValueError: joints with deviations, limits or parts of what does not exist, a maximum on
+                the wrong side of its limit, values that break a rule.
         """
         return tuple(_figure(row) for row in self._core.figures(threads.at_most(None)))
 
@@ -353,19 +332,7 @@ class Machine:
 
     @property
     def _core(self) -> _core.Machine:
-        has = self._parts.get
-        return _core.Machine(
-            self._parts["states"],
-            has("steps"),
-            has("shares", []),
-            has("ratings", []),
-            has("friction", []),
-            has("tubes", []),
-            has("spline"),
-            has("centres", []),
-            has("play", []),
-            self._parts["limits"],
-        )
+        return _core.Machine(**self._parts)
 
     def _with(self, **parts: Any) -> Machine:  # noqa: ANN401 - what the core takes
         other = copy.copy(self)
