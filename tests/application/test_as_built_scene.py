@@ -267,7 +267,7 @@ def test_the_example_answers_in_millimetres(answered: Answers) -> None:
     assert data["permitted"][0]["unit"] == "mm"
     first = answer.data("check")["as_built"][0]
     assert first["worst"]["acceleration_rad_s2"] == pytest.approx(
-        data["figures"][0]["worst"], rel=1e-9
+        data["figures"][0]["worst"]["value"], rel=1e-9
     )
     words = answer.page
     assert "within tolerances of joints up to" in words

@@ -50,32 +50,45 @@ def test_the_bend_of_a_recording(recording: Path) -> None:
         assert found.exit_code == 0, found.output
         data = json.loads(found.stdout)
         VALIDATOR.validate(data)
-        joint = data["equivalent_joint"]
         in_radians = "--radians" in arguments
-        assert joint["equivalent_bend_rad" if in_radians else "equivalent_bend_deg"] == (
+        assert data["equivalent_bend_rad" if in_radians else "equivalent_bend_deg"] == (
             pytest.approx(np.radians(bend) if in_radians else bend, abs=1e-7)
         )
         assert data["missing_samples"] == (0 if in_radians else 1)
-        assert joint["detected"]
-        assert data["two_joints"] is None
+        assert data["detected"]
+        assert data["joints"] == []
+        assert (data["unit"], data["recorded"]) == (
+            ("", "speed ratio")
+            if "ratio" in arguments
+            else ("rad" if in_radians else "deg", "angle error")
+        )
+        motion = LINE.harmonics([2], outputs=("angle_error", "speed_ratio"))
+        size = motion.speed_ratio[0] if "ratio" in arguments else motion.angle_error[0]
+        factor = TO_DEG if data["unit"] == "deg" else 1.0
+        assert data["orders"][1] == {
+            "order": 2,
+            "unit": data["unit"],
+            "amplitude": pytest.approx(factor * size, abs=1e-6),
+        }
 
 
 def test_both_joints_of_a_recording(recording: Path) -> None:
     options = ("--drive", "drive", "--intermediate", "middle", "--driven", "driven")
     data = json.loads(identify(recording, *options, "--json").stdout)
     VALIDATOR.validate(data)
-    bends = [entry["bend_deg"] for entry in data["two_joints"]["joints"]]
+    bends = [entry["bend_deg"] for entry in data["joints"]]
     assert bends == pytest.approx([14.0, 9.0], abs=1e-7)
-    assert data["two_joints"]["phase_less_twist_deg"] == pytest.approx(-10.0, abs=1e-6)
+    assert data["phase_less_twist_deg"] == pytest.approx(-10.0, abs=1e-6)
     text = identify(recording, *options).output
-    assert text.startswith(f"{recording}\n\nsamples                    1499, 1 missing\n")
-    said = dict(line.split("  ", 1) for line in text.splitlines() if "  " in line)
+    assert text.startswith(f"{recording}\n  samples ")
+    said = dict(line.strip().split("  ", 1) for line in text.splitlines() if "  " in line.strip())
     said = {label: value.strip() for label, value in said.items()}
-    assert said["bend of joint 0"].startswith("14.00°, standard deviation ")
+    assert (said["samples"], said["missing samples"]) == ("1499", "1")
+    assert said["bend"].split() == ["14.00°", "9.000°"]
     assert said["phase less twist"] == "-10.00°"
-    assert said["equivalent bend"].startswith(f"{LINE.equivalent().bend_deg:.2f}°, standard ")
-    assert said["angle error, order 2"] == f"{LINE.harmonics([2]).angle_error_deg[0]:.4f}°"
-    assert float(said["purity"].split(",")[0]) == pytest.approx(1.0, abs=1e-3)
+    assert said["equivalent bend"] == f"{LINE.equivalent().bend_deg:.2f}°"
+    assert said["amplitude"].split()[1] == f"{LINE.harmonics([2]).angle_error_deg[0]:.4f}°"
+    assert float(said["purity"]) == pytest.approx(1.0, abs=1e-3)
     assert max(map(len, text.splitlines()[1:])) <= 79
 
 
@@ -103,9 +116,9 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
     assert "order 4 does not fit order 2" not in " ".join(text.split())
     assert (
         "order 4"
-        not in identify(path, "--drive", "drive", "--driven", "driven").output.split(
-            "not explained"
-        )[1]
+        not in identify(path, "--drive", "drive", "--driven", "driven").output.split("The offset")[
+            1
+        ]
     )
 
 

@@ -467,7 +467,7 @@ def test_torques_over_the_speed_are_those_of_their_shaft(answered: Answers) -> N
     scene = Scene.load(EXAMPLES / "truck_torsion.toml")
     found, page = torsion_figures(scene), answered(example("truck_torsion.toml")).page
     assert found
-    response = found.response
+    response = found.steady
     assert len(response.compliant) > 1
     for place, shaft in enumerate(response.compliant):
         chart = figure(page, f"Torque of shaft {shaft} over a turn [N m]")

@@ -147,7 +147,7 @@ def test_the_map_of_stability_is_that_of_the_library(rig: TorsionFigures) -> Non
     inside = [any(path.contains_point(point) for path in paths) for point in points]
     line = type(given.system.line)
     for (speed, bend), drawn in zip(points, inside, strict=True):
-        changed = given.changed(line.from_bends([bend], degrees=True))
+        changed = given.system.changed(line.from_bends([bend], degrees=True))
         assert drawn != bool(changed.stability(speed * RPM).stable), (speed, bend)
     assert inside == [True, True, False, False, False, True, False]
     # The lowest unstable bend is that of the rule, tan²(bend/2) = damping ratio, to leading order.

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import reference
-from cardan.app.answers.torsion.stability import unstable_regions
 from cardan.reference import torsion
 
 INF = float("inf")
@@ -73,7 +72,7 @@ def test_a_region_at_half_the_natural_frequency_is_found_between_the_speeds_give
     )
     (natural,) = system.natural_frequencies()
     given = float(natural) * np.array([0.45, 0.55])
-    (region,) = unstable_regions(system, given, [natural])
+    (region,) = system.unstable_ranges(given)
     every = np.linspace(given[0], given[1], 401)
     unstable = every[~system.stability(every).stable]
     step = every[1] - every[0]
@@ -203,3 +202,87 @@ def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     found = system.stability(drive).multipliers
     # The coefficients of the characteristic polynomial do not depend on an order.
     assert np.poly(found) == pytest.approx(np.poly(multipliers), abs=1e-6)
+
+
+def test_modes_are_those_of_a_chain_of_two_masses() -> None:
+    """Generalised eigenvectors of a chain of which the unknowns are the output ends of shafts."""
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([0.0, 0.0]),
+        inertias=[[0.0, 0.02], [0.01, 0.03], [0.0, 0.05]],
+        stiffnesses=[5000.0, 3000.0, INF],
+        dampings=[2.0, 0.5, 0.0],
+    )
+    inertia = np.diag([0.03, 0.08])
+    stiffness = np.array([[8000.0, -3000.0], [-3000.0, 3000.0]])
+    damping = np.array([[2.5, -0.5], [-0.5, 0.5]])
+    values, vectors = np.linalg.eig(np.linalg.inv(inertia) @ stiffness)
+    order = np.argsort(values)
+    for mode, value, shape in zip(system.modes(), values[order], vectors.T[order], strict=True):
+        assert mode.frequency == pytest.approx(np.sqrt(value), rel=1e-9)
+        energy = np.array([5000.0, 3000.0]) * np.array([shape[0], shape[1] - shape[0]]) ** 2
+        assert mode.shares == pytest.approx(energy / energy.sum(), abs=1e-7)
+        assert mode.shaft == int(np.argmax(energy))
+        ratio = shape @ damping @ shape / (2.0 * mode.frequency * (shape @ inertia @ shape))
+        assert mode.damping_ratio == pytest.approx(ratio, rel=1e-6)
+
+
+@pytest.mark.parametrize(("factor", "exceeded"), [(0.99, True), (1.01, False)])
+def test_the_rule_of_the_bend_and_its_edges(factor: float, exceeded: bool) -> None:
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([20.0], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[STIFFNESS, INF],
+        damping_ratios=factor * np.tan(np.radians(10.0)) ** 2,
+    )
+    (rule,) = system.bend_rules()
+    assert (rule.exceeded, rule.shaft) == (exceeded, 0)
+    # To leading order the region is as wide as half the squared bend.
+    (found,) = system.changed().unstable_ranges(NATURAL * np.array([0.5, 1.5])) or [None]
+    assert (found is not None) == exceeded
+    assert rule.edges[1] - rule.edges[0] == pytest.approx(0.5 * rule.bend**2 * rule.speed)
+
+
+def test_a_map_of_stability_is_that_of_each_system() -> None:
+    line = cardan.Driveline.from_bends([20.0, 5.0], degrees=True)
+    shafts: dict[str, Any] = {
+        "inertias": [[0.0, 0.0], [0.0, 0.0], [0.0, INERTIA]],
+        "stiffnesses": [STIFFNESS, INF, INF],
+    }
+    system = cardan.TorsionalSystem(line, **shafts)
+    speed, bend = NATURAL * np.array([0.9, 1.0, 1.1]), np.radians([1.0, 25.0])
+    found = system.stability_map(speed, bend)
+    assert found.joint == 0
+    assert found.stable.shape == (2, 3)
+    for i, own in enumerate((1.0, 25.0)):
+        alone = cardan.TorsionalSystem(
+            cardan.Driveline.from_bends([own, 5.0], degrees=True), **shafts
+        ).stability(speed)
+        assert found.stable[i].tolist() == alone.stable.tolist()
+        assert found.largest[i] == pytest.approx(np.abs(alone.multipliers[:, 0]), rel=1e-9)
+    with pytest.raises(ValueError, match="joint is 2; there are 2, counted from 0"):
+        system.stability_map(speed, bend, 2)
+
+
+def test_methods_of_one_system_refuse_a_batch() -> None:
+    batch = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([[10.0], [20.0]], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[STIFFNESS, INF],
+    )
+    for ask in (
+        batch.modes,
+        batch.bend_rules,
+        lambda: batch.unstable_ranges([1.0, 2.0]),
+        lambda: batch.stability_map([1.0], [0.1]),
+        lambda: batch.side_by_side([1.0]),
+    ):
+        with pytest.raises(ValueError, match=r"batch of shape \(2,\); ask one of them"):
+            ask()
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([0.1]),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[STIFFNESS, INF],
+    )
+    for speeds in ([2.0, 1.0], []):
+        with pytest.raises(ValueError, match="must be a list of rising speeds"):
+            system.unstable_ranges(speeds)

@@ -15,8 +15,11 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
+from cardan.torsion.instability import stability_map, unstable_ranges
+from cardan.torsion.modes import bend_rules, modes
 from cardan.torsion.parameters import TorsionParameters, checked_tolerance
 from cardan.torsion.results import Coexisting, Orbit, Stability
+from cardan.torsion.side_by_side import side_by_side
 from cardan.torsion.steady_state import SteadyState
 from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
 
@@ -126,6 +129,16 @@ class TorsionalSystem:
         return self._parameters.compliant
 
     @property
+    def inertias(self) -> FloatArray:
+        """Inertias of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``."""
+        return self._parameters.inertias
+
+    @property
+    def stiffnesses(self) -> FloatArray:
+        """Stiffness of each shaft in N m/rad, ``(..., n + 1)``; infinite for a rigid one."""
+        return self._parameters.stiffnesses
+
+    @property
     def dampings(self) -> FloatArray:
         """Damping of each shaft in N m s/rad, ``(..., n + 1)``."""
         return self._parameters.dampings
@@ -134,6 +147,40 @@ class TorsionalSystem:
     def load_torque(self) -> FloatArray:
         """Constant torque on the last shaft in N m, in the shape of the batch."""
         return self._parameters.load_torque
+
+    @property
+    def load_damping(self) -> FloatArray:
+        """Viscous load on the last shaft in N m s/rad, in the shape of the batch."""
+        return self._parameters.load_damping
+
+    modes = modes
+    bend_rules = bend_rules
+    unstable_ranges = unstable_ranges
+    stability_map = stability_map
+    side_by_side = side_by_side
+
+    def changed(
+        self, line: Driveline | None = None, stiffnesses: ArrayLike | None = None
+    ) -> TorsionalSystem:
+        """Return the system with another driveline or other stiffnesses, or a batch of them.
+
+        Dampings in N m s/rad, inertias and loads stay.
+
+        Args:
+            line: the driveline; by default the same.
+            stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
+
+        Raises:
+            TypeError, ValueError: as of ``TorsionalSystem``.
+        """
+        return TorsionalSystem(
+            self.line if line is None else line,
+            inertias=self.inertias,
+            stiffnesses=self.stiffnesses if stiffnesses is None else stiffnesses,
+            dampings=self.dampings,
+            load_torque=self.load_torque,
+            load_damping=self.load_damping,
+        )
 
     def natural_frequencies(self) -> FloatArray:
         """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.

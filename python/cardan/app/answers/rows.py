@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple, get_args, get_type_hints
 
-from cardan.app.scene.units import ENDINGS, RPM
+from cardan.app.scene.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
 Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts"]
@@ -41,6 +41,11 @@ UNITS: Mapping[str, Unit] = _MORE | {
     for ending, unit in ENDINGS.items()
 }
 """The units of rows by the ending of a key. Inside, figures are in SI; lives are in hours."""
+
+
+def key_of(unit: str) -> str:
+    """Return the key of ``UNITS`` for a unit of the library: ``"deg"`` for ``"rad"``."""
+    return "deg" if unit == "rad" else ending_of("" if unit == "1" else unit)[1:]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from cardan.app.answers.life.data import LIFE_SCHEMA
 from cardan.app.answers.limits.data import check_schema
 from cardan.app.answers.optimise.figures import OPTIMISE_SCHEMA
 from cardan.app.answers.tolerances.figures import TOLERANCES_SCHEMA
-from cardan.app.answers.torsion.data import TORSION_SCHEMA
+from cardan.app.answers.torsion.figures import TORSION_SCHEMA
 from cardan.app.answers.turn.data import run_schema
 from cardan.app.answers.yokes.figures import PHASE_SCHEMA
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.identification.figures import identification_data
+from cardan.app.answers.identification.figures import identification_data, identified
 from cardan.app.answers.identification.text import identification_text
 from cardan.app.command.options import file_argument, json_option
 from cardan.app.command.terminal import as_json_text, say
@@ -48,7 +48,7 @@ def command(
         raise click.UsageError("give one of --driven and --speed-ratio")
     if intermediate is not None and driven is None:
         raise click.UsageError("--intermediate needs --driven")
-    data = identification_data(
+    found = identified(
         file,
         drive,
         driven=driven,
@@ -56,4 +56,7 @@ def command(
         intermediate=intermediate,
         radians=radians,
     )
-    say(as_json_text(data) if as_json else identification_text(data, radians=radians))
+    if as_json:
+        say(as_json_text(identification_data(found, radians=radians)))
+        return
+    say(identification_text(found, radians=radians))

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.torsion.data import torsion_data
-from cardan.app.answers.torsion.figures import needed_torsion
+from cardan.app.answers.torsion.figures import needed_torsion, torsion_data
 from cardan.app.answers.torsion.picture import PICTURES, plot_torsion
 from cardan.app.answers.torsion.text import torsion_text
 from cardan.app.command.files import check_output

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cardan.app.scene.torsion_rules import TUBE
 from cardan.app.scene.tubes import Tubes
@@ -37,37 +36,16 @@ class TorsionCase:
 
     Attributes:
         system: the system.
-        inertias: of input end and output end of each shaft in kg m², ``(n + 1, 2)``.
-        stiffnesses: of each shaft in N m/rad, ``(n + 1,)``.
         speed: drive speeds in rad/s at which it runs, rising, ``(speeds,)``.
         orders: of the drive's rotation, rising.
-        load_torque: in N m.
-        load_damping: in N m s/rad.
+        margin: least distance of a critical speed from the speeds, in shares of it, if the scene
+            gives one.
     """
 
     system: TorsionalSystem
-    inertias: FloatArray
-    stiffnesses: FloatArray
     speed: FloatArray
     orders: tuple[int, ...]
-    load_torque: float
-    load_damping: float
-
-    def changed(
-        self, line: Driveline | None = None, stiffnesses: ArrayLike | None = None
-    ) -> TorsionalSystem:
-        """Return the system with another driveline or other stiffnesses, or a batch of them.
-
-        Dampings in N m s/rad, inertias and loads are those of the scene.
-        """
-        return TorsionalSystem(
-            self.system.line if line is None else line,
-            inertias=self.inertias,
-            stiffnesses=self.stiffnesses if stiffnesses is None else stiffnesses,
-            dampings=self.system.dampings,
-            load_torque=self.load_torque,
-            load_damping=self.load_damping,
-        )
+    margin: float | None
 
 
 def torsion_of(
@@ -99,7 +77,6 @@ def torsion_of(
     if tubes is not None:
         inertias[list(tubes.shafts)] += 0.5 * np.asarray(tubes.tube.inertia)[:, np.newaxis]
     torque = _load_torque(values, load)
-    load_damping = values.get("load_damping_Nms_per_rad", 0.0)
     dampings = values.get("dampings_Nms_per_rad")
     ratios = values.get("damping_ratio", 0.0) if dampings is None else None
     try:
@@ -109,7 +86,7 @@ def torsion_of(
                 inertias=inertias,
                 stiffnesses=stiffnesses,
                 load_torque=torque,
-                load_damping=load_damping,
+                load_damping=values.get("load_damping_Nms_per_rad", 0.0),
                 dampings=dampings,
                 damping_ratios=ratios,
             )
@@ -124,7 +101,7 @@ def torsion_of(
             'stiffer than the others is "rigid"'
         )
     speed = RPM * values["speed_rpm"]
-    return TorsionCase(system, inertias, stiffnesses, speed, orders, torque, load_damping)
+    return TorsionCase(system, speed, orders, values.get("resonance_margin"))
 
 
 def _stiffnesses(values: Mapping[str, Any], shafts: int, tubes: Tubes | None) -> FloatArray:

@@ -37,6 +37,11 @@ TORSION = Section(
             kinds.ORDERS,
             "orders of the drive's rotation to list; joints excite even orders; default: 2 and 4",
         ),
+        "resonance_margin": Key(
+            kinds.POSITIVE,
+            "least distance of the critical speeds of even orders from speed_rpm, in shares of the "
+            "critical speed, such as 0.15",
+        ),
     },
     together=(("damping_ratio", "dampings_Nms_per_rad"),),
     needed=(("inertias_kgm2",), ("speed_rpm",)),

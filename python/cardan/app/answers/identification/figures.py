@@ -1,23 +1,63 @@
-"""What a recording shows of the joints of a driveline, as plain data."""
+"""What a recording shows of the joints of a driveline."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, Literal
 
-import numpy as np
-
-from cardan.app.answers.json_schema import ANGLE, answer, answer_schema, one_of
-from cardan.app.answers.study.extremes import finite_or_none
+from cardan.app.answers.data import data_of, schema_of
+from cardan.app.answers.json_schema import answer, answer_schema
+from cardan.app.answers.rows import count, figure, flag, item, parts, word
 from cardan.app.files.recording import read_columns
-from cardan.motion.identification import Identification, TwoJoints, identify, identify_two_joints
+from cardan.motion.identification import identify, identify_two_joints
 
-LARGEST_ORDER = 4
-"""The largest order that an answer holds."""
+_LARGEST_ORDER = 4
 
 
-def identification_data(
+@dataclass(frozen=True)
+class Order:
+    """The amplitude of one order of what was recorded."""
+
+    order: int = item("order")
+    unit: str = word("unit", is_detail=True)
+    amplitude: float = figure("amplitude", "own")
+
+
+@dataclass(frozen=True)
+class JointBend:
+    """The bend of one of two joints."""
+
+    joint: int = item("joint")
+    bend: float = figure("bend", "deg")
+    standard_deviation: float | None = figure("standard deviation", "deg")
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What a recording shows of the joints of a driveline; ``path`` is its file."""
+
+    path: str
+    samples: int = count("samples")
+    missing_samples: int = count("missing samples")
+    turns: float = figure("turns of the drive")
+    equivalent_bend: float = figure("equivalent bend", "deg")
+    standard_deviation: float | None = figure("standard deviation of the bend", "deg")
+    detection_limit: float = figure("smallest bend detected", "deg")
+    detected: bool = flag("detected", "whether the bend is larger than the noise permits to detect")
+    angle_offset: float = figure("offset of the drive angle", "deg")
+    phase_less_twist: float | None = figure("phase less twist", "deg", "of two joints")
+    purity: float | None = figure("purity", meaning="1 for a chain of joints and nothing else")
+    purity_standard_deviation: float | None = figure("standard deviation of the purity")
+    unit: str = word("unit", "of the residual and the orders", is_detail=True)
+    residual: float = figure("not explained, rms", "own")
+    recorded: Literal["angle error", "speed ratio"] = word("recorded")
+    orders: tuple[Order, ...] = parts("Orders of what was recorded")
+    joints: tuple[JointBend, ...] = parts("Joints")
+
+
+def identified(
     path: str | PathLike[str],
     drive: str,
     *,
@@ -25,8 +65,8 @@ def identification_data(
     speed_ratio: str | None = None,
     intermediate: str | None = None,
     radians: bool = False,
-) -> dict[str, Any]:
-    """Find the joints that a file's columns show, and return them as ``IDENTIFY_SCHEMA`` says.
+) -> Identified:
+    """Find the joints that a file's columns show.
 
     Args:
         path: a recording in CSV, Parquet, NPZ or MDF.
@@ -53,91 +93,46 @@ def identification_data(
         found = identify(columns[drive], speed_ratio=columns[speed_ratio], degrees=not radians)
     else:
         found = identify(columns[drive], angle=columns[names[1]], degrees=not radians)
-    return answer(
-        "identify",
+    # Speed ratios have no unit.
+    unit = "" if speed_ratio is not None else "rad" if radians else "deg"
+    return Identified(
         fspath(path),
-        samples=found.samples,
-        missing_samples=len(columns[drive]) - found.samples,
-        turns=found.turns,
-        equivalent_joint=_joint(found, speed_ratio is not None, radians),
-        two_joints=None if both is None else _two_joints(both, radians),
+        found.samples,
+        len(columns[drive]) - found.samples,
+        found.turns,
+        found.bend,
+        _known(found.std),
+        found.detection_limit,
+        found.detected,
+        found.angle_offset,
+        None if both is None else _known(both.phase_less_twist),
+        _known(found.purity),
+        _known(found.std_purity),
+        unit,
+        found.residual,
+        "speed ratio" if speed_ratio is not None else "angle error",
+        tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
+        ()
+        if both is None
+        else tuple(JointBend(n, both.bends[n], _known(both.std[n])) for n in range(2)),
     )
 
 
-def _joint(found: Identification, of_ratio: bool, radians: bool) -> dict[str, Any]:
-    unit, angle = ("rad", float) if radians else ("deg", np.degrees)
-    # Speed ratios have no unit.
-    ending, size = ("", float) if of_ratio else (f"_{unit}", angle)
-    return {
-        f"equivalent_bend_{unit}": float(angle(found.bend)),
-        f"standard_deviation_{unit}": finite_or_none(float(angle(found.std))),
-        f"detection_limit_{unit}": float(angle(found.detection_limit)),
-        "detected": found.detected,
-        f"angle_offset_{unit}": float(angle(found.angle_offset)),
-        "purity": finite_or_none(found.purity),
-        "purity_standard_deviation": finite_or_none(found.std_purity),
-        f"residual{ending}": float(size(found.residual)),
-        "orders": [
-            {"order": order, f"amplitude{ending}": float(size(abs(found.orders[order])))}
-            for order in range(1, LARGEST_ORDER + 1)
-        ],
-    }
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
-def _two_joints(found: TwoJoints, radians: bool) -> dict[str, Any]:
-    unit, angle = ("rad", np.asarray) if radians else ("deg", np.degrees)
-    return {
-        "joints": [
-            {
-                "joint": joint,
-                f"bend_{unit}": float(angle(found.bends[joint])),
-                f"standard_deviation_{unit}": finite_or_none(float(angle(found.std[joint]))),
-            }
-            for joint in range(2)
-        ],
-        f"phase_less_twist_{unit}": finite_or_none(float(angle(found.phase_less_twist))),
-    }
+def identification_data(found: Identified, *, radians: bool = False) -> dict[str, Any]:
+    """Return an identification as plain data for JSON."""
+    return answer("identify", found.path, **data_of(found, radians=radians))
 
 
-_NUMBER = {"type": "number"}
-_OR_NULL = {"type": ["number", "null"]}
-_COUNT = {"type": "integer", "minimum": 0}
-
-
-def _either(name: str, schema: Mapping[str, Any] = _NUMBER) -> dict[str, Any]:
-    return {f"{name}_{unit}": schema for unit in ANGLE}
-
-
-def _listed(schema: Mapping[str, Any]) -> dict[str, Any]:
-    return {"type": "array", "items": schema}
-
-
-_SHARED = {
-    "detected": {"type": "boolean"},
-    "purity": {"description": "1 for a chain of joints and nothing else", **_OR_NULL},
-    "purity_standard_deviation": _OR_NULL,
-    "orders": _listed(one_of({"order": _COUNT}, {"amplitude": _NUMBER, **_either("amplitude")})),
-}
-_JOINT = one_of(
-    _SHARED,
-    _either("equivalent_bend"),
-    _either("standard_deviation", _OR_NULL),
-    _either("detection_limit"),
-    _either("angle_offset"),
-    {"residual": _NUMBER, **_either("residual")},
-)
-_BEND = one_of({"joint": _COUNT}, _either("bend"), _either("standard_deviation", _OR_NULL))
-_TWO = one_of({"joints": _listed(_BEND)}, _either("phase_less_twist", _OR_NULL))
+_SCHEMA = schema_of(Identified)
 
 IDENTIFY_SCHEMA = answer_schema(
     "identify",
     "what cardan identify prints with --json; the title is the file",
-    {
-        "samples": _COUNT,
-        "missing_samples": _COUNT,
-        "turns": _NUMBER,
-        "equivalent_joint": _JOINT,
-        "two_joints": {"oneOf": [_TWO, {"type": "null"}]},
-    },
-)
+    {key: _SCHEMA["properties"][key] for key in _SCHEMA["required"]},
+    {key: each for key, each in _SCHEMA["properties"].items() if key not in _SCHEMA["required"]},
+) | {"allOf": _SCHEMA["allOf"]}
 """JSON Schema of ``identification_data``."""

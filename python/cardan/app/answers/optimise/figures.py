@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.answers.json_schema import answer, answer_schema, record
+from cardan.app.answers.data import data_of, schema_of
+from cardan.app.answers.json_schema import answer, answer_schema
+from cardan.app.answers.rows import UNITS, figure, flag, item, key_of, parts, word
 from cardan.app.scene.errors import SceneError
 from cardan.app.scene.optimise import Optimisation, Variable
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.units import ENDINGS, in_degrees, split
 from cardan.arrays import FloatArray
 from cardan.design.quantities import label
-from cardan.optimisation import ActiveLimit, Optimum
+from cardan.optimisation import Optimum
 
 _POINTS = 121
 """Points of a curve over one variable."""
@@ -82,12 +84,6 @@ class Optimised:
             found.append((name, unit, in_degrees(self.best.kept_before[name], si)[0], after))
         return found
 
-    def limit(self, active: ActiveLimit) -> tuple[float, str]:
-        """Return a limit that a kept quantity reaches, in its unit."""
-        si = self.asked.measure("keep", active.quantity).unit
-        value, unit = in_degrees(np.asarray(active.limit), si)
-        return float(value), unit
-
     def over(self, number: int) -> OverVariable:
         """Return the value over the states at changes of one variable, with the others at best.
 
@@ -129,63 +125,72 @@ def optimised(scene: Scene) -> Optimised | None:
         raise SceneError.of(error, scene.name, "optimise") from None
 
 
-_NUMBER = {"type": "number"}
-_TEXT = {"type": "string"}
-_RANGE = {
-    "description": "least and largest change; null for a free phase",
-    "anyOf": [{"type": "null"}, {"type": "array", "items": _NUMBER}],
-}
-_STATE = record(
-    {
-        "state": {"description": "name of the state, empty without [states]", **_TEXT},
-        "before": _NUMBER,
-        "after": _NUMBER,
-    }
-)
-_QUANTITY = {
-    "quantity": _TEXT,
-    "unit": {"description": "empty for a ratio", **_TEXT},
-    "states": {"type": "array", "items": _STATE},
-}
+_UNIT = "unit of the figures beside it"
+
+
+@dataclass(frozen=True)
+class Changed:
+    """What changes of one variable."""
+
+    key: str = item("key")
+    unit: str = word("unit", _UNIT)
+    before: float = figure("before", "own", "in [driveline], of the first entry")
+    after: float = figure("after", "own")
+    change: float = figure("change", "own")
+    least: float | None = figure("least change", "own", "null for a free phase")
+    largest: float | None = figure("largest change", "own", "null for a free phase")
+    teeth: float | None = figure("teeth", "", "by how many a yoke turns; null without a spline")
+    at_end: Literal["low", "high", "keep", "no"] = word("at the end of its range")
+
+
+@dataclass(frozen=True)
+class InState:
+    """A quantity in one state."""
+
+    state: str = item("state")
+    unit: str = word("unit", _UNIT)
+    before: float = figure("before", "own")
+    after: float = figure("after", "own")
+
+
+@dataclass(frozen=True)
+class Minimised:
+    """The quantity that is minimised."""
+
+    quantity: str = word("quantity")
+    unit: str = word("unit", _UNIT)
+    over: Literal["largest", "rms"] = word("over the states")
+    before: float = figure("before", "own", "over all states")
+    after: float = figure("after", "own", "over all states")
+    states: tuple[InState, ...] = parts("States")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A quantity that has a limit."""
+
+    quantity: str = item("quantity")
+    unit: str = word("unit", _UNIT)
+    limit: float = figure("limit", "own")
+    at_limit: bool = flag("at its limit")
+    states: tuple[InState, ...] = parts("States")
+
+
+@dataclass(frozen=True)
+class OptimiseFigures:
+    """The best values of what a scene lets change."""
+
+    variables: tuple[Changed, ...] = parts("Variables")
+    minimised: Minimised = parts("Minimised")
+    kept: tuple[Kept, ...] = parts("Kept")
+
 
 OPTIMISE_SCHEMA = answer_schema(
     "optimise",
-    "the best values of what a scene lets change",
+    OptimiseFigures.__doc__ or "",
     {
-        "variables": {
-            "type": "array",
-            "items": record(
-                {
-                    "key": {"description": "path of the key in the scene", **_TEXT},
-                    "unit": {"description": "of its values", **_TEXT},
-                    "before": {"description": "in [driveline], of the first entry", **_NUMBER},
-                    "after": _NUMBER,
-                    "change": _NUMBER,
-                    "range": _RANGE,
-                    "teeth": {
-                        "description": "by how many teeth a yoke turns; null without a spline",
-                        "anyOf": [{"type": "null"}, {"type": "integer"}],
-                    },
-                    "at_end": {
-                        "description": "whether it is at the end of its range",
-                        "enum": ["low", "high", "no"],
-                    },
-                }
-            ),
-        },
-        "minimised": record(
-            {
-                **_QUANTITY,
-                "over": {"enum": ["largest", "rms"]},
-                "before": {"description": "over all states", **_NUMBER},
-                "after": _NUMBER,
-            }
-        ),
-        "kept": {
-            "type": "array",
-            "items": record({**_QUANTITY, "limit": _NUMBER, "at_limit": {"type": "boolean"}}),
-        },
-        "files": {"type": "array", "items": _TEXT},
+        **schema_of(OptimiseFigures)["properties"],
+        "files": {"type": "array", "items": {"type": "string"}},
     },
 )
 
@@ -199,57 +204,52 @@ def optimise_data(found: Optimised, files: list[str]) -> dict[str, Any]:
     """
     best, asked = found.best, found.asked
     reached = {active.quantity for active in best.active}
-    limits = dict(zip(best.kept, asked.keep.values(), strict=True))
-    return answer(
-        "optimise",
-        found.scene.title,
-        variables=[variable_data(found, i) for i in range(len(asked.variables))],
-        minimised={
-            "quantity": asked.minimise,
-            "unit": found.goal_unit,
-            "states": _states(found, best.per_state_before, best.per_state, found.goal),
-            "over": asked.over,
-            "before": float(found.goal(best.before)),
-            "after": float(found.goal(best.value)),
-        },
-        kept=[
-            {
-                "quantity": name,
-                "unit": unit,
-                "states": _states(found, before, after, lambda values: values),
-                "limit": limits[name],
-                "at_limit": name in reached,
-            }
-            for name, unit, before, after in found.kept()
-        ],
-        files=files,
+
+    def states(unit: str, before: FloatArray, after: FloatArray) -> tuple[InState, ...]:
+        return tuple(
+            InState(name, unit, *ends)
+            for name, *ends in zip(asked.names, before, after, strict=True)
+        )
+
+    unit = key_of(best.unit)
+    kept = []
+    for (name, after), limit in zip(best.kept.items(), asked.keep.values(), strict=True):
+        own = key_of(asked.measure("keep", name).unit)
+        values = states(own, best.kept_before[name], after)
+        kept.append(Kept(name, own, limit / UNITS[own].factor, name in reached, values))
+    figures = OptimiseFigures(
+        tuple(changed(found, i) for i in range(len(asked.variables))),
+        Minimised(
+            asked.minimise,
+            unit,
+            asked.over,
+            best.before,
+            best.value,
+            states(unit, best.per_state_before, best.per_state),
+        ),
+        tuple(kept),
     )
+    return answer("optimise", found.scene.title, **data_of(figures), files=files)
 
 
-def _states(
-    found: Optimised,
-    before: FloatArray,
-    after: FloatArray,
-    shown: Any,  # noqa: ANN401 - a function
-) -> list[dict[str, Any]]:
-    rows = zip(found.asked.names, shown(before), shown(after), strict=True)
-    return [{"state": name, "before": float(a), "after": float(b)} for name, a, b in rows]
-
-
-def variable_data(found: Optimised, number: int) -> dict[str, Any]:
-    """Return what changes of one variable, as plain data."""
+def changed(found: Optimised, number: int) -> Changed:
+    """Return what changes of one variable."""
     variable, change = found.asked.variables[number], float(found.best.x[number])
     ends = [active.kind for active in found.best.active if active.variable == number]
-    return {
-        "key": variable.axis.key,
-        "unit": unit_of(variable),
-        "before": variable.base,
-        "after": round(variable.base + change, 9),
-        "change": change,
-        "range": [variable.low, variable.high] if np.isfinite(variable.high) else None,
-        "teeth": round(change * variable.teeth / 360.0) if variable.teeth else None,
-        "at_end": ends[0] if ends else "no",
-    }
+    unit = split(variable.axis.name)[1]
+    si = 1.0 / UNITS[unit].factor
+    is_free = not np.isfinite(variable.high)
+    return Changed(
+        variable.axis.key,
+        unit,
+        si * variable.base,
+        si * (variable.base + change),
+        si * change,
+        None if is_free else si * variable.low,
+        None if is_free else si * variable.high,
+        round(change * variable.teeth / 360.0) if variable.teeth else None,
+        ends[0] if ends else "no",
+    )
 
 
 def unit_of(variable: Variable) -> str:

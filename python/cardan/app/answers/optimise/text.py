@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.optimise.figures import Optimised, unit_of, variable_data
-from cardan.app.answers.printed import figure_text, listed
+from cardan.app.answers.optimise.figures import Optimised, unit_of
+from cardan.app.answers.printed import figure_text, listed, quantity
+from cardan.app.answers.rows import key_of
 from cardan.app.scene.optimise import Variable
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
@@ -40,10 +41,8 @@ def optimise_text(found: Optimised) -> str:
 
 def result_text(found: Optimised) -> str:
     """Say the quantity that was minimised, before and after."""
-    before, after = (
-        _with_unit(float(found.goal(value)), found.goal_unit)
-        for value in (found.best.before, found.best.value)
-    )
+    unit = key_of(found.best.unit)
+    before, after = (quantity(value, unit) for value in (found.best.before, found.best.value))
     name = found.goal_words
     return f"{name[:1].upper()}{name[1:]}: {before} before, {after} after."
 
@@ -52,29 +51,30 @@ def change_lines(found: Optimised) -> list[str]:
     """Say what to do about each variable, one sentence each."""
     lines = []
     for number, variable in enumerate(found.asked.variables):
-        data = variable_data(found, number)
+        change = float(found.best.x[number])
         unit = _unit(unit_of(variable))
-        values = f"{data['key']}: {_number(data['before'])} → {_number(data['after'])}{unit}"
+        ends = (_number(variable.base), _number(variable.base + change))
+        values = f"{variable.axis.key}: {' → '.join(ends)}{unit}"
         if not _is_one(variable):
             # Each entry has its own value.
-            values = str(data["key"])
-        if abs(data["change"]) < _SHOWN:
+            values = variable.axis.key
+        if abs(change) < _SHOWN:
             stays = "it is" if _is_one(variable) else "they are"
-            lines.append(f"leave {_what(variable)} as {stays} ({data['key']})")
+            lines.append(f"leave {_what(variable)} as {stays} ({variable.axis.key})")
         else:
-            lines.append(f"{_action(variable, data)} ({values})")
+            lines.append(f"{_action(variable, change)} ({values})")
     return lines
 
 
-def _action(variable: Variable, data: dict[str, Any]) -> str:
-    change, unit = float(data["change"]), _unit(unit_of(variable))
+def _action(variable: Variable, change: float) -> str:
+    unit = _unit(unit_of(variable))
     size = _number(abs(change))
     what = _what(variable)
     if variable.is_phase:
         sense = "clockwise" if change > 0.0 else "counter-clockwise"
-        if data["teeth"] is None:
+        if not variable.teeth:
             return f"turn {what} by {abs(change):.2f}° {sense}"
-        teeth = abs(data["teeth"])
+        teeth = abs(round(change * variable.teeth / 360.0))
         count = f"{teeth} {'tooth' if teeth == 1 else 'teeth'}"
         return f"turn {what} by {count} {sense} ({abs(change):.2f}°)"
     if variable.axis.component is not None and variable.axis.name.startswith("points"):
@@ -130,12 +130,12 @@ def limit_lines(found: Optimised) -> list[str]:
                 f"{_number(active.limit)}{unit}."
             )
         else:
-            limit, unit = found.limit(active)
+            unit = key_of(found.asked.measure("keep", active.quantity).unit)
             where = listed([found.asked.names[state] for state in active.states])
             place = f" in {where}" if where else ""
             name = label(active.quantity)
             lines.append(
-                f"{name[:1].upper()}{name[1:]} is at its limit of {_with_unit(limit, unit)}{place}."
+                f"{name[:1].upper()}{name[1:]} is at its limit of {quantity(active.limit, unit)}{place}."
             )
     if any(variable.teeth for variable in found.asked.variables):
         lines.append("Yokes are set by whole teeth of their splines.")
@@ -187,10 +187,6 @@ def _table(found: Optimised) -> list[str]:
 
 def _unit(unit: str) -> str:
     return {"deg": "°", "": ""}.get(unit, f" {unit}")
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{figure_text(value)}{_unit(unit)}"
 
 
 def _number(value: float) -> str:

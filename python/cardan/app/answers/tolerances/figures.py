@@ -13,9 +13,9 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of, schema_of
 from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.over import over
-from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, parts, word
+from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, key_of, parts, word
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import ENDINGS, ending_of
+from cardan.app.scene.units import ENDINGS
 from cardan.arrays import FloatArray
 from cardan.design.quantities import MOTION_QUANTITIES, label
 from cardan.tolerances import JOINT_GROUPS, Tolerances
@@ -213,8 +213,7 @@ def permitted_tolerances(
 
 def unit_of(found: Tolerances, name: str) -> str:
     """Return the unit in which a figure is shown, a key of ``UNITS``."""
-    unit = found.unit(name)
-    return "deg" if unit == "rad" else ending_of("" if unit == "1" else unit)[1:]
+    return key_of(found.unit(name))
 
 
 def figure_of(found: Tolerances, name: str, scene: Scene) -> ToleranceFigure:

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.torsion.figures import TorsionFigures, needed_torsion
-from cardan.app.answers.torsion.modes import TorsionBasics
+from cardan.app.answers.torsion.figures import TorsionBasics, TorsionFigures, needed_torsion
 from cardan.app.answers.torsion.text import (
     critical_lines,
     mode_lines,
@@ -45,13 +44,13 @@ def section(answer: Answer, _: TorsionBasics) -> dict[str, Any]:
 
 def _charts(found: TorsionFigures) -> list[dict[str, Any]]:
     """Torques of each compliant shaft; speeds without a periodic motion are left out."""
-    known = found.response.found
+    known = found.steady.found
     if np.count_nonzero(known) < 2:
         return []
     made = []
-    for place, shaft in enumerate(found.response.compliant):
+    for place, shaft in enumerate(found.steady.compliant):
         curves = tuple(
-            Curve(label, getattr(found.response, f"torque_{name}")[place][known])
+            Curve(label, getattr(found.steady, f"torque_{name}")[place][known])
             for label, name in (("largest", "max"), ("mean", "mean"), ("least", "min"))
         )
         scale = float(max(np.max(np.abs(curve.values)) for curve in curves))

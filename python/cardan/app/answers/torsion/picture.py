@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
-from cardan.app.answers.torsion.stability import stability_map
 from cardan.app.pictures.style import (
     LINES,
     MM,
@@ -60,7 +59,7 @@ def plot_torsion(found: TorsionFigures, picture: str = "response", title: str = 
     if picture not in PICTURES:
         known = ", ".join(PICTURES)
         raise ArgumentValueError("picture", f"is {picture!r}; it must be one of {known}")
-    shafts = found.response.compliant if picture == "response" else (0,)
+    shafts = found.steady.compliant if picture == "response" else (0,)
     height = (_AROUND + _PANEL * len(shafts)) * MM
     with matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
@@ -96,14 +95,14 @@ def plot_torsion_response(
         ImportError: matplotlib is missing.
         ValueError: a shaft that is not compliant.
     """
-    compliant = found.response.compliant
+    compliant = found.steady.compliant
     chosen = compliant[0] if shaft is None else shaft
     if chosen not in compliant:
         known = ", ".join(map(str, compliant))
         raise ArgumentValueError("shaft", f"is {chosen}; compliant shafts: {known}")
     place = compliant.index(chosen)
     least, mean, most = (
-        getattr(found.response, f"torque_{name}")[place] for name in ("min", "mean", "max")
+        getattr(found.steady, f"torque_{name}")[place] for name in ("min", "mean", "max")
     )
     rpm = found.speed / RPM
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
@@ -134,7 +133,7 @@ def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
     """Mark speeds at which the motion is unstable, or not known."""
     known: tuple[tuple[str, str, str, list[tuple[float, float]]], ...] = (
         ("unstable", _UNSTABLE, "////", [(part.start, part.stop) for part in found.unstable]),
-        ("not known", _MISSING, "....", [(part.start, part.stop) for part, _ in found.missing]),
+        ("not known", _MISSING, "....", [(part.start, part.stop) for part in found.missing]),
     )
     for label, colour, hatch, parts in known:
         for number, (start, stop) in enumerate(parts):
@@ -174,7 +173,7 @@ def _mark_critical(axes: Axes, found: TorsionFigures) -> None:
 def _excited(found: TorsionFigures) -> list[CriticalSpeed]:
     """The critical speeds of even orders in the range, those with larger torques first."""
     inside = [part for part in found.critical_speeds if part.inside and part.order % 2 == 0]
-    return sorted(inside, key=lambda part: -np.nan_to_num(part.amplitude, nan=np.inf))
+    return sorted(inside, key=lambda part: -np.nan_to_num(part.amplitude or 0.0, nan=np.inf))
 
 
 def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
@@ -248,7 +247,8 @@ def plot_stability(
     bends = np.degrees(found.torsion.system.line.bends)
     top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * float(np.max(bends))))
     speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)
-    grid = stability_map(found.torsion, speed, np.radians(np.linspace(0.0, top, _BENDS)), joint)
+    bend = np.radians(np.linspace(0.0, top, _BENDS))
+    grid = found.torsion.system.stability_map(speed, bend, joint)
     rpm, degrees = grid.speed / RPM, np.degrees(grid.bend)
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         from matplotlib.patches import Patch

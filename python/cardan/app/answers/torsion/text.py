@@ -5,11 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cardan.app.answers.printed import aligned, figure_text, listed, rounded_up, short
-from cardan.app.answers.torsion.figures import CriticalSpeed, LargestTorque, TorsionFigures
-from cardan.app.answers.torsion.modes import BendRule, TorsionBasics
-from cardan.app.answers.torsion.stability import SpeedRange
-from cardan.app.scene.units import RPM
+from cardan.app.answers.printed import (
+    aligned,
+    figure_text,
+    given,
+    listed,
+    quantity,
+    rounded_up,
+    short,
+)
+from cardan.app.answers.torsion.figures import (
+    BendRule,
+    CriticalSpeed,
+    LargestTorque,
+    SpeedRange,
+    TorsionBasics,
+    TorsionFigures,
+    is_unknown,
+)
 from cardan.design.wrapping import fill, wrap
 
 RESONANCE_SOURCE = "D. Thoma, 1920: joints bring new critical speeds"
@@ -30,7 +43,7 @@ def torsion_text(found: TorsionFigures) -> str:
     tables = (
         ("Natural frequencies", mode_lines(found)),
         ("Critical speeds", critical_lines(found)),
-        (f"Largest torque, {_range(_whole(found))}", torque_lines(found)),
+        (f"Largest torque, {_range(found.speed_range)}", torque_lines(found)),
         ("Stability", stability_lines(found)),
     )
     parts = [f"{heading}\n{aligned(lines, indent='  ')}" for heading, lines in tables if lines]
@@ -59,11 +72,11 @@ def mode_lines(found: TorsionBasics) -> list[tuple[str, str]]:
     """
     lines = []
     for mode in found.modes:
-        shares = sorted(zip(mode.shares, found.torsion.system.compliant, strict=True), reverse=True)
+        shares = sorted(mode.shares, key=lambda each: each.share, reverse=True)
         shafts = [
-            f"shaft {shaft} ({100.0 * share:.0f} %)"
-            for share, shaft in shares
-            if share >= _SMALL or shaft == mode.shaft
+            f"shaft {each.shaft} ({100.0 * each.share:.0f} %)"
+            for each in shares
+            if each.share >= _SMALL or each.shaft == mode.shaft
         ]
         twisted = listed(shafts) if len(shares) > 1 else f"shaft {mode.shaft}"
         damping = short(round(mode.damping_ratio, 9))
@@ -87,12 +100,12 @@ def critical_lines(found: TorsionFigures) -> list[tuple[str, str]]:
 def _amplitude(found: TorsionFigures, critical: CriticalSpeed) -> str:
     if critical.order % 2:
         return "the joints do not excite it"
-    if math.isnan(critical.amplitude):
+    if critical.amplitude is None or is_unknown(critical):
         return "no periodic motion was found"
     sizes = [torque.size for torque in found.largest if math.isfinite(torque.size)]
     largest = max(sizes, default=0.0)
     size = critical.amplitude if critical.amplitude > _ROUNDING * largest else 0.0
-    return f"{figure_text(size)} N m of this order in shaft {critical.shaft}"
+    return f"{quantity(size, 'Nm')} of this order in shaft {critical.shaft}"
 
 
 def torque_lines(found: TorsionFigures) -> list[tuple[str, str]]:
@@ -123,8 +136,8 @@ def stability_lines(found: TorsionFigures) -> list[tuple[str, str]]:
         )
         for region in found.unstable
     ]
-    lines += [(_range(part), f"not known, {reason}") for part, reason in found.missing]
-    return lines or [(_range(_whole(found)), "stable")]
+    lines += [(_range(part), f"not known, {part.reason}") for part in found.missing]
+    return lines or [(_range(found.speed_range), "stable")]
 
 
 # --- sentences ---------------------------------------------------------------------------------
@@ -139,18 +152,18 @@ def torsion_sentences(found: TorsionFigures) -> Iterator[str]:
     if not found.unstable and not found.missing:
         yield "The motion is stable at all speeds of the range."
     yield from _side_by_side(found)
-    for part, reason in found.missing:
-        yield f"{_between(part)} the torques are not known: {reason}."
+    for part in found.missing:
+        yield f"{_between(part)} the torques are not known: {part.reason}."
 
 
 def _side_by_side(found: TorsionFigures) -> Iterator[str]:
-    several = [motions for motions in found.motions if motions.count > 1]
+    several = [motions for motions in found.motions if motions.number > 1]
     for motions in several:
         yield (
-            f"At {_rpm(motions.speed)} {motions.count} periodic motions were found, "
+            f"At {_rpm(motions.speed)} {motions.number} periodic motions were found, "
             f"{motions.stable or 'none'} of them stable: the largest torque of shaft "
             f"{motions.shaft} is {figure_text(motions.smallest)} to "
-            f"{figure_text(motions.largest)} N m."
+            f"{quantity(motions.largest, 'Nm')}."
         )
     if several:
         yield (
@@ -211,8 +224,8 @@ def _resonance(found: TorsionFigures) -> str:
             f"is that of order {nearest.order} at {_rpm(nearest.speed)}, in which shaft "
             f"{nearest.shaft} is twisted most."
         )
-    known = [critical for critical in inside if not math.isnan(critical.amplitude)]
-    worst = max(known or inside, key=lambda critical: critical.amplitude)
+    known = [critical for critical in inside if not is_unknown(critical)]
+    worst = max(known or inside, key=lambda critical: critical.amplitude or 0.0)
     count = "one critical speed: that"
     if len(inside) > 1:
         count = f"{len(inside)} critical speeds; the worst is that"
@@ -223,7 +236,7 @@ def _resonance(found: TorsionFigures) -> str:
 
 
 def _effect(found: TorsionFigures, critical: CriticalSpeed) -> str:
-    if math.isnan(critical.amplitude):
+    if critical.amplitude is None or is_unknown(critical):
         return "no periodic motion was found"
     amplitude = _amplitude(found, critical).partition(" of this")[0]
     return f"this order of the torque of shaft {critical.shaft} is ±{amplitude}"
@@ -247,7 +260,7 @@ def _largest(found: TorsionFigures) -> Iterator[str]:
     if abs(torque.mean) > _ROUNDING * torque.size:
         mean = f", {short(torque.size / abs(torque.mean))} times the mean torque there"
     yield (
-        f"The largest torque is {figure_text(torque.size)} N m, in shaft {torque.shaft} at "
+        f"The largest torque is {quantity(torque.size, 'Nm')}, in shaft {torque.shaft} at "
         f"{_rpm(torque.speed)}{mean}."
     )
 
@@ -255,18 +268,14 @@ def _largest(found: TorsionFigures) -> Iterator[str]:
 def torsion_advice(found: TorsionBasics) -> list[str]:
     """Return what a check says: critical speeds in the range and the rule of the bends."""
     advice = []
-    inside = [
-        (order, speed, found.modes[mode].shaft)
-        for mode, order, speed in found.criticals()
-        if order % 2 == 0 and found.is_inside(speed)
-    ]
+    inside = [each for each in found.critical_speeds if each.order % 2 == 0 and each.inside]
     if inside:
         several = [
-            f"order {order} at {_rpm(speed)} (shaft {shaft})" for order, speed, shaft in inside
+            f"order {each.order} at {_rpm(each.speed)} (shaft {each.shaft})" for each in inside
         ]
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         advice.append(
-            f"{verb} within {_range(_whole(found))}: {listed(several)}; 'cardan torsion' "
+            f"{verb} within {_range(found.speed_range)}: {listed(several)}; 'cardan torsion' "
             f"computes the torques there ({RESONANCE_SOURCE})"
         )
     advice += [_rule(rule) for rule in found.rules if rule.exceeded]
@@ -286,27 +295,22 @@ def _rule(rule: BendRule) -> str:
 # --- pieces ------------------------------------------------------------------------------------
 
 
-def _whole(found: TorsionBasics) -> SpeedRange:
-    speed = found.torsion.speed
-    return SpeedRange(float(speed[0]), float(speed[-1]))
-
-
 def _range(part: SpeedRange) -> str:
-    start, stop = (short(speed / RPM) for speed in (part.start, part.stop))
-    return f"{start} rpm" if start == stop else f"{start} to {stop} rpm"
+    start, stop = _rpm(part.start), _rpm(part.stop)
+    return stop if start == stop else f"{start.partition(' ')[0]} to {stop}"
 
 
 def _between(part: SpeedRange) -> str:
-    start, stop = (short(speed / RPM) for speed in (part.start, part.stop))
-    return f"At {start} rpm" if start == stop else f"Between {start} and {stop} rpm"
+    start, stop = _rpm(part.start), _rpm(part.stop)
+    return f"At {stop}" if start == stop else f"Between {start.partition(' ')[0]} and {stop}"
 
 
 def _rpm(speed: float) -> str:
-    return f"{short(speed / RPM)} rpm"
+    return given(speed, "rpm")
 
 
 def _hertz(frequency: float) -> str:
-    return f"{short(frequency / math.tau)} Hz"
+    return given(frequency, "Hz")
 
 
 def _percent(part: float) -> str:

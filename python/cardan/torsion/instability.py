@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from cardan.app.scene.torsion import TorsionCase
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
-from cardan.torsion import TorsionalSystem
+from cardan.torsion.modes import check_single
+
+if TYPE_CHECKING:
+    from cardan.torsion.system import TorsionalSystem
 
 # Speeds around each one at which instability can begin, and halvings of the edges' intervals.
 _NEAR, _HALVINGS = 81, 16
@@ -21,21 +25,17 @@ _PARTS = (1, 2)
 
 
 @dataclass(frozen=True)
-class SpeedRange:
-    """A range of drive speeds in rad/s."""
-
-    start: float
-    stop: float
-
-
-@dataclass(frozen=True)
-class UnstableRange(SpeedRange):
-    """A range of speeds in which small deviations from the periodic motion grow.
+class UnstableRange:
+    """A range of drive speeds in which small deviations from the periodic motion grow.
 
     Attributes:
+        start: lowest speed in rad/s.
+        stop: highest speed in rad/s.
         multiplier: by how much at most in half a turn of the drive.
     """
 
+    start: float
+    stop: float
     multiplier: float
 
 
@@ -45,47 +45,61 @@ def ranges(which: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
     yield from ((int(first), int(last) - 1) for first, last in ends.reshape(-1, 2))
 
 
-def unstable_regions(
-    system: TorsionalSystem, speed: FloatArray, frequencies: Sequence[float]
-) -> tuple[UnstableRange, ...]:
-    """Return where in a range of speeds the periodic motion is unstable.
+def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRange, ...]:
+    """Return where in a range of speeds the periodic motion of one system is unstable.
 
     Besides the speeds given, those around ``(w_i + w_j)/(2 n)`` with ``n = 1, 2`` are examined: the
     joints vary the equations at twice the speed of the drive, which excites a sum of two natural
     frequencies parametrically. Regions of higher ``n`` are found if they contain a given speed.
 
     Args:
-        system: one system.
-        speed: drive speeds in rad/s, rising; the range is from the first to the last.
-        frequencies: natural frequencies in rad/s.
+        speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
+
+    Raises:
+        TypeError: speeds that are not real numbers.
+        ValueError: a batch of systems, speeds that do not rise.
+
+    >>> import cardan
+    >>> system = cardan.TorsionalSystem(
+    ...     cardan.Driveline.from_bends([20], degrees=True),
+    ...     inertias=[[0, 0], [0, 0.05]],
+    ...     stiffnesses=[8000, float("inf")],
+    ... )
+    >>> (found,) = system.unstable_ranges([300, 500])
+    >>> round(found.start, 1), round(found.stop, 1)
+    (387.0, 412.0)
     """
-    speeds = _with_candidates(system, speed, frequencies)
-    found = system.stability(speeds)
-    unstable = found.found & ~found.stable
-    runs = list(ranges(unstable))
+    check_single(self)
+    speeds = _with_candidates(self, _rising(speed))
+    found = self.stability(speeds)
+    runs = list(ranges(found.found & ~found.stable))
     sizes = np.abs(found.multipliers[..., 0])
     edges = []
     for first, last in runs:
         for inner, outer in ((first, first - 1), (last, last + 1)):
             known = 0 <= outer < len(speeds) and bool(found.stable[outer])
             edges.append((speeds[inner], speeds[outer] if known else speeds[inner]))
-    ends = _edges(system, np.array(edges).reshape(-1, 2)).reshape(-1, 2)
+    ends = _edges(self, np.array(edges).reshape(-1, 2)).reshape(-1, 2)
     return tuple(
         UnstableRange(float(start), float(stop), float(sizes[first : last + 1].max()))
         for (first, last), (start, stop) in zip(runs, ends, strict=True)
     )
 
 
-def _with_candidates(
-    system: TorsionalSystem, speed: FloatArray, frequencies: Sequence[float]
-) -> FloatArray:
+def _rising(speed: ArrayLike) -> FloatArray:
+    speeds = as_float64("speed", speed)
+    if speeds.ndim != 1 or not speeds.size or not np.all(np.diff(speeds) > 0.0):
+        raise ArgumentValueError("speed", f"is {speed!r}; it must be a list of rising speeds")
+    return speeds
+
+
+def _with_candidates(system: TorsionalSystem, speed: FloatArray) -> FloatArray:
     # The first region is as wide as a quarter of the squared equivalent bend on either side, and
     # that bend is at most the sum of all.
     width = min(0.5, 0.01 + 0.5 * float(np.sum(system.line.bends)) ** 2)
     near = 1.0 + width * np.linspace(-1.0, 1.0, _NEAR)
-    sums = {
-        (one + other) / (2.0 * n) for one in frequencies for other in frequencies for n in _PARTS
-    }
+    natural = system.natural_frequencies().tolist()
+    sums = {(one + other) / (2.0 * n) for one in natural for other in natural for n in _PARTS}
     speeds = np.unique(np.concatenate([speed, *(centre * near for centre in sorted(sums))]))
     inside = (speeds >= speed[0]) & (speeds <= speed[-1])
     return np.asarray(speeds[inside], dtype=np.float64)
@@ -106,7 +120,7 @@ class StabilityMap:
     """Stability over the drive speed and the bend of one joint.
 
     Attributes:
-        joint: the joint; the others have the bends of the scene.
+        joint: the joint; the others keep their bends.
         speed: in rad/s, ``(speeds,)``.
         bend: in rad, ``(bends,)``.
         largest: modulus of the largest multiplier, ``(bends, speeds)``; NaN without an orbit.
@@ -123,26 +137,40 @@ class StabilityMap:
 
 
 def stability_map(
-    given: TorsionCase, speed: FloatArray, bend: FloatArray, joint: int | None = None
+    self: TorsionalSystem,
+    speed: ArrayLike,
+    bend: ArrayLike,
+    joint: SupportsIndex | None = None,
 ) -> StabilityMap:
-    """Return the stability of a scene's system over speed and the bend of one joint.
+    """Return the stability of one system over the drive speed and the bend of one joint.
 
     Args:
-        given: the system of the scene.
         speed: drive speeds in rad/s, ``(speeds,)``.
-        bend: bends in rad, ``(bends,)``.
-        joint: which joint; by default the one with the largest bend.
+        bend: bends of the joint in rad, ``(bends,)``.
+        joint: which joint, counted from 0; by default the one with the largest bend.
 
     Raises:
-        ValueError: a joint that does not exist, bends out of range.
+        TypeError: values that are not real numbers.
+        ValueError: a batch of systems, a joint that does not exist, bends out of range.
+
+    >>> import cardan
+    >>> system = cardan.TorsionalSystem(
+    ...     cardan.Driveline.from_bends([20], degrees=True),
+    ...     inertias=[[0, 0], [0, 0.05]],
+    ...     stiffnesses=[8000, float("inf")],
+    ... )
+    >>> system.stability_map([395.0, 500.0], [0.01, 0.35]).stable.tolist()
+    [[True, True], [False, True]]
     """
-    line = given.system.line
-    chosen = int(np.argmax(line.bends)) if joint is None else joint
-    if not 0 <= chosen < line.n_joints:
+    check_single(self)
+    line = self.line
+    chosen = int(np.argmax(line.bends)) if joint is None else integer("joint", joint, 0)
+    if chosen >= line.n_joints:
         raise ArgumentValueError("joint", f"is {chosen}; there are {line.n_joints}, counted from 0")
-    bends = np.repeat(line.bends[np.newaxis], len(bend), axis=0)
-    bends[:, chosen] = bend
+    speeds, given = as_float64("speed", speed), as_float64("bend", bend)
+    bends = np.repeat(line.bends[np.newaxis], len(given), axis=0)
+    bends[:, chosen] = given
     lines = Driveline.from_bends(bends, line.twists, line.phases)
-    found = given.changed(lines[:, np.newaxis]).stability(speed)
+    found = self.changed(lines[:, np.newaxis]).stability(speeds)
     largest = np.abs(found.multipliers[..., 0])
-    return StabilityMap(chosen, speed, bend, largest, found.stable, found.found)
+    return StabilityMap(chosen, speeds, given, largest, found.stable, found.found)
