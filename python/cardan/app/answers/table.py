@@ -130,7 +130,7 @@ _ALL = ("run", "check", "report")
 _PARTS = (
     Part("states", "Equivalent bend in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
-    Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), ("run", "check")),
+    Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), _ALL),
     Part("backlash", "Backlash", "the driveline", ("joints",), ("run", "check", "report")),
     Part("forces", "Forces", "the bearings", ("load",), _ALL),
     Part("spline", "Spline", "the spline", ("slip",), _ALL),
