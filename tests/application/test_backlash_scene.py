@@ -6,6 +6,7 @@ import json
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +16,9 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 import cardan
-from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash, scene_backlash
-from cardan.app.answers.backlash.text import words as backlash_text
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash
+from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_backlash, plot_lash, write_backlash
 from cardan.app.scene import Scene, SceneError
@@ -38,6 +40,12 @@ def curves(axes: Axes) -> list[NDArray[np.float64]]:
     """The curves with a label, ``(2, points)`` each."""
     lines = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     return [np.array([line.get_xdata(), line.get_ydata()], dtype=float) for line in lines]
+
+
+def figures(text: str) -> Any:  # noqa: ANN401 - read in many ways
+    found = Answer(Scene.parse(text))["backlash"]
+    assert found is not None
+    return found
 
 
 def single() -> Backlash:
@@ -74,18 +82,16 @@ def test_the_lash_over_the_turn_is_the_closed_form() -> None:
     pyplot.close("all")
 
 
-@pytest.mark.parametrize("radians", [False, True])
-def test_lash_and_wind_up_in_words(radians: bool) -> None:
+def test_lash_and_wind_up_are_the_closed_forms() -> None:
     """The lash where the driving pin is in the bend plane and across it; the same wind-up."""
     lash = 2.0 * np.arcsin(np.sin(2.0 * PLAY) / np.array([1.0, np.cos(BEND)]))
+    found = figures(SINGLE)
+    assert [found.least_lash, found.lash.value] == pytest.approx(lash.tolist(), rel=1e-9)
     wound = TORQUE / (STIFF * np.cos(BEND))
-    said = " ".join(backlash_text(single(), radians=radians).split())
-    unit = "rad" if radians else "°"
-    numbers = re.findall(r"([\d.]+) ?(?:°|rad)", said)
-    want = np.array([*lash, wound]) if radians else np.degrees([*lash, wound])
-    assert [float(number) for number in numbers] == pytest.approx(want.tolist(), rel=1e-3)
-    assert said.count(unit) == 3
-    assert f"{TORQUE:.1f} N m at the drive wind it up by" in said
+    assert [found.least_wind_up, found.wind_up.value] == pytest.approx([wound, wound], rel=1e-9)
+    assert (found.torque, found.end) == (TORQUE, "drive")
+    free = figures(SINGLE.replace("[load]\ndrive_torque_Nm = 400\n", ""))
+    assert (free.lash.value, free.wind_up) == (found.lash.value, None)
 
 
 def test_loops_that_hardly_differ_are_one() -> None:
@@ -107,21 +113,22 @@ def test_scenes_are_those_of_the_library(tmp_path: Path) -> None:
     load = cardan.Load(drive_torque=TORQUE)
     np.testing.assert_allclose(found.wind_up, scene.line.wind_up(turn, load, STIFF), rtol=1e-12)
     low, high = np.degrees([found.lash.min(), found.lash.max()])
-    said = f"is loose by {low:.4g}° to {high:.4f}° over the turn. 400.0 N m at the drive wind it up"
+    text = PARTS["backlash"].text(Answer(scene)["backlash"])
     for name, options in (("run", ("--into", tmp_path)), ("check", ())):
-        assert said in " ".join(command(name, PATH, *options).split())
+        assert text in command(name, PATH, *options)
+    assert f"largest lash     {high:.4f}°" in text
     data = json.loads(command("check", PATH, "--json"))
     ANSWERS.validate(data)
-    assert data["backlash"]["lash_deg"] == pytest.approx({"min": low, "max": high}, rel=1e-12)
-    assert data["backlash"]["wind_up_deg"]["max"] == pytest.approx(
-        np.degrees(found.wind_up.max()), rel=1e-12
-    )
+    assert data["backlash"]["least_lash_deg"] == pytest.approx(low, rel=1e-12)
+    assert data["backlash"]["lash"]["value_deg"] == pytest.approx(high, rel=1e-12)
+    wound = np.degrees(found.wind_up.max())
+    assert data["backlash"]["wind_up"]["value_deg"] == pytest.approx(wound, rel=1e-12)
     assert scene.service.joints is None
     SCENES.validate(tomllib.loads(TEXT))
 
 
 def test_a_run_in_radians_tells_the_lash_in_radians(tmp_path: Path) -> None:
-    text = backlash_text(drawn_backlash(Scene.load(PATH)), radians=True)
+    text = PARTS["backlash"].text(figures(TEXT), radians=True)
     assert text in command("run", PATH, "--into", tmp_path, "--radians")
 
 
@@ -130,6 +137,33 @@ def test_states_have_the_largest_lash() -> None:
     found = drawn_backlash(states)
     alone = drawn_backlash(Scene.parse(TEXT.replace("[30, 12]", "[35, 12]")))
     np.testing.assert_allclose(found.lash, alone.lash, rtol=1e-12)
+    lash = Answer(states)["backlash"].lash
+    flat = figures(TEXT.replace("[30, 12]", "[5, 12]")).lash.value
+    assert lash.state == "b"
+    assert lash.each == pytest.approx({"a": flat, "b": alone.lash.max()})
+
+
+def test_lash_is_judged_in_every_state_and_driveline_of_a_study() -> None:
+    largest = float(np.degrees(figures(TEXT.replace("[30, 12]", "[35, 12]")).lash.value))
+    for factor, verdict in ((1.0, "within"), (0.999, "beyond")):
+        limits = f"[limits]\nequivalent_bend_deg = 89\nlash_deg = {factor * largest!r}\n"
+        for kind in ("states", "study"):
+            answer = Answer(Scene.parse(f"{TEXT}{limits}[{kind}]\nbends_deg.0 = [5, 35, 20]\n"))
+            assert answer["backlash"].lash.value == pytest.approx(np.radians(largest))
+            assert answer["backlash"].lash.verdict == verdict
+            assert answer.verdict == verdict
+    study = Scene.parse(f"{TEXT}[study]\nbends_deg.0 = [5, 35, 20]\ndrive_torque_Nm = [100, 900]\n")
+    found = Answer(study)["backlash"]
+    assert found.lash.at == {"bends_deg.0": 35.0}
+    assert found.wind_up.at == {"bends_deg.0": 35.0, "drive_torque_Nm": 900.0}
+    between = Answer(Scene.parse(f"{TEXT}[limits]\nlash_deg = [0.1, 5]\n"))["backlash"]
+    assert between.lash.verdict == "tolerable"
+
+
+def test_a_lash_that_cannot_be_judged_says_why() -> None:
+    text = "[driveline]\nbends_deg = [5, 5]\n[limits]\nlash_deg = 1\n"
+    lash = figures(text).lash
+    assert (lash.verdict, lash.why) == ("not judged", "[joints] gives no play_mm")
 
 
 def test_play_is_that_of_joints_as_built() -> None:
@@ -177,4 +211,3 @@ def test_what_has_no_loop_is_refused() -> None:
         backlash(line, 0.05, 40.0, cardan.Load(drive_torque=1.0))
     with pytest.raises(ValueError, match="one torque that is not 0"):
         backlash(line[0], 0.05, 40.0, cardan.Load(speed=1.0))
-    assert scene_backlash(Scene.parse(TEXT.replace("[load]\ndrive_torque_Nm = 400", ""))) is None

@@ -37,6 +37,12 @@ class Limit:
     maximum: float
     source: str
 
+    @classmethod
+    def given(cls, bound: Bound, source: str) -> Limit:
+        """Return a limit given as a number, or as limit and maximum."""
+        values = [float(x) for x in (bound if isinstance(bound, Sequence) else (bound,))]
+        return cls(values[0], values[-1], source)
+
 
 FIGURES: Mapping[str, float] = MappingProxyType(
     {
@@ -194,4 +200,4 @@ def _own(key: str, given: Bound, source: str) -> Limit:
             f"is {given!r}; it must be a positive number{below} or a limit and a maximum not below "
             "it",
         )
-    return Limit(values[0], values[-1], source)
+    return Limit.given(given, source)

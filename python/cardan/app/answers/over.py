@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from cardan.app.answers.rounding import alike
-from cardan.app.answers.rows import Judged
+from cardan.app.answers.rows import UNITS, Judged
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.units import split
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 
 
 def over(
@@ -43,12 +45,38 @@ def over(
     return replace(found, state=state, at=at, each=each)
 
 
-def drivelines(scene: Scene) -> Iterator[Driveline]:
-    """Yield the drivelines that a scene judges, ``(rows,)`` each: its states, its study, or one."""
-    if scene.states is None and scene.study and scene.study.axes:
-        yield from (lines[:, 0] for _, lines, _ in scene.study.blocks())
-    else:
-        yield scene.drivelines()
+def limit_of(scene: Scene, key: str) -> dict[str, Any]:
+    """Return the fields of ``Judged`` that a key of [limits] gives; none if the scene lacks it."""
+    found = scene.part_limits.get(key)
+    if found is None:
+        return {}
+    factor = UNITS[split(key)[1]].factor
+    maximum = None if found.maximum == found.limit else found.maximum / factor
+    return {"limit": found.limit / factor, "maximum": maximum, "source": found.source}
+
+
+def cases(scene: Scene, *, as_built: bool = False) -> Iterator[tuple[Driveline, Load | None]]:
+    """Yield the drivelines that a scene judges, ``(rows, 1)``, with their loads.
+
+    They are those of its states, one by one, those of its study in blocks, or its only one.
+
+    Args:
+        scene: the scene.
+        as_built: whether the joints have their deviations.
+    """
+    if scene.states:
+        for i in range(scene.states.count):
+            yield from cases(scene.in_state(i), as_built=as_built)
+        return
+    blocks: Iterable[tuple[int, Driveline, Load | None]]
+    blocks = [(0, scene.line.reshape(1, 1), scene.load_case)]
+    if scene.study and scene.study.axes:
+        blocks = scene.study.blocks()
+    for _, lines, load in blocks:
+        if as_built and scene.deviations is not None:
+            yield lines.with_deviations(*scene.deviations.T), load
+        else:
+            yield lines, load
 
 
 def at_keys(scene: Scene, values: FloatArray, place: int) -> dict[str, float]:

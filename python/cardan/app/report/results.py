@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.as_built.figures import ORDERS
-from cardan.app.answers.as_built.text import BY_DRAWING, as_built_rows
 from cardan.app.answers.forces.text import force_rows, headings
 from cardan.app.answers.limits.root_rule import fork_signs
 from cardan.app.answers.printed import figure_text, range_ends
@@ -131,12 +129,6 @@ def results(samples: Samples, answer: Answer) -> list[Table]:
     if forces and forces.forces:
         caption = f"Forces over a turn [N]{samples.assumed}"
         tables.append(Table(caption, ("", *headings(forces)), force_rows(forces)))
-    if built := answer["as_built"]:
-        heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
-        rows = [*as_built_rows(built)]
-        tables.append(
-            Table(f"Joints as built: amplitudes by order of the drive. {BY_DRAWING}", heads, rows)
-        )
     if not scene.line.shape:
         orders = (2, 4, 6)
         lines = scene.drivelines() if scene.states else scene.line

@@ -62,6 +62,15 @@ OF_STATES: Mapping[str, Key] = {
 }
 """The keys of [states] that do not vary the driveline."""
 
+OF_PARTS: Mapping[str, Key] = {
+    "bearing_force_N": Key(kinds.LIMIT, "largest force of a bearing over the turn"),
+    "joint_force_N": Key(kinds.LIMIT, "largest force of a joint over the turn"),
+    "lash_deg": Key(
+        kinds.BEND_LIMIT, "angle by which the last shaft is loose while the drive is held"
+    ),
+}
+"""The keys of [limits] on figures that a check of the motion does not have."""
+
 FORMAT: Mapping[str, Section] = MappingProxyType(
     {
         "": Section(
@@ -152,6 +161,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     kinds.LIMIT,
                     "second-order acceleration of all shafts between two joints together",
                 ),
+                **OF_PARTS,
                 "source": Key(kinds.SOURCE, "where your own figures come from", default=OWN),
             },
             fewest=1,

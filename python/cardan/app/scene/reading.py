@@ -17,6 +17,7 @@ from cardan.app.scene.bearing_section import LENGTHS
 from cardan.app.scene.bearings import Mounting, lengths_of
 from cardan.app.scene.document import Document
 from cardan.app.scene.driven import ANGLE_OF, at_drive, check_driven
+from cardan.app.scene.format import OF_PARTS
 from cardan.app.scene.forms import TEETH, Form
 from cardan.app.scene.joint_deviations import (
     arms_of,
@@ -45,7 +46,7 @@ from cardan.app.scene.tolerances import ToleratedLine, tolerances_of
 from cardan.app.scene.torsion import torsion_of
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
-from cardan.design.limits import Limits
+from cardan.design.limits import OWN, Limit, Limits
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
@@ -135,7 +136,8 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         if "steering" in given and angle.bends is not None:
             raise ValueError("it does not go with recorded bends, which differ by sample")
         column = steering_of(given["steering"]) if "steering" in given else None
-    limits = Limits(**given.get("limits", {}))
+    own_limits = given.get("limits", {})
+    limits = Limits(**{key: value for key, value in own_limits.items() if key not in OF_PARTS})
     with document.within("ball_joint"):
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None
@@ -182,6 +184,11 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "line": line,
         "load_case": loaded.load,
         "limits": limits,
+        "part_limits": {
+            key: Limit.given(value, own_limits.get("source", OWN))
+            for key, value in own_limits.items()
+            if key in OF_PARTS
+        },
         "drive_angle_deg": angle.degrees,
         "angle": angle.drive,
         "quantities": asked.quantities,

@@ -39,7 +39,7 @@ from cardan.app.scene.torsion import TorsionCase
 from cardan.app.scene.units import LengthUnit
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
-from cardan.design.limits import Limits
+from cardan.design.limits import Limit, Limits
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
@@ -63,7 +63,8 @@ class Scene:
         title: heading, or "".
         line: the driveline; if its bends were recorded, a batch ``(samples,)``.
         load_case: its load, if any; what was recorded of it is ``(samples,)``.
-        limits: what a check compares it with.
+        limits: what a check compares its motion with.
+        part_limits: limits of [limits] on other figures, by key and in its unit.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
@@ -135,6 +136,7 @@ class Scene:
     tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
     tolerance_share: float | None = None
     length_unit: LengthUnit = "mm"
+    part_limits: Mapping[str, Limit] = field(default_factory=dict)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:

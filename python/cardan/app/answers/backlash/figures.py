@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import record
+from cardan.app.answers.over import cases, limit_of, over
+from cardan.app.answers.rows import Judged, figure, word
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -20,6 +21,9 @@ from cardan.evaluation.sweep import Sweep
 
 TURN = Sweep.revolutions(721 / 720, 720)
 """A turn in steps of half a degree, both ends included."""
+
+# Drivelines of a study at a time.
+_ROWS = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,61 +90,91 @@ def backlash(
     return Backlash(lash, wind_up, torque, load.end)
 
 
-def scene_backlash(scene: Scene) -> Backlash | None:
-    """Return lash and wind-up of a scene, in the state with the largest lash.
+@dataclass(frozen=True)
+class BacklashFigures:
+    """How far the last shaft is loose over a turn while the drive is held."""
 
-    ``None`` without play or without one torque, and for recorded bends.
+    lash: Judged = figure(
+        "largest lash",
+        "deg",
+        "angle by which the last shaft is loose while the drive is held, over the turn",
+        limit="[limits] lash_deg",
+    )
+    least_lash: float | None = figure("least lash", "deg", "over the turn")
+    torque: float | None = figure("torque", "Nm", "that winds the last shaft up beyond its lash")
+    end: Literal["drive", "output", ""] = word("acting at the", "where the torque acts")
+    wind_up: Judged | None = figure(
+        "largest wind-up", "deg", "by which the torque twists the crosses, either way"
+    )
+    least_wind_up: float | None = figure("least wind-up", "deg", "over the turn")
+
+
+def find(answer: Answer) -> BacklashFigures | None:
+    """Return lash and wind-up of a scene over its states or study; ``None`` without play."""
+    scene = answer.scene
+    play, load = scene.service.play, scene.load_case
+    limit = limit_of(scene, "lash_deg")
+    why = "the bends were recorded" if scene.line.shape else ""
+    if play is None:
+        why = "[joints] gives no play_mm"
+    if why or play is None:
+        found = Judged(None, why=why, **limit)
+        return BacklashFigures(found, None, None, "", None, None) if limit else None
+    twists = play.stiffness is not None and load is not None and not load.torque.ndim
+    loose, wound, torques = [], [], [0.0]
+    for lines, own in _blocks(scene):
+        loose.append(_ends(lines.lash(TURN, play.radial, play.arm)))
+        if own is None or play.stiffness is None or not twists:
+            continue
+        torques.append(float(np.max(np.abs(own.torque))))
+        alone: dict[str, Any] = {f"{own.end}_torque": np.abs(own.torque)}
+        wound.append(_ends(lines.wind_up(TURN, Load(**alone), play.stiffness)))
+    least, most = np.concatenate(loose, axis=1)
+    wind_up, least_wind_up = None, None
+    if max(torques) > 0.0:
+        low, high = np.concatenate(wound, axis=1)
+        wind_up, least_wind_up = over(scene, high), float(np.min(low))
+    return BacklashFigures(
+        over(scene, most, **limit),
+        float(np.min(least)),
+        max(torques) or None,
+        load.end if load and wind_up else "",
+        wind_up,
+        least_wind_up,
+    )
+
+
+def _blocks(scene: Scene) -> Iterator[tuple[Driveline, Load | None]]:
+    """The drivelines that the scene judges, few enough for the samples of a turn of each."""
+    for lines, load in cases(scene, as_built=True):
+        for first in range(0, lines.shape[0], _ROWS):
+            rows = slice(first, first + _ROWS)
+            if load is None or not load.torque.shape:
+                yield lines[rows], load
+                continue
+            torque: dict[str, Any] = {f"{load.end}_torque": load.torque[rows]}
+            yield lines[rows], Load(**torque)
+
+
+def _ends(values: FloatArray) -> FloatArray:
+    """The least and the largest of each row."""
+    return np.stack([np.min(values, axis=-1), np.max(values, axis=-1)])
+
+
+def drawn_backlash(scene: Scene) -> Backlash:
+    """Return lash and wind-up to draw, over states those of the one with the largest lash.
+
+    Raises:
+        ValueError: a scene without play, without one torque, or with recorded bends.
     """
     play, load = scene.service.play, scene.load_case
     if play is None or load is None or scene.line.shape or load.torque.ndim or not load.torque:
-        return None
+        raise ValueError(
+            f"{scene.name}: backlash needs play_mm and arm_mm in [joints], one torque in [load] "
+            "that is not 0, and bends that were not recorded"
+        )
     lines = [scene.line_as_built]
     if scene.states:
         lines = [scene.in_state(i).line_as_built for i in range(scene.states.count)]
     found = [backlash(line, play.radial, play.arm, load, play.stiffness) for line in lines]
     return max(found, key=lambda one: float(np.max(one.lash)))
-
-
-def drawn_backlash(scene: Scene) -> Backlash:
-    """Return lash and wind-up of a scene to draw.
-
-    Raises:
-        ValueError: a scene without play, without one torque, or with recorded bends.
-    """
-    found = scene_backlash(scene)
-    if found is None:
-        raise ValueError(
-            f"{scene.name}: backlash needs play_mm and arm_mm in [joints], one torque in [load] "
-            "that is not 0, and bends that were not recorded"
-        )
-    return found
-
-
-def data(found: Backlash, *, radians: bool = False) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
-    unit = "rad" if radians else "deg"
-    data: dict[str, Any] = {"torque_Nm": found.torque, "end": found.end}
-    rows = {"lash": found.lash}
-    if np.any(found.wind_up):
-        rows["wind_up"] = found.wind_up
-    for name, values in rows.items():
-        shown = values if radians else np.degrees(values)
-        data[f"{name}_{unit}"] = {"min": float(shown.min()), "max": float(shown.max())}
-    return data
-
-
-_RANGE = record({"min": {"type": "number"}, "max": {"type": "number"}})
-
-SCHEMA: Mapping[str, Any] = {
-    **record(
-        {"torque_Nm": {"type": "number"}, "end": {"enum": ["drive", "output"]}},
-        dict.fromkeys(("lash_deg", "lash_rad", "wind_up_deg", "wind_up_rad"), _RANGE),
-    ),
-    "description": "how far the last shaft is loose while the drive is held, over a turn",
-}
-"""JSON Schema of ``data``."""
-
-
-def find(answer: Answer) -> Backlash | None:
-    """Return the figures of an answer's scene."""
-    return scene_backlash(answer.scene)

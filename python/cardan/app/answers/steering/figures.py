@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import drivelines, over
+from cardan.app.answers.over import cases, over
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -62,7 +62,9 @@ def find(answer: Answer) -> SteeringFigures | None:
     if column is None:
         return None
     centre = float(np.radians(column.centre_deg))
-    each = [lines.steering(_carried(scene.line, lines, centre)) for lines in drivelines(scene)]
+    each = [
+        lines[:, 0].steering(_carried(scene.line, lines[:, 0], centre)) for lines, _ in cases(scene)
+    ]
 
     def values(name: str) -> FloatArray:
         return np.concatenate([getattr(found, name) for found in each])
