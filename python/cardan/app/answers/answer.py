@@ -39,8 +39,8 @@ class JudgedFigure(NamedTuple):
     @property
     def name(self) -> str:
         """What it is: ``"shear stress of the tube of shaft 1"``."""
-        about = f" of {self.entry.item}" if self.entry.item else ""
-        return f"{self.entry.row.label} of {self.part.noun}{about}"
+        words = (self.entry.row.label, self.part.noun, self.entry.item)
+        return " of ".join(filter(None, words))
 
 
 class Answer:

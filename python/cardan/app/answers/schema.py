@@ -6,13 +6,22 @@ from collections.abc import Mapping
 from typing import Any
 
 from cardan.app.answers.identification.figures import IDENTIFY_SCHEMA
-from cardan.app.answers.life.data import LIFE_SCHEMA
+from cardan.app.answers.json_schema import answer_schema
 from cardan.app.answers.limits.data import CHECK_SCHEMA
 from cardan.app.answers.optimise.figures import OPTIMISE_SCHEMA
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.data import TOLERANCES_SCHEMA
 from cardan.app.answers.torsion.data import TORSION_SCHEMA
 from cardan.app.answers.turn.data import RUN_SCHEMA
 from cardan.app.answers.yokes.figures import PHASE_SCHEMA
+
+LIFE_SCHEMA = answer_schema(
+    "life",
+    "what cardan life prints with --json",
+    {"life": PARTS["life"].schema()},
+    {"tubes": PARTS["tubes"].schema()},
+)
+"""JSON Schema of the answer of ``cardan life``."""
 
 _ANSWERS: Mapping[str, Any] = {
     "run": RUN_SCHEMA,

@@ -29,7 +29,8 @@ class Part:
     Attributes:
         name: its room, and its key in the JSON.
         title: its heading.
-        noun: what its figures are those of, in a sentence: ``"the spline"``.
+        noun: what its figures are those of, in a sentence: ``"the spline"``. It is empty if its
+            items say so.
         sections: the sections of a scene without which there is no such part.
         shown: the commands whose answers have it.
         alone: whether a ball joint alone has it.
@@ -135,9 +136,7 @@ _PARTS = (
     Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
     Part("steering", "Steering", "the steering", ("steering",), _ALL),
     Part("tolerances", "Tolerances", "the driveline", ("tolerances",), ("check", "report")),
-    Part(
-        "life", "Life of the joints", "the joints", ("joints", "life"), ("check", "life", "report")
-    ),
+    Part("life", "Life of the joints", "", ("joints", "life"), ("check", "life", "report")),
     Part("tubes", "Tubes", "the tube", ("tubes",), ("check", "life", "report")),
     Part("torsion", "Torsional vibration", "the shafts", ("torsion",), ("check", "report")),
     Part("ball_joint", "Ball joint", "the ball joint", ("ball_joint",), _ALL, alone=True),

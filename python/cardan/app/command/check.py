@@ -60,4 +60,4 @@ def _advice(answer: Answer) -> list[str]:
         return []
     advised, life = scene_advice(answer.scene), answer["life"]
     sentences = remedies(advised) if advised else []
-    return [*sentences, *(life_remedies(life) if life and not life.passes else [])]
+    return [*sentences, *(life_remedies(life) if life else [])]
