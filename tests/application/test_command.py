@@ -458,16 +458,23 @@ def test_check_of_a_study_is_of_every_driveline(
 @pytest.mark.parametrize(
     ("name", "first"),
     [
-        ("mill-spindle", "Beyond its limit: the life of the joints."),
+        (
+            "mill-spindle",
+            "Beyond their limits: the L10 life of joint 0 and the L10 life of joint 1.",
+        ),
         ("steering-column", "Beyond its limit: the symmetry of the steering."),
-        ("ship-shaft", "Beyond their limits: the life of the joints and the tube of shaft 1."),
+        (
+            "ship-shaft",
+            "Beyond their limits: the L10 life of joint 0, the L10 life of joint 1, the shear "
+            "stress of the tube of shaft 1 and the margin of the tube of shaft 1.",
+        ),
         ("test-rig", "The driveline is within the limits."),
     ],
 )
 def test_check_begins_with_the_verdict_on_everything(name: str, first: str) -> None:
     result = run("check", example(f"{name}.toml"))
     assert result.exit_code == (1 if first.startswith("Beyond") else 0)
-    assert result.output.splitlines()[0] == first
+    assert " ".join(result.output.split()).startswith(first)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
