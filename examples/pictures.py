@@ -15,10 +15,11 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan.app import plots
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.backlash.figures import drawn_backlash
 from cardan.app.answers.forces.figures import scene_force_paths
-from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.torsion.figures import torsion_figures
 from cardan.app.scene.starters import STARTERS
@@ -192,7 +193,7 @@ save("stability", plots.plot_stability(vibration))
 
 # Life with each size of joint, load of the pins and heat of a conveyor.
 scene = cardan.Scene.load(Path(__file__).with_name("conveyor.toml"))
-plots.write_life(needed_life(scene), folder / "life.svg")
+plots.write_life(needed(Answer(scene)), folder / "life.svg")
 print("wrote life.svg")
 
 # The machines of the how-to pages: layouts, forces, torques and scatter.

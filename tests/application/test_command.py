@@ -467,7 +467,10 @@ def test_check_of_a_study_is_of_every_driveline(
 @pytest.mark.parametrize(
     ("name", "first"),
     [
-        ("mill-spindle", "Beyond its limit: the life of the joints."),
+        (
+            "mill-spindle",
+            "Beyond their limits: the L10 life of joint 0 and the L10 life of joint 1.",
+        ),
         ("steering-column", "Beyond its limit: the angle off symmetry of the steering."),
         ("test-rig", "Beyond its limit: the equivalent bend, worst with tolerances."),
         ("slip", "Everything that has a limit is within it."),
@@ -476,7 +479,7 @@ def test_check_of_a_study_is_of_every_driveline(
 def test_check_begins_with_the_verdict_on_everything(name: str, first: str) -> None:
     result = run("check", example(f"{name}.toml"))
     assert result.exit_code == (1 if first.startswith("Beyond") else 0)
-    assert result.output.splitlines()[0] == first
+    assert " ".join(result.output.split()).startswith(first)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

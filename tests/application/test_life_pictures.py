@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cardan
-from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.life.figures import LifeFigures, needed
 from cardan.app.plots import plot_heat, plot_pin_load, plot_sizes, write_life
 from cardan.app.scene import Scene
 
@@ -23,6 +24,10 @@ CONVEYOR = Path(__file__).parents[2] / "examples" / "conveyor.toml"
 LINE = cardan.Driveline.from_bends([12, 18], phases=[90], degrees=True)
 LOAD = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
 BEARINGS: dict[str, Any] = {"friction": [0.01, 0.02], "pin_radius": 0.008, "arm": 0.032}
+
+
+def _found(scene: Scene) -> LifeFigures:
+    return needed(Answer(scene))
 
 
 @pytest.fixture(autouse=True)
@@ -63,12 +68,12 @@ def test_heat_grows_with_the_speed() -> None:
 
 
 def test_bars_are_lives() -> None:
-    found = needed_life(Scene.load(CONVEYOR))
+    found = _found(Scene.load(CONVEYOR))
     axes = plot_sizes(found)
     bars = [bar for bar in axes.patches if isinstance(bar, Rectangle)]
     assert [bar.get_width() for bar in bars] == [one.hours for one in found.sizes]
     names = [tick.get_text() for tick in axes.get_yticklabels()]
-    assert names == [one.size.name for one in found.sizes]
+    assert names == [one.size for one in found.sizes]
     assert [bool(bar.get_hatch()) for bar in bars] == [not one.fits for one in found.sizes]
     (line,) = axes.get_lines()
     assert list(np.asarray(line.get_xdata())) == [8000.0, 8000.0]
@@ -78,16 +83,16 @@ def test_bars_are_lives() -> None:
 
 def test_a_picture_has_what_the_scene_gives(tmp_path: Path) -> None:
     full = tmp_path / "full.svg"
-    write_life(needed_life(Scene.load(CONVEYOR)), full)
+    write_life(_found(Scene.load(CONVEYOR)), full)
     text = full.read_text(encoding="utf-8")
-    write_life(needed_life(Scene.load(CONVEYOR)), tmp_path / "again.svg")
+    write_life(_found(Scene.load(CONVEYOR)), tmp_path / "again.svg")
     assert (tmp_path / "again.svg").read_bytes() == full.read_bytes()
     plain = Scene.parse(
         "[driveline]\nbends_deg = [12, 18]\n[load]\nspeed_rpm = 9\noutput_torque_Nm = 7\n"
         "[joints]\nrating_Nm = 1200\n"
     )
     less = tmp_path / "less.svg"
-    write_life(needed_life(plain), less)
+    write_life(_found(plain), less)
     assert len(less.read_bytes()) < len(text)
 
 
@@ -96,7 +101,7 @@ def test_pins_and_heat_are_those_of_the_worst_steps(pictures: list[Figure]) -> N
     text = CONVEYOR.read_text(encoding="utf-8")
     text = text.replace("hours = [50, 45, 5]", "hours = [70, 29, 1]").replace(", 600]", ", 1500]")
     scene = Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent)
-    write_life(needed_life(scene), "life.svg")
+    write_life(_found(scene), "life.svg")
     _, pins, heat = pictures[0].axes
     angle, moment = np.asarray(pins.get_lines()[1].get_xydata()).T
     loaded = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
@@ -116,7 +121,7 @@ def test_heat_is_that_of_the_step_that_heats_one_joint_most(pictures: list[Figur
         "[joints]\nfriction = [0.01, 0.02]\npin_radius_mm = 8\narm_mm = 32\n"
         "[life]\nbends_deg = [[18, 12], [12, 18]]\noutput_torque_Nm = 400\n"
     )
-    write_life(needed_life(scene), "life.svg")
+    write_life(_found(scene), "life.svg")
     watts = LINE.losses(LOAD, **BEARINGS).power
     ends = [np.asarray(line.get_ydata())[-1] for line in pictures[0].axes[-1].get_lines()]
     assert ends == pytest.approx(watts)
@@ -124,7 +129,7 @@ def test_heat_is_that_of_the_step_that_heats_one_joint_most(pictures: list[Figur
 
 def test_without_joints_there_is_no_heat() -> None:
     text = CONVEYOR.read_text(encoding="utf-8").replace('size = "1480"', "")
-    found = needed_life(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
+    found = _found(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
     assert found.sizes
     assert (found.joints, found.heat, found.efficiency) == ((), None, None)
 
@@ -132,15 +137,15 @@ def test_without_joints_there_is_no_heat() -> None:
 def test_short_lives_and_names_are_written_in_full() -> None:
     """Lives have the digits of the answer; a name with dollar signs is no formula."""
     text = CONVEYOR.read_text(encoding="utf-8").replace("[400, 250, 700]", "[9000, 6000, 12000]")
-    found = needed_life(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
-    sizes = [replace(one, size=replace(one.size, name=f"${one.size.name}$")) for one in found.sizes]
+    found = _found(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
+    sizes = [replace(one, size=f"${one.size}$") for one in found.sizes]
     axes = plot_sizes(replace(found, sizes=tuple(sizes)))
     assert any(float(one.hours or 0.0) < 1.0 for one in sizes)
     for text_of_bar, one in zip(axes.texts, sizes, strict=True):
         shown = float(text_of_bar.get_text().removesuffix(" h"))
         assert shown == pytest.approx(one.hours, rel=6e-3)
     for label, one in zip(axes.get_yticklabels(), sizes, strict=True):
-        assert label.get_text() == one.size.name
+        assert label.get_text() == one.size
         assert not label.get_parse_math()
 
 
@@ -154,7 +159,7 @@ def test_what_cannot_be_drawn_is_refused(tmp_path: Path) -> None:
         "[joints]\nrating_Nm = 1200\n"
     )
     with pytest.raises(ValueError, match="no table of sizes whose life is known"):
-        plot_sizes(needed_life(scene))
+        plot_sizes(_found(scene))
     with pytest.raises(ValueError, match="must end in"):
-        write_life(needed_life(scene), tmp_path / "life.txt")
+        write_life(_found(scene), tmp_path / "life.txt")
     assert list(tmp_path.iterdir()) == []

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import cardan
 from cardan import Driveline, Load
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import drawn_slides
-from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.printed import figure_text
 from cardan.app.answers.tolerances.figures import tolerance_figures
@@ -405,18 +407,22 @@ def test_verdicts_on_tolerances_have_their_colour(
 
 def test_life_with_each_size_and_the_load_of_the_pins(answered: Answers) -> None:
     scene = Scene.load(EXAMPLES / "conveyor.toml")
-    found, page = needed_life(scene), answered(example("conveyor.toml")).page
+    found, page = needed(Answer(scene)), answered(example("conveyor.toml")).page
     bars = figure(page, "L10 life with each size at every joint")[1]
-    hours = {one.size.name: one.hours for one in found.sizes if one.hours is not None}
+    hours = {one.size: one.hours for one in found.sizes if one.hours is not None}
     assert [text.text for text in bars.iter("text")][::2] == list(hours)
     widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
     longest = max(hours.values())
     assert widths == pytest.approx([170.0 * each / longest for each in hours.values()], abs=0.02)
     # The step that wears the joint with the shortest life most.
-    shortest = min(found.joints, key=lambda joint: joint.hours or np.inf)
-    step = int(np.argmax(shortest.damage))
-    drawn = curves(figure(page, f"Moment of the pins, {found.duty.names[step]} [N m]"))
-    line, load = found.duty.line[step], found.duty.load_of(step)
+    lives = [joint.hours.value for joint in found.joints if joint.hours and joint.hours.value]
+    damage = found.joints[int(np.argmin(lives))].damage
+    assert damage
+    worst = max(damage.each, key=lambda step: damage.each[step])
+    drawn = curves(figure(page, f"Moment of the pins, {worst} [N m]"))
+    (step,) = (i for i, each in enumerate(found.steps) if each.step == worst)
+    line, own = scene.line, found.steps[step]
+    load = cardan.Load(output_torque=own.torque, speed=own.speed)
     assert list(drawn) == [f"joint {joint}" for joint in range(line.n_joints)]
     for joint, points in enumerate(drawn.values()):
         angle = np.linspace(0.0, 360.0, 181)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import UNITS, Judged
+from cardan.app.scene.duty import DutyCycle
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.units import split
 from cardan.arrays import FloatArray
@@ -22,6 +24,7 @@ def over(
     values: FloatArray,
     limit: float | None = None,
     sense: Literal["most", "least"] = "most",
+    names: Sequence[str] | None = None,
     **more: Any,  # noqa: ANN401 - further fields of Judged
 ) -> Judged:
     """Return the worst of the values of a figure, with its place and its limit.
@@ -31,15 +34,18 @@ def over(
         values: one for each state, for each driveline of the study, or a single one.
         limit: what they are judged against.
         sense: whether that is the most or the least.
+        names: what the values are those of, if not of the states.
         **more: further fields of ``Judged``.
     """
     place = int(np.argmax(values) if sense == "most" else np.argmin(values))
     found = Judged(float(values[place]), limit, sense=sense, **more)
     state, at, each = "", {}, {}
-    if scene.states:
-        each = dict(zip(scene.states.names, map(float, values), strict=True))
+    if names is None and scene.states:
+        names = scene.states.names
+    if names:
+        each = dict(zip(names, map(float, values), strict=True)) if len(names) > 1 else {}
         if not alike(float(np.min(values)), float(np.max(values))):
-            state = scene.states.names[place]
+            state = names[place]
     elif scene.study and scene.study.axes and values.size > 1:
         at = at_keys(scene, values, place)
     return replace(found, state=state, at=at, each=each)
@@ -77,6 +83,80 @@ def cases(scene: Scene, *, as_built: bool = False) -> Iterator[tuple[Driveline, 
             yield lines.with_deviations(*scene.deviations.T), load
         else:
             yield lines, load
+
+
+def varies(scene: Scene) -> bool:
+    """Return whether a scene has a study of more than one driveline."""
+    return bool(scene.study and scene.study.axes)
+
+
+def runs(scene: Scene) -> Iterator[tuple[Driveline, Load | None, DutyCycle | None]]:
+    """Yield the drivelines of a scene, ``(places, 1)``, with their load and duty cycle.
+
+    The places are its states, blocks of its study, or the drawing alone. Of a recording the second
+    axis are the samples.
+    """
+    duty, states = scene.service.duty, scene.states
+    if scene.study and varies(scene):
+        for _, line, load in scene.study.blocks():
+            yield line, load, duty and duty.of(line, load)
+    elif states:
+        each = states.loads(scene.load_case)
+        yield states.drivelines().reshape(-1, 1), each and each.at_any_angle(), duty
+    else:
+        known = scene.without_missing()
+        yield known.line.reshape(1, -1), known.load_case, duty
+
+
+@dataclass(frozen=True)
+class Wherever:
+    """A figure wherever a driveline runs: as it stands, and in its duty cycle.
+
+    Attributes:
+        scene: the scene.
+        figure: returns it of drivelines with their load, ``(items, places, steps)``, if it is
+            known.
+        sense: whether the largest or the least value is the worst.
+    """
+
+    scene: Scene
+    figure: Callable[[Driveline, Load | None], FloatArray | None]
+    sense: Literal["most", "least"] = "most"
+
+    def worst(
+        self, item: int, limit: float | None = None, why: str = "", factor: float = 1.0
+    ) -> Judged | None:
+        """Return the worst value of an item with its place, ``None`` if it is not known.
+
+        Args:
+            item: its number.
+            limit: what it is judged against.
+            why: why it is not known, for a limit that cannot be judged.
+            factor: what the figure is multiplied by.
+        """
+        values, names = self._found
+        if values is None:
+            return None if limit is None else Judged(None, limit, sense=self.sense, why=why)
+        return over(self.scene, factor * values[item], limit, self.sense, names)
+
+    @cached_property
+    def _found(self) -> tuple[FloatArray | None, Sequence[str] | None]:
+        """The values, ``(items, places)``, and what the places are called."""
+        scene, pick = self.scene, np.max if self.sense == "most" else np.min
+        found: list[FloatArray] = []
+        for line, load, duty in runs(scene):
+            own = self.figure(line, load)
+            steps = self.figure(duty.line, duty.load) if duty and duty.values else None
+            alone = not varies(scene) and not (scene.states and duty and not duty.is_set)
+            if duty and steps is not None and alone:
+                if own is None:
+                    return steps[:, 0], duty.names
+                first = scene.states.names if scene.states else ("the drawing",)
+                every = np.concatenate([steps[:, 0], pick(own, -1)], axis=1)
+                return every, (*duty.names, *first)
+            known = [pick(each, -1) for each in (own, steps) if each is not None]
+            found += [pick(np.stack(known), 0)] if known else []
+        return (np.concatenate(found, axis=1), None) if found else (None, None)
 
 
 def at_keys(scene: Scene, values: FloatArray, place: int) -> dict[str, float]:

@@ -133,6 +133,11 @@ def table_of(
     rows: list[tuple[str, ...]] = []
     for name, row, _ in rows_of(type(found[0])):
         values = [getattr(each, name) for each in found]
+        if row.kind == "parts" and all(isinstance(value, tuple) for value in values):
+            # Columns of figures of the same items, a row each.
+            for column in zip(*values, strict=False):
+                _, more = table_of(column, radians=radians)
+                rows += [(f"{label} of {item_of(column[0])}", *cells) for label, *cells in more]
         if not _is_printed(row) or all(value is None for value in values):
             continue
         units = [row.beside(each) for each in found]

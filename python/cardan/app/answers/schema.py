@@ -5,13 +5,24 @@ from __future__ import annotations
 from typing import Any
 
 from cardan.app.answers.identification.figures import IDENTIFY_SCHEMA
-from cardan.app.answers.life.data import LIFE_SCHEMA
+from cardan.app.answers.json_schema import answer_schema
 from cardan.app.answers.limits.data import check_schema
 from cardan.app.answers.optimise.figures import OPTIMISE_SCHEMA
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import TOLERANCES_SCHEMA
 from cardan.app.answers.torsion.figures import TORSION_SCHEMA
 from cardan.app.answers.turn.data import run_schema
 from cardan.app.answers.yokes.figures import PHASE_SCHEMA
+
+
+def life_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the answer of ``cardan life``."""
+    return answer_schema(
+        "life",
+        "what cardan life prints with --json",
+        {"life": PARTS["life"].schema()},
+        {"tubes": PARTS["tubes"].schema()},
+    )
 
 
 def answers_schema() -> dict[str, Any]:
@@ -23,7 +34,7 @@ def answers_schema() -> dict[str, Any]:
         "identify": IDENTIFY_SCHEMA,
         "optimise": OPTIMISE_SCHEMA,
         "tolerances": TOLERANCES_SCHEMA,
-        "life": LIFE_SCHEMA,
+        "life": life_schema(),
         "torsion": TORSION_SCHEMA,
     }
     return {

@@ -147,9 +147,7 @@ _PARTS = (
     Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
     Part("steering", "Steering", "the steering", ("steering",), _ALL),
     Part("tolerances", "Tolerances", "", ("tolerances",), ("check", "report")),
-    Part(
-        "life", "Life of the joints", "the joints", ("joints", "life"), ("check", "life", "report")
-    ),
+    Part("life", "Life of the joints", "", ("joints", "life"), ("check", "life", "report")),
     Part("tubes", "Tubes", "the tube", ("tubes",), ("check", "life", "report")),
     Part("torsion", "Torsional vibration", "the shafts", ("torsion",), ("check", "report")),
     Part("ball_joint", "Ball joint", "the ball joint", ("ball_joint",), _ALL, alone=True),

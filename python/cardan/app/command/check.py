@@ -62,4 +62,4 @@ def _advice(answer: Answer) -> list[str]:
     # Where no single change suffices, the yokes of all shafts may do.
     if not any(move.verdict == "within" for move in moves):
         sentences = [*(remedies(advised) if advised else []), *sentences]
-    return [*sentences, *(life_remedies(life) if life and not life.passes else [])]
+    return [*sentences, *(life_remedies(life) if life else [])]

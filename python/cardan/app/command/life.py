@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.life.data import life_data
-from cardan.app.answers.life.figures import needed_life
+from cardan.app.answers.json_schema import answer as answer_of
+from cardan.app.answers.life.figures import needed
 from cardan.app.answers.life.picture import write_life
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
@@ -35,15 +35,16 @@ def command(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan life conveyor.toml --output life.svg
       cardan life conveyor.toml --json
     """
-    loaded = Scene.load(scene)
-    found, answer = needed_life(loaded), Answer(loaded)
+    answer = Answer(Scene.load(scene))
+    title, found = answer.scene.title, needed(answer)
     if output is not None:
-        check_output(loaded, output)
+        check_output(answer.scene, output)
         write_life(found, output)
+    parts = list(answer.parts("life"))
     say_answer(
-        loaded.title,
-        lambda: "\n\n".join(part.text(each) for part, each in answer.parts("life")),
-        lambda: life_data(answer),
+        title,
+        lambda: "\n\n".join(part.text(each) for part, each in parts),
+        lambda: answer_of("life", title, **{part.name: part.data(each) for part, each in parts}),
         output,
         as_json=as_json,
     )

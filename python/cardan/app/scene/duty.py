@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,37 +27,50 @@ class DutyCycle:
     Attributes:
         names: of the steps.
         shares: of each step in the time, ``(steps,)``, with sum 1.
-        hours: as the scene has them, ``(steps,)``; ``None`` if it gives none.
-        line: the driveline in each step, a batch ``(steps,)``.
-        load: the load in each step, ``(steps,)``.
+        line: the driveline in each step, a batch ``(places, steps)``. The places are the states
+            of the scene or drivelines of its study; there is one where the steps say how the
+            driveline stands.
+        load: the load in each step, ``(places, steps)``.
         target: required life in hours; ``None`` if the scene requires none.
+        values: of [life] by key; none if [load] is the only step.
+        layout: how the scene describes its driveline.
     """
 
     names: tuple[str, ...]
     shares: FloatArray
-    hours: FloatArray | None
     line: Driveline
     load: Load
     target: float | None
+    values: Mapping[str, Any]
+    layout: SceneLayout
 
     @property
-    def speed_rpm(self) -> FloatArray:
-        """Speed of the drive in each step, ``(steps,)``."""
-        return np.abs(self.load.speed) / RPM
+    def is_set(self) -> bool:
+        """Whether the steps say how the driveline stands."""
+        return stands(self.values)
 
-    def load_of(self, step: int) -> Load:
+    def of(self, line: Driveline, load: Load | None) -> DutyCycle:
+        """Return the duty cycle of other drivelines, ``(places, 1)``, with their load."""
+        return duty_cycle(self.values, line, load, self.layout, None)
+
+    def load_of(self, place: int, step: int) -> Load:
         """Return the load in one step."""
-        load = self.load
-        values: dict[str, Any] = {
-            f"{load.end}_torque": load.torque[step],
-            "speed": load.speed[step],
-        }
-        return Load(inertias=load.inertias, **values)
+        return load_at(self.load, self.line.shape, (place, step))
 
-    @property
-    def count(self) -> int:
-        """Number of steps."""
-        return len(self.names)
+
+def load_at(load: Load, shape: tuple[int, ...], place: tuple[int, ...]) -> Load:
+    """Return the load of one of the drivelines of a batch."""
+
+    def there(values: FloatArray, own: int) -> FloatArray:
+        whole = (*shape, *values.shape[values.ndim - own :])
+        return np.asarray(np.broadcast_to(values, whole)[place])
+
+    return load.changed(there)
+
+
+def stands(values: Mapping[str, Any]) -> bool:
+    """Return whether the keys of [life] say how the driveline stands in each step."""
+    return not values.keys().isdisjoint({"states", "bends_deg"})
 
 
 def duty_cycle(
@@ -66,37 +79,44 @@ def duty_cycle(
     load: Load | None,
     layout: SceneLayout | None,
     states: States | None,
+    varied: Container[str] = (),
 ) -> DutyCycle:
     """Return the duty cycle that the keys of the section describe.
 
     Args:
         values: values by key.
-        line: the driveline of the scene.
-        load: its load, if it has one.
+        line: the drivelines, ``(places, 1)``.
+        load: their load, if they have one.
         layout: how the scene describes its driveline; ``None`` if its bends were recorded.
         states: its states, if it has any.
+        varied: the keys of its study, which give what the load lacks.
 
     Raises:
         ValueError: recorded bends or loads, lists of different lengths, a speed or a torque that
             neither the section nor the load gives, bends of a driveline that is not made of bends,
             a state that does not exist.
     """
-    if layout is None or (load is not None and np.ndim(load.speed + load.torque)):
+    if layout is None:
         raise ValueError("it does not go with recorded bends or loads; give the steps as numbers")
     steps = _steps(values)
-
-    def column(key: str) -> FloatArray:
-        return np.broadcast_to(np.asarray(values[key], dtype=np.float64), (steps,))
-
-    hours = column("hours") if "hours" in values else None
-    given = np.ones(steps) if hours is None else hours
+    given = np.broadcast_to(np.asarray(values.get("hours", 1.0), dtype=np.float64), (steps,))
+    names = [f"step {i}" for i in range(steps)]
+    if "states" in values:
+        line, load = _in_states(values["states"], load, states)
+        if len(set(values["states"])) == steps:
+            names = values["states"]
+    elif "bends_deg" in values:
+        line = _bent(values["bends_deg"], line, layout)
+    else:
+        line = line[:, np.zeros(steps, dtype=int)]
     return DutyCycle(
-        tuple(values.get("names", [f"step {i}" for i in range(steps)])),
+        tuple(values.get("names", names)),
         given / np.sum(given),
-        hours,
-        _lines(values, steps, line, layout, states),
-        _load(values, steps, load),
+        line,
+        _load(values, line.shape, load, varied),
         values.get("target_h"),
+        values,
+        layout,
     )
 
 
@@ -112,64 +132,74 @@ def _steps(values: Mapping[str, Any]) -> int:
     return lists.get(first, 1)
 
 
-def _load(values: Mapping[str, Any], steps: int, load: Load | None) -> Load:
+def _load(
+    values: Mapping[str, Any],
+    shape: tuple[int, ...],
+    load: Load | None,
+    varied: Container[str],
+) -> Load:
     torque = next((key for key in _TORQUES if key in values), None)
     if "speed_rpm" in values:
         speed = RPM * np.asarray(values["speed_rpm"], dtype=np.float64)
-    elif load is not None and np.all(load.speed != 0.0):
+    elif load is not None and (np.any(load.speed != 0.0) or gives(varied, "speed")):
         speed = np.asarray(load.speed)
     else:
         raise ArgumentValueError("speed_rpm", "is missing here and in [load]; a life needs a speed")
-    if torque is None and (load is None or not np.all(load.torque != 0.0)):
-        raise ArgumentValueError(
-            "output_torque_Nm", "is missing here and in [load]; a life needs a torque"
-        )
-    end, moment = ("output", np.zeros(())) if load is None else (str(load.end), load.torque)
     if torque is not None:
         end, moment = torque.partition("_")[0], np.asarray(values[torque], dtype=np.float64)
         if not np.any(moment):
             raise ArgumentValueError(torque, "is 0 in all steps; a life needs a torque")
+    elif load is not None and (np.any(load.torque != 0.0) or gives(varied, "torque")):
+        end, moment = str(load.end), load.torque
+    else:
+        raise ArgumentValueError(
+            "output_torque_Nm", "is missing here and in [load]; a life needs a torque"
+        )
     arguments: dict[str, Any] = {
-        f"{end}_torque": np.broadcast_to(moment, (steps,)),
-        "speed": np.broadcast_to(speed, (steps,)),
+        f"{end}_torque": np.broadcast_to(moment, shape),
+        "speed": np.broadcast_to(speed, shape),
     }
     return Load(inertias=None if load is None else load.inertias, **arguments)
 
 
-def _lines(
-    values: Mapping[str, Any],
-    steps: int,
-    line: Driveline,
-    layout: SceneLayout,
-    states: States | None,
-) -> Driveline:
-    if "states" in values:
-        if states is None:
-            raise ArgumentValueError(
-                "states", "names states, but the scene has no section [states]"
-            )
-        for i, name in enumerate(values["states"]):
-            if name not in states.names:
-                hint = nearest(name, list(states.names))
-                raise ArgumentValueError("states", f"is {name!r}; {hint}", (i,))
-        return states.drivelines()[[states.names.index(name) for name in values["states"]]]
-    if "bends_deg" not in values:
-        return line.reshape(1)[np.zeros(steps, dtype=int)]
+def gives(varied: Container[str], what: Literal["speed", "torque"]) -> bool:
+    """Return whether the keys of a study give speeds or torques."""
+    keys = _TORQUES if what == "torque" else ("speed_rpm", "speed_rad_s")
+    return any(key in varied for key in keys)
+
+
+def _in_states(
+    names: Sequence[str], load: Load | None, states: States | None
+) -> tuple[Driveline, Load | None]:
+    """The driveline and the load in the states of these names, ``(1, steps)``."""
+    if states is None:
+        raise ArgumentValueError("states", "names states, but the scene has no section [states]")
+    for i, name in enumerate(names):
+        if name not in states.names:
+            hint = nearest(name, list(states.names))
+            raise ArgumentValueError("states", f"is {name!r}; {hint}", (i,))
+    which = [[states.names.index(name) for name in names]]
+
+    def picked(array: FloatArray, own: int) -> FloatArray:
+        return np.asarray(array[which]) if array.ndim > own else array
+
+    found = states.loads(load)
+    return states.drivelines()[which], found and found.changed(picked)
+
+
+def _bent(given: Sequence[Any], line: Driveline, layout: SceneLayout) -> Driveline:
+    """The drivelines with the bends of each step, ``(places, steps)``."""
     if "bends_deg" not in layout.driveline:
-        given = next(iter(layout.driveline))
+        key = next(iter(layout.driveline))
         raise ArgumentValueError(
-            "bends_deg", f"needs bends_deg in [driveline], which gives {given}; use states"
+            "bends_deg", f"needs bends_deg in [driveline], which gives {key}; use states"
         )
     joints, bends = line.n_joints, []
-    for i, entry in enumerate(values["bends_deg"]):
+    for i, entry in enumerate(given):
         row = entry if isinstance(entry, list) else [entry] * joints
         if len(row) != joints:
             raise ArgumentValueError(
                 "bends_deg", f"has length {len(row)}; it needs {joints}, one per joint", (i,)
             )
         bends.append(row)
-    spread = {
-        key: np.broadcast_to(np.asarray(value, dtype=np.float64), (steps, len(value)))
-        for key, value in layout.driveline.items()
-    }
-    return layout.of({**spread, "bends_deg": np.array(bends, dtype=np.float64)})
+    return Driveline.from_bends(np.radians([bends]), line.twists, line.phases)

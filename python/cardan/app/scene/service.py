@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cardan.app.scene.backlash import OF_PLAY, JointPlay, play_of
 from cardan.app.scene.document import Document
-from cardan.app.scene.duty import DutyCycle, duty_cycle
+from cardan.app.scene.duty import DutyCycle, duty_cycle, gives, stands
 from cardan.app.scene.joint_deviations import OF_DEVIATIONS, arms_of, in_mm
 from cardan.app.scene.joints import Joints, joints_of
 from cardan.app.scene.layout import SceneLayout
@@ -75,8 +77,8 @@ def service_of(
         n = line.n_joints
         play = play_of(own, n, arms_of(own, n, known_arms(joints)))
     with document.within("life"):
-        if "life" in given:
-            duty = duty_cycle(given["life"], line, load, layout, states)
+        if "life" in given or joints or "tubes" in given:
+            duty = _duty(given, line, load, layout, states)
     with document.within("tubes"):
         if "tubes" in given:
             tubes = tubes_of(given["tubes"], line)
@@ -85,8 +87,6 @@ def service_of(
             if layout is None:
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             offsets = offsets_of(given["offsets"], states.drivelines() if states else line)
-    if duty is None and (joints or tubes) and layout and load is not None and _is_one_step(load):
-        duty = duty_cycle({}, line, load, layout, states)
     return Service(joints, duty, tubes, offsets, play)
 
 
@@ -95,6 +95,25 @@ def known_arms(joints: Joints | None) -> list[float | None]:
     return [size.arm for size in joints.each] if joints else []
 
 
-def _is_one_step(load: Load) -> bool:
-    """Whether a load alone is a duty cycle: one that turns and has a torque."""
-    return not np.ndim(load.speed + load.torque) and bool(load.speed != 0.0 and load.torque != 0.0)
+def _duty(
+    given: Mapping[str, Any],
+    line: Driveline,
+    load: Load | None,
+    layout: SceneLayout | None,
+    states: States | None,
+) -> DutyCycle | None:
+    """The duty cycle: that of [life], or the load as its only step if it turns and has a torque."""
+    values, varied = given.get("life", {}), given.get("study", {})
+    if load is not None and np.ndim(load.speed + load.torque):
+        layout = None
+    lines = line.reshape(-1, 1)
+    if states and not stands(values):
+        lines, load = states.drivelines().reshape(-1, 1), states.loads(load)
+        load = load and load.at_any_angle()
+    if not values:
+        known = load is not None and layout is not None
+        for what in ("speed", "torque"):
+            known = known and (bool(np.any(getattr(load, what))) or gives(varied, what))
+        if not known:
+            return None
+    return duty_cycle(values, lines, load, layout, states, varied)

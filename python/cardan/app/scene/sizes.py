@@ -45,6 +45,7 @@ OF_SIZE: Mapping[str, Key] = {
         "largest permitted product of speed in rpm and bend in deg",
         "max_speed_bend",
     ),
+    "heat_W": Key(kinds.POSITIVES, "most permitted mean heat of a joint", "most_heat"),
 }
 """What describes a size: keys of [joints] and columns of a table of sizes."""
 
@@ -71,6 +72,7 @@ class JointSize:
         seal_torque: about the pins of each yoke in N m.
         max_bend_deg: largest permitted bend in degrees.
         max_speed_bend: largest permitted product of rpm and degrees.
+        most_heat: most permitted mean heat in W.
     """
 
     name: str = ""
@@ -82,6 +84,7 @@ class JointSize:
     seal_torque: float = 0.0
     max_bend_deg: float | None = None
     max_speed_bend: float | None = None
+    most_heat: float | None = None
 
     @property
     def rubs(self) -> bool:

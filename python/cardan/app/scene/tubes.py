@@ -22,17 +22,24 @@ class Tubes:
 
     Attributes:
         shafts: which shafts.
-        tube: their figures, ``(shafts,)``.
+        given: what makes them, each ``(shafts,)``; no length if that of the driveline counts.
+        tube: their figures in the driveline of the drawing, ``(shafts,)``.
         permitted_stress: in Pa; ``None`` if the scene permits any.
         least_margin: of the critical speed over the largest speed; ``None`` if any will do.
-        section: dimensions and material as the section gives them, arguments of ``cardan.tube``.
     """
 
     shafts: tuple[int, ...]
+    given: Mapping[str, FloatArray]
     tube: Tube
     permitted_stress: float | None
     least_margin: float | None
-    section: Mapping[str, FloatArray]
+
+    def critical_speed(self, line: Driveline) -> FloatArray:
+        """Return the critical bending speeds in rad/s in other drivelines, ``(..., shafts)``."""
+        if "length" in self.given or not has_lengths(line):
+            return np.broadcast_to(self.tube.critical_speed, (*line.shape, len(self.shafts)))
+        lengths = line.lengths().each[..., list(self.shafts)]
+        return np.asarray(tube(**self.given, length=lengths).critical_speed)
 
 
 def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
@@ -65,15 +72,15 @@ def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
             )
         array = key.factor * np.asarray(value, dtype=np.float64)
         given[key.argument] = np.broadcast_to(array, (len(shafts),))
-    section = {name: array for name, array in given.items() if name != "shear_modulus"}
+    lengths = {}
     if "length" not in given:
         if not has_lengths(line):
             raise ArgumentValueError("length_mm", f"is missing; give it, or {LENGTHS_NEEDED}")
         if line.shape:
             raise ArgumentValueError("length_mm", "is missing; recorded bends have no lengths")
-        given["length"] = line.lengths().each[..., list(shafts)]
+        lengths = {"length": line.lengths().each[..., list(shafts)]}
     try:
-        found = tube(**given)
+        found = tube(**given, **lengths)
     except ArgumentValueError as error:
         # In millimetres, as the file has it.
         wall, outer = (1e3 * given[name][error.place] for name in ("wall", "outer_diameter"))
@@ -83,8 +90,8 @@ def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
     stress = values.get("permitted_stress_MPa")
     return Tubes(
         tuple(shafts),
+        given,
         found,
         None if stress is None else 1e6 * stress,
         values.get("least_margin"),
-        section,
     )

@@ -3,194 +3,179 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.over import Wherever, over, runs
+from cardan.app.answers.rows import Judged, count, figure, flag, item, parts, word
+from cardan.app.answers.tubes.figures import speed_of
 from cardan.app.scene.duty import DutyCycle
+from cardan.app.scene.joints import Joints
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sizes import JointSize
+from cardan.app.scene.sizes import BearingType, JointSize
+from cardan.app.scene.units import RPM
 from cardan.arrays import FloatArray
 from cardan.design.judged import is_within
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+
+# At rest nothing wears: this speed in rad/s makes a life that is as good as unlimited.
+_REST = 1e-9
 
 
 @dataclass(frozen=True)
-class AgainstLimit:
-    """The largest value of a figure over the duty cycle, and what is permitted.
+class StepBend:
+    """The bend of a joint in a step."""
 
-    Attributes:
-        value: the figure.
-        limit: ``None`` if none is known.
-    """
-
-    value: float
-    limit: float | None
-
-    @property
-    def passes(self) -> bool:
-        """Whether the value is within the limit."""
-        return self.limit is None or is_within(self.value, self.limit)
+    joint: int = item("joint")
+    bend: float = figure("bend", "deg")
 
 
 @dataclass(frozen=True)
-class JointHeat:
-    """What friction makes of a joint.
+class Step:
+    """A step of the duty cycle."""
 
-    Attributes:
-        mean: heat in W over the duty cycle.
-        largest: in the step with most heat.
-        step: that step.
-    """
-
-    mean: float
-    largest: float
-    step: int
+    step: str = item("step")
+    share: float = figure("share of the time", "percent")
+    speed: float = figure("speed", "rpm", "of the drive")
+    torque: float = figure("torque", "Nm", "of the load")
+    end: Literal["drive", "output"] = word("at", "the end of the driveline that the torque acts at")
+    bends: tuple[StepBend, ...] = parts("bend", "of each joint")
 
 
 @dataclass(frozen=True)
 class JointLife:
-    """One joint over the duty cycle.
+    """One joint over the duty cycle."""
 
-    Attributes:
-        joint: its number.
-        size: its size.
-        hours: life that 90 % of the joints reach by the load of the pins; ``None`` without a rating
-            or for plain bearings.
-        catalogue: the same by the law of the catalogue.
-        damage: share of each step in the damage, with sum 1; empty without a life.
-        small_swing: whether the needles swing by less than 3 degrees in some step.
-        bend: largest bend in degrees.
-        speed_bend: largest product of speed in rpm and bend in degrees.
-        heat: ``None`` if its losses are not known.
-    """
-
-    joint: int
-    size: JointSize
-    hours: float | None
-    catalogue: float | None
-    damage: tuple[float, ...]
-    small_swing: bool
-    bend: AgainstLimit
-    speed_bend: AgainstLimit
-    heat: JointHeat | None
-
-    @property
-    def passes(self) -> bool:
-        """Whether it is within the limits of its type."""
-        return self.bend.passes and self.speed_bend.passes
+    joint: int = item("joint")
+    size: str | None = word("size")
+    bearing: BearingType = word("bearing", "of the pins")
+    rating: float | None = figure("rating", "Nm", "torque for 5000 h at 3 deg and 100 rpm")
+    hours: Judged | None = figure(
+        "L10 life",
+        "h",
+        "hours that 90 % of the joints reach, by the load of the pins over the turn",
+        limit="[life] target_h",
+    )
+    catalogue: float | None = figure(
+        "L10 life by the catalogue",
+        "h",
+        "the same by the law of the catalogues",
+        source="1.5e6/(b n) (T_c/T)**(10/3)",
+    )
+    damage: Judged | None = figure(
+        "most wear", "percent", "share of the damage in the step that has most of it"
+    )
+    small_swing: bool = flag("swing below 3°", "in some step; the needles may mark their races")
+    bend: Judged | None = figure("largest bend", "deg", limit="[joints] max_bend_deg")
+    speed_bend: Judged | None = figure(
+        "largest speed times bend", "rpm_deg", limit="[joints] max_speed_bend_rpm_deg"
+    )
+    heat: Judged | None = figure("heat", "W", "mean over the duty cycle", limit="[joints] heat_W")
+    largest_heat: Judged | None = figure("largest heat", "W", "in the step that has most")
 
 
 @dataclass(frozen=True)
 class SizeLife:
-    """A size of the table at every joint.
+    """A size of the table at every joint."""
 
-    Attributes:
-        size: the size.
-        hours: life of the joint that fails first; ``None`` without a rating or for plain bearings.
-        decisive: that joint.
-        fits: whether bends and speeds are within the limits of the size.
-        heat: mean heat of all joints in W; ``None`` if the losses are not known.
-    """
-
-    size: JointSize
-    hours: float | None
-    decisive: int
-    fits: bool
-    heat: float | None
+    size: str = item("size")
+    rating: float | None = figure("rating", "Nm")
+    hours: float | None = figure("L10 life", "h", "of the joint that fails first")
+    decisive: int | None = count("fails first", "the joint that does")
+    fits: bool = flag("within its limits", "whether bends, speeds and heat are")
+    heat: float | None = figure("heat", "W", "mean of all joints together")
 
 
 @dataclass(frozen=True)
 class LifeFigures:
-    """The joints of a scene over its duty cycle.
+    """The joints of a scene over its duty cycle, where several are possible in the worst one."""
+
+    hours: float | None = figure("L10 life", "h", "of the joint that fails first")
+    decisive: int | None = count("fails first", "the joint that does")
+    target: float | None = figure("required life", "h")
+    of_sizes: Judged | None = figure(
+        "life with the best size",
+        "h",
+        "where the scene does not choose one; 0 if none is within its limits",
+        limit="[life] target_h",
+    )
+    chosen: str | None = word(
+        "size to choose",
+        "the smallest that reaches the required life, or without one the next larger size",
+    )
+    heat: Judged | None = figure("heat", "W", "mean of all joints together")
+    efficiency: Judged | None = figure("efficiency", "percent", "of the energy")
+    steps: tuple[Step, ...] = parts("Duty cycle")
+    joints: tuple[JointLife, ...] = parts("Joints")
+    sizes: tuple[SizeLife, ...] = parts("Sizes", "each at every joint")
+    # For pictures and sentences.
+    types: tuple[JointSize, ...] = ()
+    duty: DutyCycle | None = None
+    place: int = 0
+    is_compliant: bool = False
+
+    @property
+    def first(self) -> JointLife | None:
+        """The joint that fails first, if a life is known."""
+        return None if self.decisive is None else self.joints[self.decisive]
+
+    def hardest(self) -> tuple[Driveline, Load, str]:
+        """Return driveline, load and name of the step that wears the deciding joint most."""
+        return self.step_of(self.first.damage if self.first else None)
+
+    def step_of(self, worst: Judged | None) -> tuple[Driveline, Load, str]:
+        """Return driveline, load and name of the step in which a figure is worst."""
+        assert self.duty
+        names = self.duty.names
+        step = names.index(worst.state) if worst and worst.state in names else 0
+        return self.duty.line[self.place, step], self.duty.load_of(self.place, step), names[step]
+
+
+class _Used(NamedTuple):
+    """What duty cycles make of joints; the places are the last axis, and what is not known is NaN.
 
     Attributes:
-        duty: the duty cycle.
-        joints: each joint; empty if the scene gives only a table of sizes.
-        sizes: each size of the table; empty without one.
-        chosen: the size to take: the smallest that reaches the target, or without a target the
-            next larger one; ``None`` if the present one suffices or none does.
-        efficiency: of the energy over the duty cycle; ``None`` if the losses are not known.
-        is_compliant: whether the scene gives its shafts as torsion springs; the torques here are
-            those of rigid shafts all the same.
+        hours: life by the load of the pins, ``(joints, places)``.
+        catalogue: the same by the catalogue.
+        small_swing: whether needles hardly turn in some step.
+        damage: share of each step in the damage, ``(joints, steps, places)``.
+        heat: ``(joints, steps, places)``.
+        size_hours: life with each size at every joint, ``(sizes, joints, places)``.
+        size_heat: the mean likewise.
+        power: mean of the load, ``(places,)``.
     """
 
-    duty: DutyCycle
-    joints: tuple[JointLife, ...]
-    sizes: tuple[SizeLife, ...]
-    chosen: SizeLife | None
-    efficiency: float | None
-    is_compliant: bool
-
-    @property
-    def decisive(self) -> JointLife | None:
-        """The joint that fails first, if a life is known."""
-        known = [joint for joint in self.joints if joint.hours is not None]
-        return min(known, key=lambda joint: joint.hours or 0.0, default=None)
-
-    @property
-    def heat(self) -> float | None:
-        """Mean heat of all joints in W, if the losses of all are known."""
-        means = [joint.heat.mean for joint in self.joints if joint.heat]
-        return sum(means) if means and len(means) == len(self.joints) else None
-
-    @property
-    def reaches_target(self) -> bool:
-        """Whether the joints reach the required life, or none is required."""
-        target, first = self.duty.target, self.decisive
-        return target is None or first is None or is_within(_hours(first), target, most=False)
-
-    @property
-    def passes(self) -> bool:
-        """Whether joints and life are within all limits."""
-        return self.reaches_target and all(joint.passes for joint in self.joints)
+    hours: FloatArray
+    catalogue: FloatArray
+    small_swing: FloatArray
+    damage: FloatArray
+    heat: FloatArray
+    size_hours: FloatArray
+    size_heat: FloatArray
+    power: FloatArray
 
 
-def _hours(joint: JointLife) -> float:
-    assert joint.hours is not None
-    return joint.hours
-
-
-def life_figures(scene: Scene) -> LifeFigures | None:
-    """Return the joints of a scene over its duty cycle; ``None`` without either of them."""
-    joints, duty = scene.service.joints, scene.service.duty
-    if joints is None or duty is None:
-        return None
-    each = tuple(_joints(joints.each, duty)) if joints.each else ()
-    sizes = tuple(_sizes(joints.table, duty)) if joints.table else ()
-    is_compliant = scene.torsion is not None
-    found = LifeFigures(duty, each, sizes, None, _efficiency(each, duty), is_compliant)
-    return replace(found, chosen=_chosen(found))
-
-
-def needed_life(scene: Scene) -> LifeFigures:
+def needed(answer: Answer) -> LifeFigures:
     """Return the joints of a scene over its duty cycle.
 
     Raises:
         ValueError: it has no joints, or no duty cycle.
     """
-    found = life_figures(scene)
-    if found is not None:
-        return found
+    scene, found = answer.scene, answer["life"]
     if scene.service.joints is None:
         raise ValueError(
             f"{scene.name}: section [joints] is missing; it gives the size of the joints"
         )
-    raise ValueError(
-        f"{scene.name}: a life needs a speed and a torque: in [load], or of each step in [life]"
-    )
-
-
-def heat_of(sizes: Sequence[JointSize], duty: DutyCycle) -> FloatArray:
-    """Return the heat of joints in W in each step, ``(n, steps)``.
-
-    Args:
-        sizes: of each joint, with all that the losses need.
-        duty: the duty cycle.
-    """
-    return duty.line.losses(duty.load, **friction_of(sizes)).power
+    if not found.steps:
+        raise ValueError(
+            f"{scene.name}: a life needs a speed and a torque: in [load], or of each step in [life]"
+        )
+    assert isinstance(found, LifeFigures)
+    return found
 
 
 def friction_of(sizes: Sequence[JointSize]) -> dict[str, Any]:
@@ -199,106 +184,244 @@ def friction_of(sizes: Sequence[JointSize]) -> dict[str, Any]:
     return {name: [getattr(size, name) for size in sizes] for name in names}
 
 
-def _joints(sizes: Sequence[JointSize], duty: DutyCycle) -> Iterator[JointLife]:
+def find(answer: Answer) -> LifeFigures | None:
+    """Return the joints of a scene over its duty cycle; ``None`` without joints or a target."""
+    scene, duty = answer.scene, answer.scene.service.duty
+    given, target = scene.service.joints or Joints((), ()), duty.target if duty else None
+    if scene.service.joints is None and target is None:
+        return None
+    duties = [each for _, _, each in runs(scene) if each]
+    used, place = None, 0
+    steps: tuple[Step, ...] = ()
+    if duties:
+        blocks = (_used(given, each) for each in duties)
+        used = _Used(*(np.concatenate(each, axis=-1) for each in zip(*blocks, strict=True)))
+        wearing = [used.hours[joint] for joint, size in enumerate(given.each) if size.wears]
+        worst = int(np.argmin(np.min(wearing or used.hours, axis=0)))
+        duty, place = [(each, i) for each in duties for i in range(each.line.shape[0])][worst]
+        used = used._replace(damage=used.damage[..., worst])
+        steps = tuple(_steps(duty, place))
+    bend = Wherever(scene, _bends)
+    speed_bend = Wherever(scene, _speed_bends)
+    joints = tuple(_joints(scene, given.each, used, bend, speed_bend))
+    sizes = tuple(_sizes(scene, given.table, used, bend, speed_bend))
+    lasting = [(one.hours.value, one.joint) for one in joints if one.hours and one.hours.value]
+    hours, decisive = min(lasting, default=(None, None))
+    return LifeFigures(
+        hours,
+        decisive,
+        target,
+        None if joints or target is None else _best(sizes, target),
+        _chosen(joints, sizes, target),
+        *_losses(scene, given.each, used),
+        steps,
+        joints,
+        sizes,
+        given.each,
+        duty if steps else None,
+        place,
+        scene.torsion is not None,
+    )
+
+
+def _used(given: Joints, duty: DutyCycle) -> _Used:
+    line, shares, own, n = duty.line, duty.shares, duty.load, duty.line.n_joints
+    torque: dict[str, Any] = {f"{own.end}_torque": own.torque}
+    speed = np.where(own.speed == 0.0, _REST, own.speed)
+    load = Load(speed=speed, inertias=own.inertias, **torque)
+
+    def heat(sizes: Sequence[JointSize]) -> FloatArray:
+        if not all(size.rubs for size in sizes):
+            return np.full((n, len(shares), line.shape[0]), np.nan)
+        return np.swapaxes(line.losses(load, **friction_of(sizes)).power, 1, 2)
+
     # A rating of those whose life is not known stands for none.
-    ratings = [size.rating or 1.0 for size in sizes]
-    life = duty.line.life(duty.load, rating=ratings, shares=duty.shares)
-    bends = np.degrees(duty.line.bends)
-    products = duty.speed_rpm[:, np.newaxis] * bends
-    heat = heat_of(sizes, duty) if all(size.rubs for size in sizes) else None
+    ratings = np.array([size.rating or 1.0 for size in given.each or [JointSize()] * n])
+    table = np.array([size.rating or 1.0 for size in given.table])[:, None, None, None]
+    life = line.life(load, rating=ratings, shares=shares)
+    with np.errstate(invalid="ignore"):
+        damage = shares / life.steps
+        damage /= np.sum(damage, axis=-1, keepdims=True)
+    of_sizes = [shares @ heat([size] * n) for size in given.table]
+    return _Used(
+        life.hours,
+        life.catalogue,
+        life.small_swing,
+        np.swapaxes(damage, 1, 2),
+        heat(given.each or [JointSize()]),
+        np.swapaxes(line.life(load, rating=table, shares=shares).hours, 0, 1),
+        np.array(of_sizes).reshape(-1, n, line.shape[0]),
+        np.abs(own.torque * own.speed) @ shares,
+    )
+
+
+def _bends(line: Driveline, _: Load | None = None) -> FloatArray:
+    return np.moveaxis(line.bends, -1, 0)
+
+
+def _speed_bends(line: Driveline, load: Load | None) -> FloatArray | None:
+    speed = speed_of(line, load)
+    return None if speed is None else speed * _bends(line)
+
+
+def _most_bend(size: JointSize) -> float | None:
+    return None if size.max_bend_deg is None else float(np.radians(size.max_bend_deg))
+
+
+def _most_speed_bend(size: JointSize) -> float | None:
+    most = size.max_speed_bend
+    return None if most is None else float(np.radians(most * RPM))
+
+
+def _joints(
+    scene: Scene,
+    sizes: Sequence[JointSize],
+    used: _Used | None,
+    bend: Wherever,
+    speed_bend: Wherever,
+) -> Iterator[JointLife]:
+    duty = scene.service.duty
+    target = duty.target if duty else None
     for joint, size in enumerate(sizes):
-        damage = duty.shares / life.steps[joint]
+        hours = catalogue = damage = heat = largest = None
+        if used and duty and size.wears:
+            hours = _over(scene, used.hours[joint], target, "least")
+            catalogue = float(np.min(used.catalogue[joint]))
+            damage = _by_step(scene, used.damage[joint])
+        elif target is not None:
+            plain = "plain bearings have no rated life" if size.rating else "no rating is given"
+            hours = Judged(None, target, sense="least", why=plain)
+        if used and duty and not np.isnan(used.heat[joint]).any():
+            steps = used.heat[joint]
+            heat = _over(scene, duty.shares @ steps, size.most_heat)
+            hottest = int(np.argmax(np.max(steps, axis=0)))
+            largest = _by_step(scene, steps[:, hottest])
+        elif size.most_heat is not None:
+            why = "the scene does not give what heat needs: friction, torque and speed"
+            heat = Judged(None, size.most_heat, why=why)
+        swings = bool(used and np.any(used.small_swing[joint])) and size.bearing == "needle"
         yield JointLife(
             joint,
-            size,
-            float(life.hours[joint]) if size.wears else None,
-            float(life.catalogue[joint]) if size.wears else None,
-            tuple((damage / np.sum(damage)).tolist()) if size.wears else (),
-            bool(life.small_swing[joint]) and size.bearing == "needle",
-            _judged(bends[:, joint], size.max_bend_deg),
-            _judged(products[:, joint], size.max_speed_bend),
-            None if heat is None else _heat(heat[joint], duty),
+            size.name or None,
+            size.bearing,
+            size.rating,
+            hours,
+            catalogue,
+            damage,
+            swings,
+            bend.worst(joint, _most_bend(size)),
+            speed_bend.worst(joint, _most_speed_bend(size), "the scene gives no speed"),
+            heat,
+            largest,
         )
 
 
-def _judged(values: FloatArray, limit: float | None) -> AgainstLimit:
-    return AgainstLimit(round_off(np.max(values)), limit)
+def _over(
+    scene: Scene,
+    values: FloatArray,
+    limit: float | None = None,
+    sense: Literal["most", "least"] = "most",
+) -> Judged:
+    """The worst value of all places; there is one where the steps say how the driveline stands."""
+    duty = scene.service.duty
+    return over(scene, values, limit, sense, () if duty and duty.is_set else None)
 
 
-def round_off(value: float) -> float:
-    """Return a value to 12 digits; degrees that became radians and degrees again have noise."""
-    return float(f"{value:.12g}")
+def _by_step(scene: Scene, values: FloatArray) -> Judged | None:
+    """The worst step; ``None`` of one step."""
+    assert scene.service.duty
+    if len(values) == 1 or np.isnan(values).any():
+        return None
+    return over(scene, values, names=scene.service.duty.names)
 
 
-def _heat(of_steps: FloatArray, duty: DutyCycle) -> JointHeat:
-    step = int(np.argmax(of_steps))
-    return JointHeat(float(np.sum(duty.shares * of_steps)), float(of_steps[step]), step)
-
-
-def _sizes(table: Sequence[JointSize], duty: DutyCycle) -> Iterator[SizeLife]:
+def _sizes(
+    scene: Scene,
+    table: Sequence[JointSize],
+    used: _Used | None,
+    bend: Wherever,
+    speed_bend: Wherever,
+) -> Iterator[SizeLife]:
     """Each size at every joint."""
-    joints, bends = duty.line.n_joints, np.degrees(duty.line.bends)
-    ratings = np.array([size.rating or 1.0 for size in table])
-    hours = duty.line.life(
-        duty.load, rating=ratings[:, np.newaxis, np.newaxis], shares=duty.shares
-    ).hours
-    first: NDArray[np.intp] = np.argmin(hours, axis=0)
     for i, size in enumerate(table):
-        bend = _judged(bends, size.max_bend_deg)
-        product = _judged(duty.speed_rpm[:, np.newaxis] * bends, size.max_speed_bend)
-        heat = np.sum(duty.shares * heat_of([size] * joints, duty)) if size.rubs else None
-        yield SizeLife(
-            size,
-            float(hours[first[i], i]) if size.wears else None,
-            int(first[i]),
-            bend.passes and product.passes,
-            None if heat is None else float(heat),
-        )
+        hours = heat = decisive = None
+        judged: list[Judged | None] = []
+        for joint in range(scene.line.n_joints):
+            judged += [
+                bend.worst(joint, _most_bend(size)),
+                speed_bend.worst(joint, _most_speed_bend(size)),
+            ]
+        if used and size.wears:
+            lives = np.min(used.size_hours[i], axis=-1)
+            decisive = int(np.argmin(lives))
+            hours = float(lives[decisive])
+        if used and size.rubs:
+            heat = float(np.max(np.sum(used.size_heat[i], axis=0)))
+            judged.append(Judged(float(np.max(used.size_heat[i])), size.most_heat))
+        fits = all(each.verdict != "beyond" for each in judged if each)
+        yield SizeLife(size.name, size.rating, hours, decisive, fits, heat)
 
 
-def _chosen(found: LifeFigures) -> SizeLife | None:
+def _best(sizes: Sequence[SizeLife], target: float) -> Judged:
+    lives = [one.hours if one.fits else 0.0 for one in sizes if one.hours is not None]
+    if not lives:
+        return Judged(None, target, sense="least", why="the scene gives no rating of the joints")
+    return Judged(max(lives), target, sense="least")
+
+
+def _chosen(
+    joints: Sequence[JointLife], sizes: Sequence[SizeLife], target: float | None
+) -> str | None:
     """The size to take, from the smallest upwards."""
-    target, first = found.duty.target, found.decisive
+    lasting = [
+        (one.hours.value, one.rating or 0.0)
+        for one in joints
+        if one.hours and one.hours.value is not None
+    ]
+    fitting = [one for one in sizes if one.fits and one.hours]
     if target is not None:
-        if first is not None and found.passes:
+        if lasting and passes(joints):
             return None
         return next(
-            (
-                one
-                for one in found.sizes
-                if one.fits and one.hours and is_within(one.hours, target, most=False)
-            ),
-            None,
+            (o.size for o in fitting if is_within(o.hours or 0.0, target, most=False)), None
         )
-    if first is None:
+    if not lasting:
         return None
-    present = first.size.rating or 0.0
-    larger = (one for one in found.sizes if one.fits and (one.size.rating or 0.0) > present)
-    return next((one for one in larger if one.hours), None)
+    _, present = min(lasting)
+    larger = (one for one in fitting if (one.rating or 0.0) > present)
+    return next((one.size for one in larger), None)
 
 
-def _efficiency(joints: Sequence[JointLife], duty: DutyCycle) -> float | None:
-    """Of the energy over the duty cycle.
+def passes(joints: Sequence[JointLife]) -> bool:
+    """Return whether nothing of the joints is beyond its limit."""
+    judged = ((one.hours, one.bend, one.speed_bend, one.heat) for one in joints)
+    return all(not each or each.verdict != "beyond" for of_joint in judged for each in of_joint)
+
+
+def _losses(
+    scene: Scene, sizes: Sequence[JointSize], used: _Used | None
+) -> tuple[Judged | None, Judged | None]:
+    """Heat of all joints, and the efficiency over the duty cycle.
 
     Over a turn the mean torque of the drive is the torque of the load at either end: the speed
     ratio has the mean 1, and inertias take nothing over a turn at a steady speed.
     """
-    if not joints or any(joint.heat is None for joint in joints):
-        return None
-    lost = sum(joint.heat.mean for joint in joints if joint.heat)
-    power = np.sum(duty.shares * np.abs(duty.load.torque * duty.load.speed))
-    return float(1.0 - lost / power)
+    duty = scene.service.duty
+    if not (used and duty and sizes) or np.isnan(used.heat).any():
+        return None, None
+    lost = np.sum(duty.shares @ used.heat, axis=0)
+    share = np.divide(lost, used.power, out=np.zeros_like(lost), where=used.power > 0.0)
+    return _over(scene, lost), _over(scene, 1.0 - share, sense="least")
 
 
-def find(answer: Answer) -> LifeFigures | None:
-    """Return the figures of an answer's scene."""
-    return life_figures(answer.scene)
-
-
-def verdicts(found: LifeFigures) -> dict[str, str]:
-    """Return the verdicts on what the scene limits."""
-    bends = all(joint.passes for joint in found.joints)
-    return {
-        "life": "within" if found.reaches_target else "beyond",
-        "bend for the type": "within" if bends else "beyond",
-    }
+def _steps(duty: DutyCycle, place: int) -> Iterator[Step]:
+    for i, name in enumerate(duty.names):
+        bends = enumerate(duty.line.bends[place, i].tolist())
+        yield Step(
+            name,
+            float(duty.shares[i]),
+            float(np.abs(duty.load.speed[place, i])),
+            float(duty.load.torque[place, i]),
+            duty.load.end,
+            tuple(StepBend(joint, bend) for joint, bend in bends),
+        )

@@ -114,7 +114,7 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
     Sizes with bends or speeds beyond their limits are hatched. The required life is a line.
 
     Args:
-        found: the figures of a scene, from ``cardan.app.answers.life.figures.life_figures``.
+        found: the figures of a scene, from ``cardan.app.answers.life.figures.needed``.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
@@ -139,13 +139,13 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
                 zorder=4.0,
             )
-        axes.set_yticks(list(rows), [one.size.name for one, _ in known], parse_math=False)
+        axes.set_yticks(list(rows), [one.size for one, _ in known], parse_math=False)
         axes.invert_yaxis()
         axes.tick_params(axis="y", length=0)
         axes.set_xlim(0.0, 1.2 * max(hours for _, hours in known))
         value_ticks(axes.xaxis)
         axes.set_xlabel("L10 life [h]")
-        target = found.duty.target
+        target = found.target
         if target is not None:
             style: dict[str, Any] = {**LINES[1], "linewidth": 1.4}
             axes.axvline(target, label=f"required {target:g} h", **style)
@@ -169,9 +169,9 @@ def write_life(found: LifeFigures, path: str | PathLike[str]) -> None:
         ValueError: an unknown suffix.
     """
     count = sum(one.hours is not None for one in found.sizes)
-    heats = [joint.heat for joint in found.joints if joint.heat]
-    first, duty = found.decisive, found.duty
-    heights = [*([_height(count)] if count else []), 50.0, *([50.0] if heats else [])]
+    hot = [joint.largest_heat or joint.heat for joint in found.joints]
+    known = [heat for heat in hot if heat and heat.value is not None]
+    heights = [*([_height(count)] if count else []), 50.0, *([50.0] if known else [])]
     with matplotlib().rc_context(STYLE):
         from matplotlib import pyplot
 
@@ -186,16 +186,10 @@ def write_life(found: LifeFigures, path: str | PathLike[str]) -> None:
         try:
             if count:
                 plot_sizes(found, ax=next(panels))
-            hardest = 0 if first is None else int(np.argmax(first.damage))
-            plot_pin_load(duty.line[hardest], duty.load_of(hardest), ax=next(panels))
-            if heats:
-                hottest = max(heats, key=lambda heat: heat.largest).step
-                plot_heat(
-                    duty.line[hottest],
-                    duty.load_of(hottest),
-                    **friction_of([joint.size for joint in found.joints]),
-                    ax=next(panels),
-                )
+            plot_pin_load(*found.hardest()[:2], ax=next(panels))
+            if known:
+                hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))
+                plot_heat(*hottest[:2], **friction_of(found.types), ax=next(panels))
             save(figure, path)
         finally:
             pyplot.close(figure)

@@ -96,7 +96,9 @@ def machine_of(scene: Scene) -> Machine | None:
         ratings = [size.rating if size.wears else None for size in sizes]
         machine = machine.with_ratings([np.nan if one is None else one for one in ratings])
     if tubes := service.tubes:
-        machine = machine.with_tubes(tubes.shafts, **tubes.section)
+        # The stiffness of a tube is not judged.
+        given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
+        machine = machine.with_tubes(tubes.shafts, **given)
     if slip := scene.slip:
         known = {"engaged": slip.engaged, "push_in": slip.push_in}
         lengths = {name: 1e-3 * value for name, value in known.items() if value is not None}

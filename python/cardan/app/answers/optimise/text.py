@@ -135,7 +135,8 @@ def limit_lines(found: Optimised) -> list[str]:
             place = f" in {where}" if where else ""
             name = label(active.quantity)
             lines.append(
-                f"{name[:1].upper()}{name[1:]} is at its limit of {quantity(active.limit, unit)}{place}."
+                f"{name[:1].upper()}{name[1:]} is at its limit of "
+                f"{quantity(active.limit, unit)}{place}."
             )
     if any(variable.teeth for variable in found.asked.variables):
         lines.append("Yokes are set by whole teeth of their splines.")

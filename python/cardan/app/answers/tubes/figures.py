@@ -2,184 +2,119 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import record
-from cardan.app.answers.rounding import alike
+from cardan.app.answers.over import Wherever, varies
+from cardan.app.answers.rows import Judged, figure, item
 from cardan.app.answers.turn.extremes import peak
+from cardan.app.scene.duty import load_at
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import RPM
-from cardan.design.judged import is_within
+from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+
+# Angles at which torques are computed for many drivelines: the largest is known to 1e-6 of itself.
+_HALF_TURN = np.linspace(0.0, np.pi, 721)
 
 
 @dataclass(frozen=True)
 class TubeFigures:
-    """One tube; ``None`` for what needs a load that the scene does not give.
+    """The tube of a shaft."""
 
-    Attributes:
-        shaft: its shaft.
-        stiffness: in N m/rad.
-        inertia: in kg m².
-        mass: in kg.
-        torque: largest torque in N m, over the turn, all states with the scene's load, and the
-            duty cycle.
-        torque_in: the state or the step of the duty cycle with it, "" if there is only one.
-        stress: the shear stress that it causes, in Pa.
-        permitted_stress: ``None`` if the scene permits any.
-        critical_rpm: critical bending speed.
-        speed_rpm: largest speed.
-        least_margin: of the critical over the largest speed, ``None`` if any will do.
-    """
-
-    shaft: int
-    stiffness: float
-    inertia: float
-    mass: float
-    torque: float | None
-    torque_in: str
-    stress: float | None
-    permitted_stress: float | None
-    critical_rpm: float
-    speed_rpm: float | None
-    least_margin: float | None
-
-    @property
-    def margin(self) -> float | None:
-        """Critical speed over the largest speed."""
-        return None if self.speed_rpm is None else self.critical_rpm / self.speed_rpm
-
-    @property
-    def stress_passes(self) -> bool:
-        """Whether the stress is permitted, or not judged."""
-        if self.stress is None or self.permitted_stress is None:
-            return True
-        return is_within(self.stress, self.permitted_stress)
-
-    @property
-    def margin_passes(self) -> bool:
-        """Whether the margin of the critical speed suffices, or is not judged."""
-        if self.margin is None or self.least_margin is None:
-            return True
-        return is_within(self.margin, self.least_margin, most=False)
-
-    @property
-    def passes(self) -> bool:
-        """Whether nothing exceeds what the scene permits."""
-        return self.stress_passes and self.margin_passes
+    shaft: int = item("shaft")
+    stiffness: float = figure("torsional stiffness", "Nm_per_rad", source="G I_p/L")
+    inertia: float = figure("moment of inertia", "kgm2", "about its axis", source="rho I_p L")
+    mass: float = figure("mass", "kg")
+    torque: Judged | None = figure("largest torque", "Nm", "over the turn")
+    stress: Judged | None = figure(
+        "shear stress",
+        "MPa",
+        "by the largest torque",
+        source="T D/(2 I_p)",
+        limit="[tubes] permitted_stress_MPa",
+    )
+    critical: Judged | None = figure(
+        "critical bending speed",
+        "rpm",
+        "of the tube, pinned at both ends, where it is longest",
+        source="(pi/L)**2 sqrt(E I/(rho A))",
+    )
+    speed: Judged | None = figure("largest speed", "rpm")
+    margin: Judged | None = figure(
+        "margin", "", "critical bending speed over the speed", limit="[tubes] least_margin"
+    )
 
 
 def find(answer: Answer) -> tuple[TubeFigures, ...]:
     """Return the tubes of a scene; none if it has none."""
-    scene = answer.scene
-    tubes, cases = scene.service.tubes, list(_cases(scene))
+    return tuple(_tubes(answer.scene))
+
+
+def _tubes(scene: Scene) -> Iterator[TubeFigures]:
+    tubes = scene.service.tubes
     if tubes is None:
-        return ()
-    found = tubes.tube
-    # Without a torque or inertias there is no load to judge.
-    worst = [_largest_torque(cases, shaft) for shaft in tubes.shafts]
-    stresses = found.shear_stress([torque for torque, _ in worst])
-    speed = max((abs(float(load.speed)) / RPM for _, _, load in cases), default=0.0)
-    return tuple(
-        TubeFigures(
+        return
+
+    def critical_of(line: Driveline, _: Load | None) -> FloatArray:
+        return np.moveaxis(tubes.critical_speed(line), -1, 0)
+
+    def margin_of(line: Driveline, load: Load | None) -> FloatArray | None:
+        speed = speed_of(line, load)
+        with np.errstate(divide="ignore"):
+            return None if speed is None else critical_of(line, load) / speed
+
+    torque = Wherever(scene, lambda line, load: _torques(scene, line, load))
+    critical, speed = Wherever(scene, critical_of, "least"), Wherever(scene, speed_of)
+    margin, tube = Wherever(scene, margin_of, "least"), tubes.tube
+    per_torque, permitted = tube.shear_stress(1.0), tubes.permitted_stress
+    for i, shaft in enumerate(tubes.shafts):
+        yield TubeFigures(
             shaft,
-            float(found.stiffness[i]),
-            float(found.inertia[i]),
-            float(found.mass[i]),
-            worst[i][0] or None,
-            worst[i][1],
-            float(stresses[i]) or None,
-            tubes.permitted_stress,
-            float(found.critical_speed[i] / RPM),
-            speed or None,
-            tubes.least_margin,
+            float(tube.stiffness[i]),
+            float(tube.inertia[i]),
+            float(tube.mass[i]),
+            torque.worst(i),
+            torque.worst(i, permitted, "the scene gives no torque", per_torque[i]),
+            critical.worst(i),
+            speed.worst(0),
+            margin.worst(i, tubes.least_margin, "the scene gives no speed"),
         )
-        for i, shaft in enumerate(tubes.shafts)
-    )
 
 
-_Case = tuple[str, Driveline, Load]
+def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:
+    """Return the speeds of the drive, ``(1, places, steps)``, if there are any."""
+    if load is None or not np.any(load.speed):
+        return None
+    shape = np.broadcast_shapes(line.shape, load.speed.shape)
+    return np.broadcast_to(np.abs(load.speed), shape)[np.newaxis]
 
 
-def _cases(scene: Scene) -> Iterator[_Case]:
-    """Every load of the tubes with its name: each step of the duty cycle, [load] in each state."""
-    duty, states = scene.service.duty, scene.states
-    if duty is not None:
-        for step, name in enumerate(duty.names):
-            yield name, duty.line[step], duty.load_of(step)
-    for i, name in enumerate(states.names if states else ("",)):
-        each = scene.in_state(i) if states else scene
-        load = each.load_case
-        # A recorded load has no turn over which to look for the largest torque.
-        if load is not None and not each.line.shape and not np.ndim(load.speed + load.torque):
-            yield name, each.line, load
+def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | None:
+    """The largest magnitude of the torque of each tube over a turn, ``(tubes, places, steps)``."""
+    if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
+        return None
+    assert scene.service.tubes
+    shafts, study = [*scene.service.tubes.shafts], scene.study if varies(scene) else None
+    wanted: dict[str, Any] = {"shafts": shafts, "load": load}
+    if np.ndim(load.speed + load.torque) == 1 or scene.line.shape:
+        # Recorded loads count as they are.
+        angle = study.angle if study else scene.without_missing().angle
+        return np.asarray(np.abs(line.evaluate(angle, "torque", **wanted).torque))
+    if study:
+        wanted |= {"load": load.at_any_angle(), "reduce": "peak"}
+        return np.asarray(line[..., np.newaxis].evaluate(_HALF_TURN, "torque", **wanted).torque)
+    found = np.empty((len(shafts), *line.shape))
+    for i, shaft in enumerate(shafts):
+        for place in np.ndindex(*line.shape):
+            own = load_at(load, line.shape, place)
+            found[i, *place] = peak(line[place], "torque", shaft, own).value
+    return found
 
 
-def _largest_torque(cases: Sequence[_Case], shaft: int) -> tuple[float, str]:
-    """The largest magnitude of a shaft's torque over a turn, and the case that has it."""
-    found = [peak(line, "torque", shaft, load).value for _, line, load in cases] or [0.0]
-    worst = int(np.argmax(found))
-    return found[worst], "" if alike(min(found), found[worst]) else cases[worst][0]
-
-
-def data(found: tuple[TubeFigures, ...], *, radians: bool = False) -> list[dict[str, Any]]:
-    """Return tubes as plain data for JSON, as ``SCHEMA`` describes them."""
-    return [
-        {
-            "shaft": tube.shaft,
-            "stiffness_Nm_per_rad": tube.stiffness,
-            "inertia_kgm2": tube.inertia,
-            "mass_kg": tube.mass,
-            "torque_Nm": tube.torque,
-            "torque_in": tube.torque_in,
-            "shear_stress_MPa": None if tube.stress is None else 1e-6 * tube.stress,
-            "permitted_stress_MPa": None
-            if tube.permitted_stress is None
-            else 1e-6 * tube.permitted_stress,
-            "critical_speed_rpm": tube.critical_rpm,
-            "largest_speed_rpm": tube.speed_rpm,
-            "margin": tube.margin,
-            "least_margin": tube.least_margin,
-            "passes": tube.passes,
-        }
-        for tube in found
-    ]
-
-
-_NUMBER: Mapping[str, Any] = {"type": "number"}
-_MAYBE: Mapping[str, Any] = {"type": ["number", "null"]}
-
-SCHEMA: Mapping[str, Any] = {
-    "type": "array",
-    "description": "the tubes of shafts, with the largest torque over the turn, the states and "
-    "the duty cycle",
-    "items": record(
-        {
-            "shaft": {"type": "integer", "minimum": 0},
-            "stiffness_Nm_per_rad": _NUMBER,
-            "inertia_kgm2": _NUMBER,
-            "mass_kg": _NUMBER,
-            "torque_Nm": _MAYBE,
-            "torque_in": {"type": "string", "description": "state or step; empty if it is one"},
-            "shear_stress_MPa": _MAYBE,
-            "permitted_stress_MPa": _MAYBE,
-            "critical_speed_rpm": _NUMBER,
-            "largest_speed_rpm": _MAYBE,
-            "margin": {"description": "critical speed over the largest speed", **_MAYBE},
-            "least_margin": _MAYBE,
-            "passes": {"type": "boolean"},
-        }
-    ),
-}
-"""JSON Schema of what ``data`` returns."""
-
-
-def verdicts(found: tuple[TubeFigures, ...]) -> dict[str, str]:
-    """Return the verdicts on what the scene limits."""
-    return {f"shaft {tube.shaft}": "within" if tube.passes else "beyond" for tube in found}
+def _turns(load: Load) -> bool:
+    return bool(np.any(load.speed) or np.any(load.acceleration))
