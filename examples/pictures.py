@@ -17,7 +17,7 @@ import cardan
 from cardan.app import plots
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.backlash.figures import drawn_backlash
-from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.forces.paths import scene_force_paths
 from cardan.app.answers.life.figures import needed_life
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.torsion.figures import torsion_figures

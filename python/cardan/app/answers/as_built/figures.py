@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,7 @@ def _of_shaft(
         yield OrderFigures(order, shaft, *_named(scene, own), *_named(scene, faster))
 
 
-def _named(scene: Scene, found: list[Judged]) -> tuple[Judged | None, Judged | None, Judged | None]:
+def _named(scene: Scene, found: list[Judged]) -> tuple[Any, ...]:
     """As built, of the drawing if that differs, and the worst if there are tolerances."""
     if not found:
         return None, None, None
