@@ -18,7 +18,7 @@ from cardan.app import plots
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.backlash.figures import drawn_backlash
-from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.forces.paths import scene_force_paths
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.torsion.figures import torsion_figures

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -13,11 +12,15 @@ import pytest
 from click.testing import CliRunner
 
 from cardan import Driveline, Load
-from cardan.app.answers.forces.figures import SceneForces, scene_forces
-from cardan.app.answers.forces.figures import data as forces_data
-from cardan.app.answers.forces.text import force_rows
-from cardan.app.answers.forces.text import words as forces_text
-from cardan.app.answers.forces.turn_forces import force_figures
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.forces.figures import (
+    BearingForce,
+    Forces,
+    JointForce,
+    force_figures,
+)
+from cardan.app.answers.printed import figure_text
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import summary
 from cardan.app.answers.turn.picture import plot_scene
 from cardan.app.answers.turn.quantities import quantities
@@ -38,10 +41,21 @@ LOAD = Load(output_torque=1200.0)
 LINE = Driveline.from_points(POINTS, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
 
 
-def forces(text: str = TEXT) -> SceneForces:
-    found = scene_forces(Scene.parse(text))
+PART = PARTS["forces"]
+
+
+def forces(text: str = TEXT) -> Forces:
+    found: Forces | None = Answer(Scene.parse(text))["forces"]
     assert found is not None
     return found
+
+
+def each(found: Forces) -> list[JointForce | BearingForce]:
+    return [*found.joints, *found.bearings]
+
+
+def sizes(found: Forces) -> list[float | None]:
+    return [force.largest.value for force in each(found)]
 
 
 def run(*arguments: str | Path) -> str:
@@ -138,8 +152,7 @@ def test_lengths_of_a_driveline_without_points() -> None:
     for key, unit in (("lengths_m", 1.0), ("lengths_mm", 1e3)):
         text = f"{head}{key} = {(unit * lengths).tolist()}\n{tables}"
         SCENES.validate(tomllib.loads(text))
-        for one, other in zip(forces(text).forces, forces().forces, strict=True):
-            assert one.figures.largest == pytest.approx(other.figures.largest, rel=1e-9)
+        assert sizes(forces(text)) == pytest.approx(sizes(forces()), rel=1e-9)
     # A floating shaft needs its length and no bearing.
     text = "[driveline]\nbends_deg = [5, 5]\n{}[load]\ndrive_torque_Nm = 9\n"
     text += '[output]\nquantities = ["joint_force"]\n'
@@ -148,7 +161,7 @@ def test_lengths_of_a_driveline_without_points() -> None:
     peak = want.evaluate(
         np.linspace(0, np.pi, 181), "joint_force", load=Load(drive_torque=9.0), reduce="peak"
     ).joint_force
-    assert [force.figures.largest for force in floating.forces] == pytest.approx(peak, rel=1e-9)
+    assert sizes(floating) == pytest.approx(peak, rel=1e-9)
     with pytest.raises(SceneError, match="is 'joint_force'; it needs points_mm or points_m, or"):
         Scene.parse(text.format(""))
 
@@ -275,49 +288,88 @@ def test_forces_that_are_not_determinate() -> None:
         Scene.parse(text, "a.toml")
     assert str(caught.value).endswith(f'[output] quantities[1] is "bearing_force"; {reason}')
     found = forces(text.replace(', "bearing_force"', ""))
-    assert found.refused == {"bearing_force": reason}
-    assert [force.figures.per for force in found.forces] == ["joint"] * 3
-    words = forces_text(found)
-    assert " ".join(words.split()).endswith(f"Bearing force is not determinate: {reason}.")
-    assert len(words.split("\n\n")[0].splitlines()) == 4
-    data = forces_data(found)
-    assert data["not_determinate"] == [{"quantity": "bearing_force", "reason": reason}]
+    assert [force.largest.why for force in found.joints] == [""] * 3
+    assert [force.largest.why for force in found.bearings] == [reason] * 6
+    assert all(force.largest.value is None for force in found.bearings)
+    assert [*PART.sentences(found)] == [f"The forces of the bearings are not known: {reason}."]
+    assert PART.data(found)["bearings"][5]["largest"]["why"] == reason
 
 
 def test_figures_are_those_of_samples() -> None:
     turn = np.arange(7200) * (2 * np.pi / 7200)
     samples = LINE.evaluate(turn, ("joint_force", "bearing_force"), load=LOAD)
     found = forces()
-    assert [force.shaft for force in found.forces] == [None] * 3 + [k for k, _ in BEARINGS]
-    for force in found.forces:
-        row = force.figures
-        values = samples[row.output][row.item]
-        sizes = np.linalg.norm(values, axis=-1)
-        assert row.largest == pytest.approx(sizes.max(), rel=1e-6)
-        assert force.at_deg is not None
-        at = round(force.at_deg * 20) % 7200
-        assert sizes[at] == pytest.approx(sizes.max(), rel=1e-6)
-        assert row.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
-        for order, size in ((2, row.order_2), (4, row.order_4)):
+    assert [force.shaft for force in found.bearings] == [k for k, _ in BEARINGS]
+    for force in each(found):
+        name = "joint_force" if isinstance(force, JointForce) else "bearing_force"
+        values = samples[name][force.number]
+        lengths = np.linalg.norm(values, axis=-1)
+        assert force.largest.value == pytest.approx(lengths.max(), rel=1e-6)
+        assert force.at is not None
+        at = round(np.degrees(force.at) * 20) % 7200
+        assert lengths[at] == pytest.approx(lengths.max(), rel=1e-6)
+        assert force.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
+        for order, size in ((2, force.order_2), (4, force.order_4)):
             wave = 2 * (values * np.exp(1j * order * turn)[:, None]).mean(axis=0)
             part = (np.exp(-1j * turn)[:, None] * wave).real
             assert size == pytest.approx(np.linalg.norm(part, axis=-1).max(), rel=1e-5)
 
 
 def test_words_are_the_figures() -> None:
-    text = forces_text(forces())
-    heading, *lines = text.splitlines()
-    assert re.sub(" {2,}", "|", heading) == "Forces over a turn [N]|largest|at|mean|order 2|order 4"
+    text = PART.text(forces())
     assert max(map(len, text.splitlines())) <= 79
-    for line, force in zip(lines, forces().forces, strict=True):
-        row = force.figures
-        label = f"{row.per} {row.item}" + f", shaft {force.shaft}" * (force.shaft is not None)
-        assert line.strip().startswith(f"{label} ")
-        largest, at, *others = line.replace("°", "").split()[-5:]
-        assert float(at) == pytest.approx(force.at_deg, abs=0.006)
-        want = (row.largest, row.mean, row.order_2, row.order_4)
-        assert [float(figure) for figure in (largest, *others)] == pytest.approx(want, rel=1e-3)
-    assert " 1.5708 rad " in forces_text(forces(), radians=True)
+    rows = [row.split("  ") for row in text.splitlines()]
+    for name in ("largest", "mean", "order 2", "order 4"):
+        label = f"{name} force" if name == "largest" else name
+        cells = [float(cell.split()[0]) for row in rows if label in row for cell in row[2:] if cell]
+        key = name.replace(" ", "_")
+        values = [getattr(force, key) for force in each(forces())]
+        want = [value.value if name == "largest" else value for value in values]
+        assert cells == pytest.approx(want, rel=1e-3)
+    assert " 1.571 rad" in PART.text(forces(), radians=True)
+
+
+TWO = "points_mm.3-4.y = [-260, -220, -180]\n"
+
+
+@pytest.mark.parametrize("kind", ["states", "study"])
+def test_forces_are_judged_in_every_state_and_driveline_of_a_study(kind: str) -> None:
+    alone = []
+    for height in (-260, -220, -180):
+        y = f"{height}, 0]"
+        moved = (("[3000, -220, 0]", f"[3000, {y}"), ("[3250, -210, 0]", f"[3250, {y}"))
+        alone.append(sizes(forces(replaced(TEXT, *moved))))
+    largest = np.max(np.array(alone, dtype=float), axis=0)
+    most = [float(np.max(part)) for part in (largest[:3], largest[3:])]
+    for factor, verdict in ((1.001, "within"), (0.999, "beyond")):
+        limits = "[limits]\nequivalent_bend_deg = 60\n" + "".join(
+            f"{name}_force_N = {factor * size}\n"
+            for name, size in zip(("joint", "bearing"), most, strict=True)
+        )
+        answer = Answer(Scene.parse(f"{TEXT}{limits}[{kind}]\n{TWO}"))
+        found = answer["forces"]
+        assert sizes(found) == pytest.approx(largest, rel=1e-5)
+        assert answer.verdict == verdict
+        worst = max(each(found), key=lambda force: force.largest.value or 0.0).largest
+        assert worst.verdict == verdict
+        if kind == "study":
+            assert set(worst.at) == {"points_mm.3-4.y"}
+        else:
+            assert [*worst.each.values()] == pytest.approx(np.array(alone)[:, 3:].max(axis=1))
+
+
+def test_a_limit_of_forces_that_cannot_be_judged_says_why() -> None:
+    text = "[driveline]\nbends_deg = [5, 5]\n[limits]\njoint_force_N = 100\n"
+    found = forces(text)
+    assert {force.largest.verdict for force in found.joints} == {"not judged"}
+    assert found.joints[0].largest.why.startswith("they need points_mm or points_m")
+    third = TEXT.replace("[load]", "[[bearing]]\nshaft = 3\nposition_mm = 240\n[load]")
+    third = third.replace(', "bearing_force"', "")
+    found = forces(f"{third}[limits]\nbearing_force_N = 100\n")
+    assert {force.largest.verdict for force in found.bearings} == {"not judged"}
+    assert "shaft 3 has 3 bearings" in found.bearings[0].largest.why
+    with pytest.raises(SceneError, match=r"bearing_force_N needs a section \[\[bearing\]\]"):
+        Scene.parse(text.replace("joint_force", "bearing_force"))
 
 
 def test_rounding_is_nothing_and_has_no_angle() -> None:
@@ -338,17 +390,13 @@ quantities = ["joint_force", "bearing_force"]
     raw = force_figures(scene.line, scene.load_case)
     assert all(row.largest > 0.0 and row.places for row in raw)
     assert max(row.order_4 for row in raw) > 1e-8
-    found = scene_forces(scene)
-    assert found is not None
-    for force in found.forces:
-        row = force.figures
-        if row.per == "joint":
-            assert (row.largest, row.mean, row.order_2, row.order_4) == (0.0, 0.0, 0.0, 0.0)
-            assert (row.places, force.at_deg) == ((), None)
-        else:
-            assert min(row.largest, row.order_2, row.mean) > 1e6
-            assert row.order_4 == 0.0
-    assert forces_text(found).splitlines()[1].split() == ["joint", "0", "0", "-", "0", "0", "0"]
+    found = Answer(scene)["forces"]
+    for force in found.joints:
+        assert (force.largest.value, force.mean, force.order_2, force.order_4) == (0.0,) * 4
+        assert force.at is None
+    for force in found.bearings:
+        assert min(force.largest.value, force.order_2, force.mean) > 1e6
+        assert force.order_4 == 0.0
     rows = [row for row in summary(scene.run()) if row.per == "joint" and row.unit == "N"]
     assert [(row.value, row.at_deg) for row in rows] == [(0.0, None)] * 2
     peaks = [each for each in evaluated(scene).peaks if each.output.name == "joint_force"]
@@ -364,39 +412,40 @@ quantities = ["joint_force", "bearing_force"]
 )
 def test_no_load_no_forces(old: str, new: str) -> None:
     quantities = 'quantities = ["joint_force", "bearing_force"]'
-    assert scene_forces(Scene.parse(replaced(TEXT, (old, new), (quantities, "")))) is None
+    assert Answer(Scene.parse(replaced(TEXT, (old, new), (quantities, ""))))["forces"] is None
 
 
 def test_a_scene_without_bearings_is_silent_on_forces() -> None:
     head, _, rest = TEXT.partition("[[bearing]]")
     text = head + rest[rest.index("[load]") : rest.index("quantities")]
-    assert scene_forces(Scene.parse(text)) is None
+    assert Answer(Scene.parse(text))["forces"] is None
 
 
 @pytest.mark.parametrize("options", [[], ["--radians"]], ids=["deg", "rad"])
 def test_answers(options: list[str], tmp_path: Path) -> None:
     data: Any = json.loads(run("run", EXAMPLE, "--json", *options, "--into", tmp_path))
     ANSWERS.validate(data)
-    want = forces_data(forces(), radians=bool(options))
+    want = PART.data(forces(), radians=bool(options))
     assert data["forces"] == json.loads(json.dumps(want))
-    entries = data["forces"]["figures"]
-    assert [entry.get("bearing") for entry in entries] == [None] * 3 + [0, 1, 2, 3, 4]
-    assert [entry.get("shaft") for entry in entries] == [None] * 3 + [0, 0, 1, 3, 3]
+    assert [entry["joint"] for entry in data["forces"]["joints"]] == [0, 1, 2]
+    entries = data["forces"]["bearings"]
+    assert [entry["bearing"] for entry in entries] == [0, 1, 2, 3, 4]
+    assert [entry["shaft"] for entry in entries] == [0, 0, 1, 3, 3]
     unit = "rad" if options else "deg"
-    for entry, force in zip(entries, forces().forces, strict=True):
-        assert entry["largest_N"] == force.figures.largest
-        assert force.at_deg is not None
-        at = np.radians(force.at_deg) if options else force.at_deg
-        assert entry[f"at_drive_angle_{unit}"] == pytest.approx(at)
+    for entry, force in zip(entries, forces().bearings, strict=True):
+        assert entry["largest"]["value_N"] == force.largest.value
+        assert force.at is not None
+        at = force.at if options else np.degrees(force.at)
+        assert entry[f"at_{unit}"] == pytest.approx(at)
 
 
 def test_run_and_check_tell_of_forces(tmp_path: Path) -> None:
-    words = forces_text(forces())
+    words = PART.text(forces())
     assert words in run("run", EXAMPLE, "--into", tmp_path)
     assert words in run("check", EXAMPLE)
     data = json.loads(run("check", EXAMPLE, "--json"))
     ANSWERS.validate(data)
-    assert data["forces"] == json.loads(json.dumps(forces_data(forces())))
+    assert data["forces"] == json.loads(json.dumps(PART.data(forces())))
 
 
 def test_pictures_have_a_panel_for_each_component() -> None:
@@ -425,13 +474,14 @@ def test_the_report_has_the_forces(tmp_path: Path) -> None:
         write_report(Scene.load(path), tmp_path / "a.html")
         page = (tmp_path / "a.html").read_text("utf-8")
         if name == "refused":
-            assert "<p>Bearing force is not determinate: shaft 3 has 3 bearings; forces" in page
+            assert (
+                "The forces of the bearings are not known: shaft 3 has 3 bearings; forces" in page
+            )
             assert "Largest bearing force:" not in page
         else:
             assert "<p>Largest bearing force: bearing 3, shaft 3, 1360 N, at 90.00° of" in page
-        for label, *figures in force_rows(forces(text)):
-            cells = "".join(f"<td>{figure}</td>" for figure in figures)
-            assert f'<th scope="row">{label}</th>{cells}' in page
+        cells = "".join(f"<td>{figure_text(size)} N</td>" for size in sizes(forces(text))[:3])  # type: ignore[arg-type]
+        assert f'<th scope="row">largest force</th>{cells}' in page
         assert ("Loads of the bearings, largest over a whole turn" in page) == (name == "all")
 
 
@@ -444,7 +494,7 @@ def test_recorded_bends_have_forces_at_their_samples_and_none_over_a_turn(tmp_pa
         text += f"[[bearing]]\nshaft = 2\nposition_m = {place}\n"
     SCENES.validate(tomllib.loads(text))
     scene = Scene.parse(text, folder=tmp_path)
-    assert scene_forces(scene) is None
+    assert Answer(scene)["forces"] is None
     found = scene.run().values["bearing_force"]
     for sample, bends in enumerate([(5, 6), (5.5, 6), (6, 7), None, (6, 7)]):
         if bends is None:

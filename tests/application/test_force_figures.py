@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Scene
-from cardan.app.answers.forces.turn_forces import force_figures
+from cardan.app.answers.forces.figures import force_figures
 
 LINE = Driveline.from_points(
     [[0.0, 0, 0], [0.3, 0.05, 0], [1.5, -0.1, 0.1], [3.0, -0.4, 0], [3.3, -0.4, 0.1]],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +14,8 @@ from matplotlib import pyplot
 
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.forces.figures import scene_force_paths, scene_forces
-from cardan.app.answers.forces.text import force_rows
-from cardan.app.answers.forces.text import words as forces_text
-from cardan.app.answers.forces.turn_forces import force_figures
-from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.forces.figures import BearingForce, Forces, JointForce, force_figures
+from cardan.app.answers.forces.paths import scene_force_paths
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import tolerance_figures
@@ -52,6 +48,16 @@ def command(*arguments: str | Path) -> str:
     return done.stdout
 
 
+def forces(scene: Scene) -> Forces:
+    found: Forces | None = Answer(scene)["forces"]
+    assert found is not None
+    return found
+
+
+def each(found: Forces) -> list[JointForce | BearingForce]:
+    return [*found.joints, *found.bearings]
+
+
 def views_of(scene: Scene) -> list[dict[str, Any]]:
     answer = Answer(scene)
     return list(PARTS["forces"].section(answer, answer["forces"])["views"])
@@ -81,51 +87,42 @@ def test_curves_and_extremes_are_those_as_built() -> None:
 
 
 def test_figures_are_those_of_samples_of_a_whole_turn() -> None:
-    found = scene_forces(Scene.parse(TEXT))
-    assert found is not None
-    assert found.has_order_1
+    found = each(forces(Scene.parse(TEXT)))
     drawn = force_figures(DRAWING, LOAD)
-    for force, ideal in zip(found.forces, drawn, strict=True):
-        row = force.figures
-        values = AT[row.output][row.item]
+    for force, ideal in zip(found, drawn, strict=True):
+        values = AT[ideal.output][force.number]
         sizes = np.linalg.norm(values, axis=-1)
-        assert row.largest == pytest.approx(sizes.max(), rel=1e-6)
-        assert force.at_deg is not None
-        assert sizes[round(force.at_deg * 20) % 7200] == pytest.approx(row.largest, rel=1e-6)
-        assert row.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
-        each = {1: row.order_1, 2: row.order_2, 4: row.order_4}
-        assert each == pytest.approx({k: order(values, k) for k in each}, rel=1e-5)
-        assert row.order_1 > 0.01 * row.largest
+        largest = force.largest.value
+        assert largest == pytest.approx(sizes.max(), rel=1e-6)
+        assert force.at is not None
+        assert sizes[round(np.degrees(force.at) * 20) % 7200] == pytest.approx(largest, rel=1e-6)
+        assert force.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
+        orders = {1: force.order_1, 2: force.order_2, 4: force.order_4}
+        assert orders == pytest.approx({k: order(values, k) for k in orders}, rel=1e-5)
+        assert force.order_1 is not None
+        assert largest is not None
+        assert force.order_1 > 0.01 * largest
         assert ideal.order_1 == 0.0
     # Some forces are largest in the second half of the turn only.
-    assert any((force.at_deg or 0.0) > 180.0 for force in found.forces)
+    assert any((force.at or 0.0) > np.pi for force in found)
 
 
 def test_words_and_answers_have_order_1(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(TEXT, encoding="utf-8")
-    found = scene_forces(Scene.parse(TEXT))
-    assert found is not None
-    heading, *lines = forces_text(found).splitlines()
-    head = "Forces over a turn [N]|largest|at|mean|order 1|order 2|order 4"
-    assert re.sub(" {2,}", "|", heading) == head
-    assert max(map(len, (heading, *lines))) <= 79
-    for (_, *figures), force in zip(force_rows(found), found.forces, strict=True):
-        row = force.figures
-        want = (row.largest, row.mean, row.order_1, row.order_2, row.order_4)
-        got = [float(figure) for figure in (figures[0], *figures[2:])]
-        assert got == pytest.approx(want, rel=1e-3)
+    found = forces(Scene.parse(TEXT))
+    text = PARTS["forces"].text(found)
+    assert max(map(len, text.splitlines())) <= 79
+    assert "\n  order 1 " in text
     for name, options in (("run", ["--into", str(tmp_path)]), ("check", [])):
-        assert heading in command(name, path, *options)
+        assert text in command(name, path, *options)
         data = json.loads(command(name, path, *options, "--json"))
         ANSWERS.validate(data)
-        for entry, force in zip(data["forces"]["figures"], found.forces, strict=True):
-            assert entry["order_1_N"] == pytest.approx(force.figures.order_1, rel=1e-9)
-    ideal = scene_forces(Scene.parse(DRAWN))
-    assert ideal is not None
-    assert "order 1" not in forces_text(ideal)
+        for entry, force in zip(data["forces"]["bearings"], found.bearings, strict=True):
+            assert entry["order_1_N"] == pytest.approx(force.order_1, rel=1e-9)
     scene = Scene.parse(DRAWN)
-    assert "order_1_N" not in json.dumps(check_data(Answer(scene)))
+    assert "order 1" not in PARTS["forces"].text(forces(scene))
+    assert {force.order_1 for force in each(forces(scene))} == {None}
     page = tmp_path / "page.html"
     write_report(Scene.parse(TEXT), page)
     words = page.read_text(encoding="utf-8")
@@ -180,25 +177,23 @@ def test_studies_and_states_have_forces_as_built(section: str) -> None:
     key = "points_mm.3-4.y" if section == "study" else '"points_mm.3-4.y"'
     text = TEXT.replace("[joints]", f"[{section}]\n{key} = {[*HEIGHTS]}\n[joints]")
     scene = Scene.parse(text)
-    each = lines()
+    drivelines = lines()
     if section == "study":
         result = scene.run().study
         assert result is not None
         table = study_columns(result)
-        for i, line in enumerate(each):
+        for i, line in enumerate(drivelines):
             at = line.evaluate(scene.drive_angle, "bearing_force", load=LOAD).bearing_force
             for item, force in enumerate(at):
                 peak = np.linalg.norm(force, axis=-1).max()
                 assert table[f"bearing_force_{item}_peak_N"][i] == pytest.approx(peak, rel=1e-9)
         return
-    found = Answer(scene)["forces"]
-    assert found is not None
-    assert found.has_order_1
-    of_states = [force_figures(line, LOAD) for line in each]
-    for i, force in enumerate(found.forces):
+    found = forces(scene)
+    of_states = [force_figures(line, LOAD) for line in drivelines]
+    for i, force in enumerate(each(found)):
         worst = max((figures[i] for figures in of_states), key=lambda one: one.largest)
-        assert force.figures.largest == pytest.approx(worst.largest, rel=1e-9)
-        assert force.figures.order_1 == pytest.approx(worst.order_1, rel=1e-6)
+        assert force.largest.value == pytest.approx(worst.largest, rel=1e-9)
+        assert force.order_1 == pytest.approx(worst.order_1, rel=1e-6)
 
 
 def test_tolerances_of_forces_start_from_the_joints_as_measured() -> None:

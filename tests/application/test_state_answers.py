@@ -159,11 +159,15 @@ def test_speeds_of_states_are_checked_with_their_own_state() -> None:
 def test_forces_are_those_of_the_worst_state() -> None:
     found = Answer(Scene.parse(TRUCK))["forces"]
     assert found
-    each = [Answer(Scene.parse(single(height)))["forces"] for height in HEIGHTS]
-    for i, force in enumerate(found.forces):
-        largest = [own.forces[i].figures.largest for own in each if own]
-        assert force.figures.largest == max(largest)
-        assert force.state == NAMES[int(np.argmax(largest))]
+    alone = [Answer(Scene.parse(single(height)))["forces"] for height in HEIGHTS]
+    for kind in ("joints", "bearings"):
+        for i, force in enumerate(getattr(found, kind)):
+            largest = [getattr(own, kind)[i].largest.value for own in alone]
+            assert force.largest.value == max(largest)
+            assert force.largest.each == dict(zip(NAMES, largest, strict=True))
+            worst = int(np.argmax(largest))
+            assert force.largest.state == NAMES[worst]
+            assert force.order_2 == getattr(alone[worst], kind)[i].order_2
 
 
 def test_slip_over_the_states(tmp_path: Path) -> None:
@@ -462,12 +466,11 @@ def test_the_report_has_the_loads_of_the_worst_state(tmp_path: Path) -> None:
     assert f"as in the scene {exact:.4f} {np.degrees(rule):.4f} " in text
     forces = Answer(given)["forces"]
     assert forces
-    for force in forces.forces:
-        row = force.figures
-        assert (
-            f"{row.per.capitalize()} {row.item}, in {force.state}, up to {row.largest:.4g} N"
-            in text
-        )
+    for kind in ("joint", "bearing"):
+        for force in getattr(forces, f"{kind}s"):
+            size = f"{force.largest.value:.4g} N"
+            named = f"{kind.capitalize()} {force.number}, in {force.largest.state}, up to {size}"
+            assert named in text
 
 
 def test_a_constant_drive_speed_is_judged_in_the_worst_state(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """The table of parts: everything that an answer about a scene can have.
 
 A part has a room with its modules. ``figures.find`` finds its figures, whose fields are rows;
-``text.sentences`` says what follows from them; ``picture.charts`` draws them on the page. What a
+``text.sentences`` says what follows from them; ``picture.drawn`` draws them on the page. What a
 row says is printed, listed, judged and described by itself.
 """
 
@@ -114,8 +114,8 @@ class Part:
 
         own = self._own("section", "page")
         data = own(answer, found) if own else section_of(self, found)
-        if charts := self._own("charts", "picture"):
-            data["charts"] = charts(answer, found)
+        if drawn := self._own("drawn", "picture"):
+            data |= drawn(answer, found)
         folder = resources.files("cardan.app").joinpath("answers", self.name)
         template = f"{self.name}/page.html" if folder.joinpath("page.html").is_file() else ""
         return {"key": self.name, "heading": self.title, "template": template, **data}

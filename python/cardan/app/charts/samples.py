@@ -9,9 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from cardan.app.answers.forces.turn_forces import shortest_arm
 from cardan.app.answers.rounding import alike, first_peak
-from cardan.app.answers.turn.extremes import magnitudes, peak, values_of
+from cardan.app.answers.turn.extremes import magnitudes, peak, shortest_arm, values_of
 from cardan.app.charts.motion import as_built
 from cardan.app.scene.angles import Angles
 from cardan.app.scene.scene import Scene, SceneResult

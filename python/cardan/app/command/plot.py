@@ -10,7 +10,7 @@ import click
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.backlash.figures import drawn_backlash
 from cardan.app.answers.ball_joint.picture import write_ball_joint_picture
-from cardan.app.answers.forces.figures import scene_force_paths
+from cardan.app.answers.forces.paths import scene_force_paths
 from cardan.app.answers.turn.abscissa import Over
 from cardan.app.command.files import check_output, check_picture
 from cardan.app.command.options import file_option, scene_argument

@@ -8,7 +8,8 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.drive_speed.text import heading, sentences
-from cardan.app.answers.forces.text import largest_text, reasons
+from cardan.app.answers.forces.text import largest_text
+from cardan.app.answers.forces.text import sentences as missing_forces
 from cardan.app.answers.limits.page import groups, shown, verdict_data, verdict_of
 from cardan.app.answers.limits.remedies import advice
 from cardan.app.answers.limits.remedies_text import (
@@ -155,7 +156,7 @@ def _of_one_joint(scene: Scene) -> list[str]:
 def _forces(answer: Answer) -> list[str]:
     """The largest force of a bearing, and why forces are not known."""
     found = answer["forces"]
-    return [] if found is None else [*filter(None, [largest_text(found)]), *reasons(found)]
+    return [] if found is None else [*filter(None, [largest_text(found)]), *missing_forces(found)]
 
 
 def _spline(answer: Answer) -> str:

@@ -79,9 +79,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
 
 
 def _parts(answer: Answer) -> list[dict[str, Any]]:
-    """The sections of the parts; a section of views without any is none."""
-    sections = [part.section(answer, found) for part, found in answer.parts("report")]
-    return [section for section in sections if section.get("views") != []]
+    """The sections of the parts."""
+    return [part.section(answer, found) for part, found in answer.parts("report")]
 
 
 def _ball_joint_page(scene: BallJointScene) -> str:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.forces.text import force_rows, headings
 from cardan.app.answers.limits.root_rule import fork_signs
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import is_cancelled
@@ -125,10 +124,6 @@ def results(samples: Samples, answer: Answer) -> list[Table]:
     tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
     if any(peak.output.per == "bearing" for peak in samples.peaks):
         tables.append(_largest(samples, "bearing"))
-    forces = answer["forces"]
-    if forces and forces.forces:
-        caption = f"Forces over a turn [N]{samples.assumed}"
-        tables.append(Table(caption, ("", *headings(forces)), force_rows(forces)))
     if not scene.line.shape:
         orders = (2, 4, 6)
         lines = scene.drivelines() if scene.states else scene.line

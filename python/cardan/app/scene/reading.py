@@ -138,6 +138,9 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         column = steering_of(given["steering"]) if "steering" in given else None
     own_limits = given.get("limits", {})
     limits = Limits(**{key: value for key, value in own_limits.items() if key not in OF_PARTS})
+    with document.within("limits"):
+        if "bearing_force_N" in own_limits and not line.n_bearings:
+            raise ArgumentValueError("bearing_force_N", "needs a section [[bearing]]")
     with document.within("ball_joint"):
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None

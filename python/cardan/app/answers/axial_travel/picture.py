@@ -34,12 +34,14 @@ _ORDERS = range(1, 7)
 _DEGREES = np.arange(0.0, 361.0, 2.0)
 
 
-def charts(answer: Answer, _: AxialTravel) -> list[dict[str, Any]]:
+def drawn(answer: Answer, _: AxialTravel) -> dict[str, Any]:
     """Return the axial travel of the shafts over the turn as a chart of the page."""
     travels = drawn_slides(answer.scene).at(np.radians(_DEGREES))
     curves = tuple(Curve(f"joint {joint}", travel) for joint, travel in enumerate(travels))
-    drawn = Panel("Axial travel of the driven shafts", "mm", curves, float(np.max(np.abs(travels))))
-    return [chart(drawn, _DEGREES, "drive angle [deg]")]
+    travel = Panel(
+        "Axial travel of the driven shafts", "mm", curves, float(np.max(np.abs(travels)))
+    )
+    return {"charts": [chart(travel, _DEGREES, "drive angle [deg]")]}
 
 
 def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = None) -> Axes:

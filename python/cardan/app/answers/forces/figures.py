@@ -3,148 +3,234 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.forces.paths import ForcePath, force_paths
-from cardan.app.answers.forces.turn_forces import FORCES, ForceFigures, force_figures
-from cardan.app.answers.json_schema import ANGLE, one_of, record
-from cardan.app.answers.study.extremes import finite_or_none
+from cardan.app.answers.over import cases, limit_of, over
+from cardan.app.answers.rows import Judged, count, figure, item, parts
+from cardan.app.answers.turn.extremes import peak
 from cardan.app.answers.turn.figures import first_place, noise
 from cardan.app.scene.bearings import LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.scene import Scene
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.sweep import Sweep
+
+_TURN = Sweep.revolutions(1, 720)
+_Row: TypeAlias = tuple[Judged, Any, Any, Any, Any, Any]
+
+FORCES = ("joint_force", "bearing_force")
+"""The outputs that are forces."""
+
+ForceSource: TypeAlias = Literal["joint", "bearing"]
+"""What a force is a force of."""
+
+
+def force_source(output: str) -> ForceSource:
+    """Return what an output is a force of."""
+    return "joint" if OUTPUTS[output].per == "joint" else "bearing"
 
 
 @dataclass(frozen=True)
-class Force:
-    """The force of one joint or bearing of a scene.
+class ForceFigures:
+    """The force of one joint or bearing over a turn, in N if lengths are in metres.
 
     Attributes:
-        figures: its figures in N; what is mere rounding is 0.
-        shaft: the shaft of the bearing; ``None`` for a joint.
-        at_deg: the first drive angle of the scene in degrees at which it is largest; ``None`` if it
-            occurs at every angle, or not between the scene's drive angles.
-        state: over states, the name of the one in which it is largest, to which the figures belong.
+        output: name of the output.
+        per: what it is a force of.
+        item: number of the joint or bearing.
+        largest: the largest length of the force.
+        places: drive angles in rad within the period of the driveline, half a turn or with
+            deviations a whole one, at which it occurs, each again a period later; none if the force
+            has the same length at every angle.
+        mean: length of the mean force.
+        order_1: largest length of the part that changes once per turn; 0 of ideal joints.
+        order_2: largest length of the part that changes twice per turn.
+        order_4: likewise four times.
     """
 
-    figures: ForceFigures
-    shaft: int | None
-    at_deg: float | None
-    state: str = ""
+    output: str
+    per: ForceSource
+    item: int
+    largest: float
+    places: tuple[float, ...]
+    mean: float
+    order_1: float
+    order_2: float
+    order_4: float
 
 
-@dataclass(frozen=True)
-class SceneForces:
-    """What a scene tells of forces.
+def force_figures(
+    line: Driveline, load: Load, outputs: Iterable[str] = FORCES
+) -> list[ForceFigures]:
+    """Return the figures of every joint and bearing of one driveline at a constant load.
 
-    Attributes:
-        forces: of the joints, then of the bearings.
-        refused: the reason by output for those that are not determinate.
-        has_order_1: whether the joints deviate from the drawing, so that forces change once per
-            turn as well.
-    """
-
-    forces: tuple[Force, ...]
-    refused: Mapping[str, str]
-    has_order_1: bool = False
-
-
-def scene_forces(scene: Scene) -> SceneForces | None:
-    """Return the forces over a turn at the load of a scene.
-
-    ``None`` where the scene describes no bearings and asks for no forces, where it has no load, or
-    where the bends or the load were recorded and so are not those of a turn.
-    """
-    line, load = scene.line_as_built, scene.load_case
-    asked = line.n_bearings > 0 or any(name in FORCES for name in scene.quantities)
-    if not asked or load is None or _unknown(scene):
-        return None
-    least = noise(scene, "N")
-    found: list[Force] = []
-    refused = {}
-    for name in _outputs(line):
-        try:
-            rows = force_figures(line, load, [name])
-        except ArgumentValueError as error:
-            # What the output is comes first; the reason follows.
-            refused[name] = error.problem.partition("; ")[2]
-            continue
-        for row in rows:
-            own = replace(
-                row,
-                largest=_rounded(row.largest, least),
-                places=row.places if row.largest > least else (),
-                mean=_rounded(row.mean, least),
-                order_1=_rounded(row.order_1, least),
-                order_2=_rounded(row.order_2, least),
-                order_4=_rounded(row.order_4, least),
-            )
-            shaft = line.bearings[row.item][0] if row.per == "bearing" else None
-            found.append(Force(own, shaft, first_place(scene, own.places)))
-    return SceneForces(tuple(found), refused, line.has_deviations)
-
-
-def scene_force_paths(scene: Scene) -> list[ForcePath]:
-    """Return the paths of the forces of a scene's joints and bearings that are determinate.
-
-    Those that bear no force have none. Over states, each is that of the state in which the force is
-    largest.
+    Args:
+        line: one driveline.
+        load: a constant load.
+        outputs: which forces.
 
     Raises:
-        ValueError: there are none; the message says why.
+        ValueError: a force that is not determinate; lengths that are missing.
     """
-    if scene.states:
-        return _largest_paths(scene, scene.states.names)
-    line, load = scene.line_as_built, scene.load_case
-    if reason := _unknown(scene):
-        raise ValueError(f"{scene.name}: forces have no path over a turn: {reason}")
-    assert load is not None
-    found: list[ForcePath] = []
-    problems = []
-    for name in _outputs(line):
-        try:
-            paths = force_paths(line, load, [name])
-        except ArgumentValueError as error:
-            problems.append(error.problem.partition("; ")[2])
-        else:
-            least = noise(scene, "N")
-            found += [path for path in paths if path.size > least]
-    if not found:
-        reason = f"not determinate: {problems[0]}" if problems else "all 0"
-        raise ValueError(f"{scene.name}: forces are {reason}")
+    names = tuple(outputs)
+    orders = line.harmonics((1, 2, 4), outputs=names, load=load)
+    found = []
+    for name in names:
+        per = force_source(name)
+        sums = zip(orders.mean[name], orders.complex_amplitude[name], strict=True)
+        for place, (mean, amplitudes) in enumerate(sums):
+            largest = peak(line, name, place, load)
+            size = float(np.linalg.norm(mean))
+            parts = (_length(amplitudes[:, i]) for i in range(3))
+            found.append(
+                ForceFigures(name, per, place, largest.value, largest.places, size, *parts)
+            )
     return found
 
 
-def _largest_paths(scene: Scene, names: Sequence[str]) -> list[ForcePath]:
-    found: dict[tuple[str, int], ForcePath] = {}
-    reason: ValueError | None = None
-    for i, name in enumerate(names):
-        try:
-            paths = scene_force_paths(scene.in_state(i))
-        except ValueError as error:
-            reason = error
-            continue
-        for path in paths:
-            key = (path.per, path.item)
-            if key not in found or path.size > found[key].size:
-                found[key] = replace(path, state=name)
-    if not found and reason:
-        raise reason
-    return list(found.values())
+def _length(amplitude: np.ndarray) -> float:
+    """The largest length of ``Re(amplitude exp(i t))``: the longer half axis of an ellipse."""
+    square = np.sum(np.abs(amplitude) ** 2) + np.abs(np.sum(amplitude**2))
+    return math.sqrt(float(square) / 2.0)
 
 
-def _outputs(line: Driveline) -> tuple[str, ...]:
-    return FORCES if line.n_bearings else FORCES[:1]
+# --- rows ----------------------------------------------------------------------------------------
 
 
-def _unknown(scene: Scene) -> str:
-    """Why a scene has no forces over a turn; "" if it has."""
+@dataclass(frozen=True)
+class OverTurn:
+    """The force of one joint or bearing; all but the largest in the state where that is worst."""
+
+    number: int = item("")
+    largest: Judged = figure("largest force", "N")
+    at: float | None = figure("at", "deg", "first drive angle at which it is largest")
+    mean: float | None = figure("mean", "N", "length of the mean force vector")
+    order_1: float | None = figure(
+        "order 1", "N", "largest part that changes once per turn, if the joints have deviations"
+    )
+    order_2: float | None = figure("order 2", "N", "largest part that changes twice per turn")
+    order_4: float | None = figure("order 4", "N", "largest part that changes four times per turn")
+
+
+@dataclass(frozen=True)
+class JointForce(OverTurn):
+    """The force of a joint on its driven shaft."""
+
+    number: int = item("joint")
+    largest: Judged = figure("largest force", "N", "over the turn", limit="[limits] joint_force_N")
+
+
+@dataclass(frozen=True)
+class BearingForce(OverTurn):
+    """The force of a bearing on its shaft."""
+
+    number: int = item("bearing")
+    largest: Judged = figure(
+        "largest force", "N", "over the turn", limit="[limits] bearing_force_N"
+    )
+    shaft: int = count("shaft")
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The forces over a turn at the load of a scene, in all of its states or its study."""
+
+    joints: tuple[JointForce, ...] = parts("Forces of the joints")
+    bearings: tuple[BearingForce, ...] = parts("Forces of the bearings")
+
+
+def find(answer: Answer) -> Forces | None:
+    """Return the forces of a scene over a turn.
+
+    ``None`` where the scene has neither bearings nor limits of forces and asks for none, and, if
+    it has no such limits, where there is no load, or where the bends or the load were recorded and
+    so are not those of a turn.
+    """
+    scene = answer.scene
+    line = scene.line
+    limits = {name: limit_of(scene, f"{name}_N") for name in FORCES}
+    limited = any(limits.values())
+    why = unknown(scene)
+    asked = line.n_bearings > 0 or any(name in FORCES for name in scene.quantities)
+    if not limited and (why or not asked):
+        return None
+    joints, bearings = (_over_turn(scene, name, why, limits[name]) for name in FORCES)
+    return Forces(
+        tuple(JointForce(i, *row) for i, row in enumerate(joints)),
+        tuple(
+            BearingForce(i, *row, shaft)
+            for i, (row, (shaft, _)) in enumerate(zip(bearings, line.bearings, strict=True))
+        ),
+    )
+
+
+def _over_turn(scene: Scene, name: str, why: str, limit: dict[str, Any]) -> list[_Row]:
+    """The figures of each joint or bearing; of those that are not known, why."""
+    line = scene.line
+    items = line.n_joints if force_source(name) == "joint" else line.n_bearings
+    each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
+    try:
+        if not why and items:
+            found = [force_figures(one.line_as_built, _load(one), [name]) for one in each]
+            sizes = _sizes(scene, name)
+    except ArgumentValueError as error:
+        # What the output is comes first; the reason follows.
+        why = error.problem.partition("; ")[2]
+    if why:
+        return [(Judged(None, why=why, **limit), None, None, None, None, None)] * items
+    rows: list[_Row] = []
+    for i in range(items):
+        own = [of_state[i].largest for of_state in found]
+        worst = int(np.argmax(own))
+        one, of_one = each[worst], found[worst][i]
+        least = noise(one, "N")
+        values = np.array(own) if sizes is None else sizes[i]
+        shown = (of_one.mean, of_one.order_1, of_one.order_2, of_one.order_4)
+        mean, first, second, fourth = (_rounded(size, least) for size in shown)
+        rows.append(
+            (
+                over(scene, np.where(values > least, values, 0.0), **limit),
+                _place(one, of_one.places) if own[worst] > least else None,
+                mean,
+                first if scene.deviations is not None else None,
+                second,
+                fourth,
+            )
+        )
+    return rows
+
+
+def _sizes(scene: Scene, name: str) -> FloatArray | None:
+    """The largest forces over the study, ``(items, rows)``; ``None`` without one."""
+    if scene.study is None or not scene.study.axes:
+        return None
+    found = [
+        lines.evaluate(_TURN, name, load=load, reduce="peak")[name]
+        for lines, load in cases(scene, as_built=True)
+    ]
+    return np.concatenate(found, axis=-1)
+
+
+def _load(scene: Scene) -> Load:
+    assert scene.load_case is not None
+    return scene.load_case
+
+
+def _place(scene: Scene, places: Sequence[float]) -> float | None:
+    degrees = first_place(scene, places)
+    return None if degrees is None else math.radians(degrees)
+
+
+def unknown(scene: Scene) -> str:
+    """Return why a scene has no forces over a turn; "" if it has."""
     line, load = scene.line, scene.load_case
     if not has_lengths(line):
         return f"they need {LENGTHS_NEEDED}"
@@ -159,106 +245,3 @@ def _unknown(scene: Scene) -> str:
 
 def _rounded(size: float, least: float) -> float:
     return 0.0 if size <= least else size
-
-
-_PARTS = ("largest", "mean", "order_2", "order_4")
-_PARTS_AS_BUILT = ("largest", "mean", "order_1", "order_2", "order_4")
-
-
-# --- plain data --------------------------------------------------------------------------------
-
-
-def data(found: SceneForces, *, radians: bool = False) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``SCHEMA`` describes it."""
-    return {
-        "figures": [_entry(force, found.has_order_1, radians) for force in found.forces],
-        "not_determinate": [
-            {"quantity": name, "reason": reason} for name, reason in found.refused.items()
-        ],
-    }
-
-
-def _entry(force: Force, has_order_1: bool, radians: bool) -> dict[str, Any]:
-    row, parts = force.figures, _PARTS_AS_BUILT if has_order_1 else _PARTS
-    entry: dict[str, Any] = {row.per: row.item}
-    if force.shaft is not None:
-        entry["shaft"] = force.shaft
-    entry |= {f"{part}_N": finite_or_none(getattr(row, part)) for part in parts}
-    if force.state:
-        entry["state"] = force.state
-    if force.at_deg is not None:
-        angle, turned = ("rad", math.radians) if radians else ("deg", float)
-        entry[f"at_drive_angle_{angle}"] = turned(force.at_deg)
-    return entry
-
-
-_FORCE = {"type": ["number", "null"], "description": "null if it is not finite"}
-_COUNT = {"type": "integer", "minimum": 0}
-
-SCHEMA: Mapping[str, Any] = {
-    "description": "forces over a turn, of joints and bearings, at the load of the scene",
-    **record(
-        {
-            "figures": {
-                "type": "array",
-                "items": one_of(
-                    {
-                        "largest_N": _FORCE,
-                        "mean_N": {**_FORCE, "description": "length of the mean force vector"},
-                        **{
-                            f"order_{order}_N": {
-                                **_FORCE,
-                                "description": f"largest part that changes {times} times per turn",
-                            }
-                            for order, times in ((2, "two"), (4, "four"))
-                        },
-                    },
-                    {"joint": _COUNT, "bearing": _COUNT},
-                    optional={
-                        "shaft": {**_COUNT, "description": "of a bearing"},
-                        "order_1_N": {
-                            **_FORCE,
-                            "description": "largest part that changes once per turn, if the joints "
-                            "have deviations",
-                        },
-                        "state": {
-                            "type": "string",
-                            "description": "the state in which the force is largest; all figures "
-                            "are those of this state",
-                        },
-                        **{f"at_drive_angle_{angle}": {"type": "number"} for angle in ANGLE},
-                    },
-                ),
-            },
-            "not_determinate": {
-                "type": "array",
-                "description": "what statics alone does not determine, and why",
-                "items": record({"quantity": {"enum": list(FORCES)}, "reason": {"type": "string"}}),
-            },
-        }
-    ),
-}
-"""JSON Schema of ``data``."""
-
-
-def find(answer: Answer) -> SceneForces | None:
-    """Return the forces of a scene over a turn; over its states, those of the worst state of each.
-
-    ``None`` as for ``scene_forces``.
-    """
-    scene, states = answer.scene, answer.scene.states
-    if states is None:
-        return scene_forces(scene)
-    each = [scene_forces(scene.in_state(i)) for i in range(states.count)]
-    found = [(name, forces) for name, forces in zip(states.names, each, strict=True) if forces]
-    if not found:
-        return None
-    refused: dict[str, str] = {}
-    worst: dict[tuple[str, int], Force] = {}
-    for name, forces in found:
-        refused |= forces.refused
-        for force in forces.forces:
-            key = (force.figures.per, force.figures.item)
-            if key not in worst or force.figures.largest > worst[key].figures.largest:
-                worst[key] = replace(force, state=name)
-    return SceneForces(tuple(worst.values()), refused, scene.deviations is not None)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from cardan.app.answers.forces.turn_forces import FORCES, ForceSource, force_source
+from cardan.app.answers.forces.figures import FORCES, ForceSource, force_source, unknown
 from cardan.app.answers.rounding import first_peak
 from cardan.app.answers.turn.extremes import period_of
+from cardan.app.answers.turn.figures import noise
+from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.sweep import Sweep
@@ -121,3 +124,52 @@ def _view(along: FloatArray) -> tuple[Literal["y", "z"], FloatArray, FloatArray]
     across = np.cross(along, np.eye(3)["xyz".index(up)])
     across /= np.linalg.norm(across)
     return up, across, np.cross(across, along)
+
+
+def scene_force_paths(scene: Scene) -> list[ForcePath]:
+    """Return the paths of the forces of a scene's joints and bearings that are determinate.
+
+    Those that bear no force have none. Over states, each is that of the state in which the force is
+    largest.
+
+    Raises:
+        ValueError: there are none; the message says why.
+    """
+    if scene.states:
+        return _largest_paths(scene, scene.states.names)
+    line, load = scene.line_as_built, scene.load_case
+    if reason := unknown(scene):
+        raise ValueError(f"{scene.name}: forces have no path over a turn: {reason}")
+    assert load is not None
+    found: list[ForcePath] = []
+    problems = []
+    for name in FORCES[: 1 + (line.n_bearings > 0)]:
+        try:
+            paths = force_paths(line, load, [name])
+        except ArgumentValueError as error:
+            problems.append(error.problem.partition("; ")[2])
+        else:
+            least = noise(scene, "N")
+            found += [path for path in paths if path.size > least]
+    if not found:
+        reason = f"not determinate: {problems[0]}" if problems else "all 0"
+        raise ValueError(f"{scene.name}: forces are {reason}")
+    return found
+
+
+def _largest_paths(scene: Scene, names: Sequence[str]) -> list[ForcePath]:
+    found: dict[tuple[str, int], ForcePath] = {}
+    reason: ValueError | None = None
+    for i, name in enumerate(names):
+        try:
+            paths = scene_force_paths(scene.in_state(i))
+        except ValueError as error:
+            reason = error
+            continue
+        for path in paths:
+            key = (path.per, path.item)
+            if key not in found or path.size > found[key].size:
+                found[key] = replace(path, state=name)
+    if not found and reason:
+        raise reason
+    return list(found.values())

@@ -84,3 +84,15 @@ def magnitudes(output: Output, values: FloatArray) -> FloatArray:
     with np.errstate(over="ignore"):
         found: FloatArray = np.hypot(np.hypot(x, y), z)
     return found
+
+
+def shortest_arm(line: Driveline) -> float:
+    """Return the shortest distance between two joints, bearings or ends of a shaft, in m."""
+    lengths = line.lengths().each
+    shortest = float(np.min(lengths))
+    for shaft in range(line.n_joints + 1):
+        own = [position for number, position in line.bearings if number == shaft]
+        marks = [np.zeros(lengths.shape[:-1]), *own, lengths[..., shaft]]
+        apart = np.diff(np.sort(np.stack(marks, axis=-1), axis=-1), axis=-1)
+        shortest = float(np.min(apart, where=apart > 0.0, initial=shortest))
+    return shortest

@@ -9,10 +9,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cardan.app.answers.forces.turn_forces import shortest_arm
 from cardan.app.answers.rounding import CANCELLED, first_peak, is_cancelled
 from cardan.app.answers.study.extremes import finite_or_none
-from cardan.app.answers.turn.extremes import Peak, magnitudes, peak, period_of, slowest
+from cardan.app.answers.turn.extremes import (
+    Peak,
+    magnitudes,
+    peak,
+    period_of,
+    shortest_arm,
+    slowest,
+)
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.signals import Signal
 from cardan.app.scene.units import RPM, ending_of, in_degrees
