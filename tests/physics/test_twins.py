@@ -100,7 +100,8 @@ TWINS = {
         "natural_frequencies critical_speeds": "torsion.natural_frequencies",
         "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
-        "dampings line load_torque shape": SHAPE,
+        "modes bend_rules unstable_ranges stability_map side_by_side": SEARCH,
+        "changed dampings inertias line load_damping load_torque shape stiffnesses": SHAPE,
     },
     "Machine": {
         "figures verdict": "design.ranked",
