@@ -94,23 +94,23 @@ TOLERANCES = {
     *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
     *("shares", "group", "of", "number", "worst_in", "states", "state"),
 }
+JUDGED = {"verdict", "value", "source", "state", "states", "at", "key", "why"}
 TUBES = {
-    *("tubes", "shaft", "stiffness_Nm_per_rad", "inertia_kgm2", "mass_kg", "torque_Nm"),
-    *(
-        "torque_in",
-        "shear_stress_MPa",
-        "permitted_stress_MPa",
-        "critical_speed_rpm",
-        "largest_speed_rpm",
-    ),
-    *("margin", "least_margin", "passes"),
+    *JUDGED,
+    *("tubes", "shaft", "stiffness_Nm_per_rad", "inertia_kgm2", "mass_kg", "torque", "value_Nm"),
+    *("stress", "value_MPa", "limit_MPa", "maximum_MPa", "critical", "speed", "value_rpm"),
+    *("margin", "limit", "maximum"),
 }
 LIFE = {
-    *("L10_h", "decisive_joint", "target_h", "passes", "chosen_size", "heat_W", "efficiency"),
-    *("steps", "step", "share", "speed_rpm", "torque_Nm", "bends_deg"),
-    *("joints", "joint", "size", "bearing", "catalogue_L10_h", "damage", "false_brinelling"),
-    *("bend_deg", "speed_bend_rpm_deg", "value", "limit", "largest_heat_W", "largest_heat_in"),
-    *("sizes", "rating_Nm", "fits"),
+    *JUDGED,
+    *("life", "hours_h", "decisive", "target_h", "of_sizes", "chosen", "efficiency", "heat"),
+    *("steps", "step", "share_percent", "speed_rpm", "torque_Nm", "end", "bends"),
+    *("joints", "joint", "size", "bearing", "rating_Nm", "hours", "catalogue_h", "damage"),
+    *("small_swing", "bend", "bend_deg", "bend_rad", "speed_bend", "largest_heat"),
+    *("sizes", "fits", "heat_W"),
+    *("value_h", "limit_h", "maximum_h", "value_percent", "value_W", "limit_W", "maximum_W"),
+    *("value_deg", "limit_deg", "maximum_deg", "value_rad", "limit_rad", "maximum_rad"),
+    *("value_rpm_deg", "limit_rpm_deg", "maximum_rpm_deg"),
 }
 BEND_RULES = {
     *("bend_rules", "shaft", "equivalent_bend_deg", "factor", "damping_ratio", "exceeded"),
