@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -318,10 +319,10 @@ def test_figures_are_those_of_samples() -> None:
 def test_words_are_the_figures() -> None:
     text = PART.text(forces())
     assert max(map(len, text.splitlines())) <= 79
-    rows = [row.split("  ") for row in text.splitlines()]
     for name in ("largest", "mean", "order 2", "order 4"):
         label = f"{name} force" if name == "largest" else name
-        cells = [float(cell.split()[0]) for row in rows if label in row for cell in row[2:] if cell]
+        rows = re.findall(rf"(?m)^ +{label}  +(.*)$", text)
+        cells = [float(cell.split()[0]) for row in rows for cell in re.split(" {2,}", row)]
         key = name.replace(" ", "_")
         values = [getattr(force, key) for force in each(forces())]
         want = [value.value if name == "largest" else value for value in values]

@@ -113,7 +113,7 @@ def test_words_and_answers_have_order_1(tmp_path: Path) -> None:
     found = forces(Scene.parse(TEXT))
     text = PARTS["forces"].text(found)
     assert max(map(len, text.splitlines())) <= 79
-    assert "\n  order 1 " in text
+    assert " order 1 " in text
     for name, options in (("run", ["--into", str(tmp_path)]), ("check", [])):
         assert text in command(name, path, *options)
         data = json.loads(command(name, path, *options, "--json"))

@@ -482,7 +482,7 @@ def test_times_of_a_recording_have_the_digits_that_tell_them_apart(
 def test_slides_are_printed_in_millimetres() -> None:
     travels = drawn_slides(Scene.load(EXAMPLES / "axial_travel.toml")).travel()
     want = " +".join(f"{figure_text(travel)} mm" for travel in travels)
-    assert re.search(rf"Driven shafts.*\n.*\n  travel +{want}\n", printed("check", "axial_travel"))
+    assert re.search(rf"Driven shafts.*\n.*\n +travel +{want}\n", printed("check", "axial_travel"))
 
 
 LIMIT = "[limits]\nequivalent_bend_deg = 6"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from cardan.app.answers.drive_speed.figures import SHARE, SOURCE, DriveSpeed
 from cardan.app.answers.printed import quantity, rounded_up
+from cardan.app.answers.rows import UNITS
 
 _HEADINGS = {
     "fair": "a fair assumption",
@@ -22,8 +23,8 @@ def heading(found: DriveSpeed) -> str:
 
 def sentences(found: DriveSpeed) -> Iterator[str]:
     """Say how far the drive varies, by whose rule that is judged and what to change."""
-    limit = f"{100.0 * SHARE:g} %"
-    needed = f"{rounded_up(found.needed)} kg m²"
+    limit = quantity(SHARE, "percent")
+    needed = f"{rounded_up(found.needed)} {UNITS['kgm2'].symbol}"
     if found.verdict == "no drive inertia":
         inertia = f"at least {needed}" if found.needed > 0.0 else "any inertia"
         yield (

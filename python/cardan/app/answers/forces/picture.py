@@ -11,7 +11,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import Forces
 from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath, force_path, scene_force_paths
-from cardan.app.answers.printed import figure_text
+from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import number, ticks
 from cardan.app.pictures.style import (
     LINES,
@@ -138,7 +138,7 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.set_xlabel("force to the right [N]")
     axes.set_ylabel(f"force upwards, towards {path.up} [N]")
     axes.grid(visible=True)
-    heading = f"{path.per.capitalize()} {path.item}, up to {figure_text(size)} N"
+    heading = f"{path.per.capitalize()} {path.item}, up to {quantity(size, 'N')}"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
     text = f"{heading}\n{state}seen along shaft {path.shaft}"
     axes.set_title(text, loc="left", parse_math=False)
@@ -198,7 +198,7 @@ def _view(path: ForcePath) -> dict[str, Any]:
     largest = places[path.largest]
     span = float(np.max(np.ptp(forces, axis=0)))
     of = path.label[0].upper() + path.label[1:]
-    heading = f"{of}, up to {figure_text(size)} N, seen along shaft {path.shaft}"
+    heading = f"{of}, up to {quantity(size, 'N')}, seen along shaft {path.shaft}"
     ends = (np.array([[_LEFT, _BOTTOM], [_RIGHT, _TOP]]) - centre) / scale * (1.0, -1.0) + middle
     return {
         "width": _WIDTH,
