@@ -133,8 +133,11 @@ def limit_lines(found: Optimised) -> list[str]:
             unit = key_of(found.asked.measure("keep", active.quantity).unit)
             where = listed([found.asked.names[state] for state in active.states])
             place = f" in {where}" if where else ""
-            name, limit = label(active.quantity), quantity(active.limit, unit)
-            lines.append(f"{name[:1].upper()}{name[1:]} is at its limit of {limit}{place}.")
+            name = label(active.quantity)
+            lines.append(
+                f"{name[:1].upper()}{name[1:]} is at its limit of "
+                f"{quantity(active.limit, unit)}{place}."
+            )
     if any(variable.teeth for variable in found.asked.variables):
         lines.append("Yokes are set by whole teeth of their splines.")
     return lines or ["No range and no limit is reached; any further change makes it worse."]
