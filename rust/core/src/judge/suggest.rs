@@ -340,3 +340,49 @@ impl Trials<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::{Batch, Drivelines};
+    use crate::judge::machine::{Cases, LimitOf, Parts};
+    use crate::judge::{Kind, Limit};
+    use crate::mechanics::geometry::{Geometry, Vector};
+    use crate::number::elementary::{atan, tan};
+
+    #[test]
+    fn each_point_is_moved_to_the_limit() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.2]].map(|[x, y]| Vector::new(x, y, 0.0));
+        let Geometry { bends, directions, normals, .. } =
+            Geometry::from_points(&points, &[]).unwrap();
+        let flat = |vectors: &[Vector]| vectors.iter().flatten().copied().collect::<Vec<f64>>();
+        let (directions, normals) = (flat(&directions), flat(&normals));
+        let lengths = [1.0, (points[2] - points[1]).norm()];
+        let lines = Drivelines {
+            bends: &bends,
+            directions: &directions,
+            normals: &normals,
+            lengths: &lengths,
+            ..Drivelines::default()
+        };
+        let batch = Batch::new(1, &[], &[], &lines).unwrap();
+        let states = Cases::new(&batch, &lines, &[0.0], None).unwrap();
+        let limit = LimitOf { kind: Kind::Bend, item: Some(0), limit: 0.1, maximum: 0.1 };
+        let machine = Machine::new(1, &[], states, None, Parts::default(), &[limit]).unwrap();
+        let search = Search { reach: 0.15, ..Search::default() };
+        let found = machine.suggest(&search, Execution::default()).unwrap();
+        let along_y: Vec<&Change> = found
+            .iter()
+            .filter(|one| matches!(one.variable, Variable::Point { axis: 1, .. }))
+            .collect();
+        let by: Vec<f64> = along_y.iter().map(|one| one.to - one.from).collect();
+        assert!((atan(0.2 - by[0]) - atan(by[0]) - 0.1).abs() < 1e-8);
+        assert!((by[1] + tan(atan(0.2) - 0.1)).abs() < 1e-8);
+        assert!((by[2] + 0.2 - tan(0.1)).abs() < 1e-8);
+        assert!(found.iter().all(|one| one.verdict == Rank::Within));
+        let shares: Vec<f64> = found.iter().map(|one| one.share).collect();
+        assert!(shares.is_sorted());
+        let bend = found[0].worst.as_ref().unwrap();
+        assert_eq!(bend.limit, Limit { limit: 0.1, maximum: 0.1, ..bend.limit });
+    }
+}

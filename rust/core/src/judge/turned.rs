@@ -17,7 +17,6 @@ use crate::plan::steps::Plan;
 use crate::run::execution::Execution;
 use crate::turns::Turns;
 use crate::turns::peaks::Sought;
-use crate::turns::rows::Rows;
 use crate::wear::life::{hours, miner};
 use crate::wear::pins::{Wear, heat, pin_means};
 
@@ -276,38 +275,16 @@ impl Group<'_> {
     /// each row. The play of both yokes is a deviation of the cross, after half a turn of which all
     /// is the same.
     fn on_flank(&self, flank: f64) -> Result<Vec<f64>> {
-        let (joints, rows) = (self.machine.joints, self.shape[0] * self.shape[1]);
-        let own: Vec<f64> = self
-            .machine
-            .parts
-            .play
-            .iter()
-            .flat_map(|play| [0.0, 2.0 * flank * play, 0.0])
-            .collect();
-        let deviations = own.repeat(rows);
-        let lines = Drivelines { deviations: &deviations, ..self.lines };
-        let plan = Plan::new(&Request {
-            largest_bends: &lines.largest_bends(joints),
-            outputs: &[Output::AngleError],
-            shafts: &[joints],
-            joints: &[],
-            load: None,
-            inertias: &[],
-            bearings: None,
-            as_built: true,
-            axes: Axes::Space,
-        })?;
-        let all: Vec<usize> = (0..rows).collect();
-        let unloaded = Rows { load: None, ..self.cases.rows(lines, &self.shape) };
-        let angles = half_turn(self.steps()).repeat(rows);
-        let mut ahead =
-            unloaded.gathered(&all, joints).run(&plan, plan.precision(None, false), &angles)?;
-        for (row, ahead) in ahead.chunks_exact_mut(self.steps()).enumerate() {
-            let (bends, twists, phases) = lines.chain(joints, row);
-            let lead = General::as_built(bends, twists, phases, &own)?.mean_lead();
-            for ahead in ahead {
-                *ahead += lead;
-            }
+        let joints = self.machine.joints;
+        let play = self.machine.parts.play.iter();
+        let own: Vec<f64> = play.flat_map(|play| [0.0, 2.0 * flank * play, 0.0]).collect();
+        let angles = half_turn(self.steps());
+        let mut ahead = vec![];
+        for row in 0..self.shape[0] * self.shape[1] {
+            let (bends, twists, phases) = self.lines.chain(joints, row);
+            let shaft = General::as_built(bends, twists, phases, &own)?;
+            let lead = shaft.mean_lead();
+            ahead.extend(angles.iter().map(|&angle| shaft.motion(angle).angle_error + lead));
         }
         Ok(ahead)
     }
