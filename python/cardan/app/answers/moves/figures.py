@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import count, figure, word
+from cardan.app.scene.duty import load_at
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.units import RPM
 from cardan.design.machine import Change, Machine
@@ -16,8 +17,8 @@ from cardan.design.machine import Change, Machine
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-# Parts that only searches and simulations of their own find.
-_UNTRIED = ("tolerances", "torsion", "ball_joint")
+# Parts that the core does not judge, or with figures that a machine here is not told.
+_UNTRIED = ("tolerances", "torsion", "ball_joint", "steering", "backlash")
 
 Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
 
@@ -35,7 +36,7 @@ class Move:
     rating: float | None = figure("rating", "Nm", "of a joint, in place of the one it has")
     verdict: str = word("verdict then")
     left: str | None = word("what is then worst")
-    untried: str = word("beyond and not tried", "what else is beyond, which this search leaves out")
+    untried: str = word("not tried", "what else has a limit, which this search leaves out")
 
 
 def find(answer: Answer) -> tuple[Move, ...]:
@@ -49,7 +50,11 @@ def find(answer: Answer) -> tuple[Move, ...]:
     found = machine.suggest(
         _REACH * float(np.sum(lengths)), teeth=scene.teeth, ratings=sorted(set(sizes))
     )
-    untried = [each.name for each in answer.of_verdict("beyond") if each.part.name in _UNTRIED]
+    untried = [
+        each.name
+        for each in answer.judged
+        if each.part.name in _UNTRIED and each.value.limit is not None
+    ]
     return tuple(_move(change, scene.line.n_joints, ", ".join(untried)) for change in found)
 
 
@@ -88,20 +93,26 @@ def machine_of(scene: Scene) -> Machine | None:
     if scene.states:
         load = scene.states.loads(load)
     machine = Machine(lines, load, limits=_limits(scene), speed=None if load else scene.speed)
-    duty = service.duty
-    if duty is not None:
-        machine = machine.with_duty(duty.line, duty.load, duty.shares)
     sizes = service.joints.each if service.joints else ()
-    if sizes and duty is not None:
-        ratings = [size.rating if size.wears else None for size in sizes]
-        machine = machine.with_ratings([np.nan if one is None else one for one in ratings])
+    ratings = [size.rating if size.wears and size.rating else np.nan for size in sizes]
+    if duty := service.duty:
+        # Of several states that have the same duty cycle, the one in which a joint fails first.
+        place = 0
+        if sizes and len(duty.line) > 1 and np.isfinite(ratings).any():
+            known = np.nan_to_num(ratings, nan=1e12)
+            life = duty.line.life(duty.load, rating=known, shares=duty.shares)
+            place = int(np.argmin(np.min(life.hours, axis=0)))
+        steps = load_at(duty.load, duty.line.shape, (place,))
+        machine = machine.with_duty(duty.line[place], steps, duty.shares)
+    if sizes and duty:
+        machine = machine.with_ratings(ratings)
     if tubes := service.tubes:
         # The stiffness of a tube is not judged.
         given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
         machine = machine.with_tubes(tubes.shafts, **given)
     if slip := scene.slip:
-        known = {"engaged": slip.engaged, "push_in": slip.push_in}
-        lengths = {name: 1e-3 * value for name, value in known.items() if value is not None}
+        drawn = {"engaged": slip.engaged, "push_in": slip.push_in}
+        lengths = {name: 1e-3 * value for name, value in drawn.items() if value is not None}
         if slip.friction is not None and slip.radius is not None:
             lengths |= {"friction": slip.friction, "radius": slip.radius}
         machine = machine.with_spline(slip.shaft, drawn=scene.line, **lengths)
@@ -118,6 +129,10 @@ def _limits(scene: Scene) -> dict[str, Any]:
         pair = (factor * bound.limit, factor * bound.maximum)
         for ending in ("_driving", "_coasting") if name == "inertia_excitation" else ("",):
             limits[f"{name}{ending}"] = pair
+    for key, count in (("joint", scene.line.n_joints), ("bearing", scene.line.n_bearings)):
+        if force := scene.part_limits.get(f"{key}_force_N"):
+            pair = (force.limit, force.maximum)
+            limits[f"{key}_force"] = dict.fromkeys(range(count), pair)
     service, slip = scene.service, scene.slip
     for joint, size in enumerate(service.joints.each if service.joints else ()):
         if size.max_bend_deg is not None:

@@ -16,8 +16,9 @@ _MOST = 5
 def sentences(found: Iterable[Move]) -> Iterator[str]:
     """Say each of the smallest changes and what it leaves."""
     for move in [*found][:_MOST]:
-        all_but = f" but the {move.untried}" if move.untried else ""
-        then = f"everything{all_but} is then within its limits"
+        then = "everything is then within its limits"
+        if move.untried:
+            then = f"everything tried is then within its limits (not tried: {move.untried})"
         if move.verdict != "within":
             then = f"this helps most; the {move.left} is then still {move.verdict}"
         yield f"{_change(move)}: {then}."
