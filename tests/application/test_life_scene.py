@@ -425,7 +425,7 @@ def test_life_is_judged_in_every_driveline_of_a_study() -> None:
     assert found.steps[0].speed == pytest.approx(load.speed)
     short = Answer(Scene.parse(f"{text}[life]\ntarget_h = {target + 1}\n{speeds}"))
     assert short.verdict == "beyond"
-    assert short.of_verdict("beyond")[0].name == "L10 life of joint 1"
+    assert [each.name for each in short.of_verdict("beyond")][-1] == "L10 life of joint 1"
 
 
 def test_a_study_of_bends_has_the_steps_of_its_duty_cycle_in_each_driveline() -> None:
@@ -576,7 +576,7 @@ def test_a_target_that_no_size_reaches_is_beyond(tmp_path: Path) -> None:
     (tmp_path / "sizes.csv").write_text(TABLE)
     text = f"{TWO}{LOAD}[joints]\nsizes = 'sizes.csv'\n[life]\ntarget_h = 1e9\n"
     answer = Answer(Scene.parse(text, folder=tmp_path))
-    assert [each.name for each in answer.of_verdict("beyond")] == ["life with the best size"]
+    assert [each.name for each in answer.of_verdict("beyond")][-1] == "life with the best size"
     best = answer["life"].of_sizes
     assert best.value == next(one.hours for one in answer["life"].sizes if one.size == "large")
     assert "No size of the table reaches 1000000000 h" in headline(answer["life"])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cardan import Driveline, Load
 from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.turn.figures import drive_angles
-from cardan.app.answers.turn.signals_text import signals_text
+from cardan.app.answers.turn.text import signals_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene, stream
 from cardan.app.scene.curves import columns, write_curves

@@ -39,12 +39,14 @@ def columns(text: str, item: str) -> dict[str, str]:
     head = next(cells for line in lines if item in (cells := re.split(r"\s{2,}", line.strip())))
     place = head.index(item) - len(head)
     found: dict[str, str] = {}
-    label = ""
+    label, first = "", 0
     for line in lines:
+        indent = len(line) - len(line.lstrip())
+        first = first or indent
         name, *cells = re.split(r"\s{2,}", line.strip())
         if len(cells) != len(head):
             break
-        label = f"{label}: {name}" if line.startswith("    ") else name
+        label = f"{label}: {name}" if indent > first else name
         found[label] = cells[place]
         label = label.partition(": ")[0]
     return found
@@ -69,7 +71,7 @@ def test_life_of_joints() -> None:
         shown = columns(text, f"joint {joint}")
         assert shown["size"] == own["size"]
         assert shown["rating"] == f"{own['rating_Nm']} N m"
-        assert shown[f"largest bend, at most {own['max_bend_deg']}.00°"] == f"{bend}.00°"
+        assert shown[f"largest bend, at most {own['max_bend_deg']}°"] == f"{bend}.00°"
         product = f"{bend * max(duty['speed_rpm'])} rpm·deg"
         limit = f"at most {own['max_speed_bend_rpm_deg']} rpm·deg"
         assert shown[f"largest speed times bend, {limit}"] == product
@@ -168,14 +170,14 @@ def test_tube() -> None:
     assert shown["largest torque: worst"] == "in start"
     area = np.pi / 32.0 * (0.09**4 - 0.084**4)
     stress = 1e-6 * torque * 0.045 / area
-    assert shown["shear stress, at most 60.00 MPa"] == f"{figure_text(stress)} MPa"
+    assert shown["shear stress, at most 60 MPa"] == f"{figure_text(stress)} MPa"
     assert shown["critical bending speed"].endswith(" rpm")
     margin = first_number(shown["critical bending speed"]) / 1500.0
     assert shown["largest speed"] == "1500 rpm"
-    assert first_number(shown["margin, at least 1.500"]) == pytest.approx(margin, abs=1e-3)
+    assert first_number(shown["margin, at least 1.5"]) == pytest.approx(margin, abs=1e-3)
     over = printed("life", "ship-shaft")
     shown = columns(over, "shaft 1")
-    stress_there = shown["shear stress, at most 60.00 MPa"]
+    stress_there = shown["shear stress, at most 60 MPa"]
     assert first_number(stress_there) > 60.0
     words = f"The shear stress in the tube of shaft 1 is {stress_there} in heavy sea, beyond the "
     assert words in " ".join(over.split())
@@ -406,7 +408,8 @@ def test_tolerances(name: str) -> None:
     passing = 100.0 * np.mean(sampled <= 3.0)
     assert first_number(lines["share within the limit"]) == pytest.approx(passing, abs=0.06)
     # The largest share is named, and whether it is more than half of the scatter.
-    parts = _columns(text, "Shares in the scatter")["share in the scatter"]
+    table = _columns(text, "Shares in the scatter")
+    parts = {label: cells["share in the scatter"] for label, cells in table.items()}
     most, percent = max(parts.items(), key=lambda part: first_number(part[1]))
     words = "mostly" if first_number(percent) > 50.0 else "the largest share"
     article = "" if most.startswith("point ") else "the "
@@ -532,17 +535,16 @@ def test_the_tables_of_states_have_all_figures(tmp_path: Path) -> None:
 def test_the_advice_for_states_leaves_what_it_says(tmp_path: Path) -> None:
     text = " ".join(answered("check", scene_text(60.0, LIMIT), tmp_path).split())
     advice = re.search(
-        r"Turn the output-side yoke of shaft 1 by (\S+)° (clockwise|counter-clockwise).*?; that "
-        r"leaves at most (\S+)° in (\w+)\.",
+        r"Turn the output-side yoke of shaft 1 by (\S+)° (clockwise|counter-clockwise) = \S+ "
+        r"(?:counter-)?clockwise: everything is then within its limits\.",
         text,
     )
     assert advice, text
     turn = float(advice[1]) * (1.0 if advice[2] == "clockwise" else -1.0)
     bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(60.0 + turn)]
     worst = int(np.argmax(bends))
-    assert float(advice[3]) == pytest.approx(bends[worst], abs=5e-3)
-    assert advice[4] == NAMES[worst]
-    assert max(bends) < 6.0
+    # The smallest turn that suffices leaves the worst state at the limit.
+    assert bends[worst] == pytest.approx(6.0, abs=5e-3)
 
 
 # --- widths ---------------------------------------------------------------------------------------

@@ -13,8 +13,7 @@ from click.testing import CliRunner
 
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.turn.figures import drive_angles
-from cardan.app.answers.turn.signals_text import signals_text
-from cardan.app.answers.turn.text import angles_text
+from cardan.app.answers.turn.text import angles_text, signals_text
 from cardan.app.command import commands
 from cardan.app.files.columns import write_columns
 from cardan.app.report.page import page

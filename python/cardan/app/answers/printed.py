@@ -141,25 +141,18 @@ def table_of(
         if not _is_printed(row) or all(value is None for value in values):
             continue
         units = [row.beside(each) for each in found]
-        judged = [value for value in values if isinstance(value, Judged)]
-        bounds = [
-            bound_of(value, unit, radians=radians)
-            for value, unit in zip(values, units, strict=True)
-            if isinstance(value, Judged)
-        ]
-        shared = bounds[0] if bounds and len(set(bounds)) == 1 else ""
-        plain = [value.value if isinstance(value, Judged) else value for value in values]
-        cells = [
-            cell(value, unit, radians=radians) for value, unit in zip(plain, units, strict=True)
-        ]
+        cells, bounds, places = [], [], []
+        for value, unit in zip(values, units, strict=True):
+            is_judged = isinstance(value, Judged)
+            cells.append(cell(value.value if is_judged else value, unit, radians=radians))
+            bounds.append(bound_of(value, unit, radians=radians) if is_judged else "")
+            places.append(place_of(value).strip() if is_judged else "")
         if not any(cells):
             continue
+        shared = bounds[0] if len(set(bounds)) == 1 else ""
         rows.append((", ".join(filter(None, (row.label, shared))), *cells))
-        if any(bounds) and not shared:
-            rows.append(("  limit", *bounds))
-        places = [place_of(value).strip() for value in judged]
-        if any(places):
-            rows.append(("  worst", *places))
+        rows += [("  limit", *bounds)] if any(bounds) and not shared else []
+        rows += [("  worst", *places)] if any(places) else []
     return head, rows
 
 

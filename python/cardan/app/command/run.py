@@ -14,8 +14,7 @@ from cardan.app.answers.study.extremes import StudyTable
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import ball_joint_run_data, run_data
 from cardan.app.answers.turn.figures import drive_angles, summary
-from cardan.app.answers.turn.signals_text import signals_text
-from cardan.app.answers.turn.text import few_samples_text, summary_text
+from cardan.app.answers.turn.text import few_samples_text, signals_text, summary_text
 from cardan.app.command.files import (
     check_folder,
     check_for_cluster,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -14,6 +14,7 @@ from cardan.app.scene.rules import shown
 from cardan.app.scene.signals import Signal
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
 from cardan.evaluation.sweep import Sweep
 
 _MOST_STEPS = 10_000_000
@@ -82,3 +83,31 @@ class Angles:
         # The last angle of whole turns is the first one again: in a mean it would count twice.
         whole = float(turns).is_integer()
         return cls(degrees, sweep(steps + 1), sweep(steps if whole else steps + 1))
+
+
+ANGLE_OF = "angle_of"
+"""The key of [output] that says of which shaft the angles are."""
+
+
+def check_driven(recorded: Mapping[str, Any]) -> None:
+    """Refuse recorded times with angles of the driven shaft.
+
+    Raises:
+        ValueError: there are some: the speed of the drive would follow from them.
+    """
+    if "time_column_s" in recorded:
+        raise ArgumentValueError(
+            ANGLE_OF,
+            "is 'driven'; with time_column_s, speed and acceleration of the drive follow from "
+            "angles of the drive",
+        )
+
+
+def at_drive(angle: Angles, line: Driveline) -> Angles:
+    """Return the drive angles of a scene whose angles are those of the last shaft.
+
+    Those to reduce over stay as they are: in a study, they belong to other drive angles for each
+    driveline.
+    """
+    drive = line.evaluate(angle.drive, "angle", shafts=0, angle_of="driven").drive_angle
+    return replace(angle, degrees=np.degrees(drive), drive=drive)

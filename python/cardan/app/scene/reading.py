@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.scene.angles import Angles
+from cardan.app.scene.angles import ANGLE_OF, Angles, at_drive, check_driven
 from cardan.app.scene.axes import grid_of
 from cardan.app.scene.ball_joint import ball_joint_case
 from cardan.app.scene.ball_joint_scene import is_alone
 from cardan.app.scene.bearing_section import LENGTHS
 from cardan.app.scene.bearings import Mounting, lengths_of
 from cardan.app.scene.document import Document
-from cardan.app.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.app.scene.format import OF_PARTS
 from cardan.app.scene.forms import TEETH, Form
 from cardan.app.scene.joint_deviations import (

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from cardan import tolerances
 from cardan.app.files import columns, pictures, recording
 from cardan.app.scene.axis_rules import AxisValues, BearingAxes, ListAxes, VectorAxes
-from cardan.app.scene.limit_rules import LimitRule, Preset, Source
+from cardan.app.scene.limit_rules import LimitRule, Preset, QuantityName, Source
 from cardan.app.scene.material_rules import MaterialRule
 from cardan.app.scene.optimise_rules import Keep, Vary
-from cardan.app.scene.quantity_rules import QuantityName
 from cardan.app.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.app.scene.rules import (
     FileName,

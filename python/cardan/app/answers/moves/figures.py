@@ -55,7 +55,12 @@ def find(answer: Answer) -> tuple[Move, ...]:
         for each in answer.judged
         if each.part.name in _UNTRIED and each.value.limit is not None
     ]
-    return tuple(_move(change, scene.line.n_joints, ", ".join(untried)) for change in found)
+    set_by_states = bool(scene.states and scene.states.set_phases)
+    return tuple(
+        _move(change, scene.line.n_joints, ", ".join(untried))
+        for change in found
+        if not (set_by_states and change.variable == "phase")
+    )
 
 
 def _move(change: Change, joints: int, untried: str) -> Move:
@@ -129,10 +134,10 @@ def _limits(scene: Scene) -> dict[str, Any]:
         pair = (factor * bound.limit, factor * bound.maximum)
         for ending in ("_driving", "_coasting") if name == "inertia_excitation" else ("",):
             limits[f"{name}{ending}"] = pair
-    for key, count in (("joint", scene.line.n_joints), ("bearing", scene.line.n_bearings)):
+    for key, each in (("joint", scene.line.n_joints), ("bearing", scene.line.n_bearings)):
         if force := scene.part_limits.get(f"{key}_force_N"):
             pair = (force.limit, force.maximum)
-            limits[f"{key}_force"] = dict.fromkeys(range(count), pair)
+            limits[f"{key}_force"] = dict.fromkeys(range(each), pair)
     service, slip = scene.service, scene.slip
     for joint, size in enumerate(service.joints.each if service.joints else ()):
         if size.max_bend_deg is not None:

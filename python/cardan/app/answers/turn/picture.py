@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -12,9 +13,9 @@ import numpy as np
 from cardan.app.answers.states.picture import height_mm, plot_states
 from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.abscissa import Abscissa, Over, abscissa
-from cardan.app.answers.turn.figures import summary
-from cardan.app.answers.turn.key_figures import key_figures
+from cardan.app.answers.turn.figures import SummaryRow, summary
 from cardan.app.answers.turn.quantities import MOST, DrawnQuantity, quantities
+from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
 from cardan.app.pictures.style import (
     MM,
@@ -253,3 +254,31 @@ def _axes_named(scene: Scene) -> str:
     if np.array_equal(line.directions[0], (1, 0, 0)) and np.array_equal(line.normals[0], (0, 0, 1)):
         return "x: along shaft 0; z: normal of the bend plane of joint 0; y: in that plane"
     return "x, y, z: axes in which the scene gives its shafts"
+
+
+_MANY = 4
+
+
+def key_figures(rows: Sequence[SummaryRow], most: int) -> list[tuple[str, str]]:
+    """Return label and value of each figure, at most so many lines.
+
+    Of a figure of more than four shafts or joints only the largest stays, and where the lines are
+    too many still, of each figure. What is left out from the end then is counted in a last line.
+    """
+    lines = list(_lines(rows, _MANY))
+    if len(lines) > most:
+        lines = list(_lines(rows, 1))
+    if len(lines) > most:
+        lines = [*lines[: most - 1], (f"and {len(lines) - most + 1} more", "")]
+    return lines
+
+
+def _lines(rows: Sequence[SummaryRow], most: int) -> Iterator[tuple[str, str]]:
+    for _, group in groupby(rows, key=lambda row: row.quantity):
+        found = list(group)
+        if len({row.item for row in found}) <= most:
+            yield from summary_lines(found)
+            continue
+        item = max(found, key=lambda row: abs(row.value)).item
+        for label, text in summary_lines(row for row in found if row.item == item):
+            yield label if label.startswith("largest") else f"largest {label}", text
