@@ -88,7 +88,10 @@ def reference() -> str:
         sections = " and ".join(f"`[{section}]`" for section in part.sections)
         text.append(f"\n## {part.title}\n\nShown by {shown}; from {sections or '`[driveline]`'}.\n")
         text += _table(part.figures(), f"{part.name}.")
-    text.append("\n## Recorded angles\n\nShown by `identify`; from a recording.\n")
+    text.append(
+        "\n## Recorded angles\n\nShown by `identify` alone, from a recording; the keys are those "
+        "of its answer in JSON.\n"
+    )
     text += _table(Identified, "")
     return "".join(text)
 
