@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.identification.figures import Identified
 from cardan.app.answers.printed import aligned, bound_of, cell
 from cardan.app.answers.rows import UNITS, Entry, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS, Part
@@ -86,18 +87,24 @@ def reference() -> str:
         shown = ", ".join(f"`{command}`" for command in part.shown)
         sections = " and ".join(f"`[{section}]`" for section in part.sections)
         text.append(f"\n## {part.title}\n\nShown by {shown}; from {sections or '`[driveline]`'}.\n")
-        text += _table(part.figures(), part.name)
+        text += _table(part.figures(), f"{part.name}.")
+    text.append(
+        "\n## Recorded angles\n\nShown by `identify` alone, from a recording; the keys are those "
+        "of its answer in JSON.\n"
+    )
+    text += _table(Identified, "")
     return "".join(text)
 
 
 def _table(of: type, path: str) -> Iterator[str]:
+    """The rows of a dataclass, then a table for each of its parts; keys begin with the path."""
     yield "\n| figure | key | unit | what it is | limit |\n|---|---|---|---|---|\n"
     further = []
     for name, row, hint in rows_of(of):
         if row.kind == "parts":
-            further.append((row, element_of(hint), f"{path}.{name}"))
+            further.append((row, element_of(hint), f"{path}{name}."))
         else:
-            yield _line(row, f"{path}.{name}")
+            yield _line(row, f"{path}{name}")
     for row, inner, inside in further:
         meaning = f": {row.meaning}" if row.meaning else ""
         yield f"\n{row.label}{meaning}.\n"

@@ -24,12 +24,12 @@ class BallJointFigures:
 
     ball: str = word("material of the ball")
     seat: str = word("material of the seat")
-    load: float = figure("load", "N")
+    load: float = figure("load", "N", "force between ball and seat")
     radius: float = figure("radius of the ball", "mm")
     radius_from: Literal["scene", "allowable pressure"] = word(
         "radius from", "a scene without a radius leaves it to the allowable pressure"
     )
-    half_angle: float = figure("half-angle of the seat", "deg")
+    half_angle: float = figure("half-angle of the seat", "deg", "from the load to the edge")
     clearance: float = figure("clearance", "mm", "radius of the seat less that of the ball")
     ball_pressure: Judged = figure(
         "peak pressure on the ball",
@@ -46,9 +46,11 @@ class BallJointFigures:
         limit="[ball_joint] seat.allowable_pressure_MPa",
     )
     edge_pressure: float = figure("pressure at the edge of contact", "MPa")
-    contact_angle: float = figure("edge of contact from the load", "deg")
+    contact_angle: float = figure(
+        "edge of contact from the load", "deg", "half-angle of the contact"
+    )
     projected_pressure: float = figure(
-        "load over projected area", "MPa", "as bearing catalogues count it"
+        "load over projected area", "MPa", "mean pressure as bearing catalogues count it"
     )
     allowable_load: float | None = figure(
         "largest allowable load", "N", "at which the peak pressure is just allowable"
@@ -64,7 +66,9 @@ class BallJointFigures:
     )
     ball_strain: float | None = figure("compression of the layer of the ball", "percent")
     seat_strain: float | None = figure("compression of the layer of the seat", "percent")
-    turning_friction: float | None = figure("friction moment, turning about the load", "Nm")
+    turning_friction: float | None = figure(
+        "friction moment, turning about the load", "Nm", "about the line of the load"
+    )
     swivelling_friction: float | None = figure(
         "friction moment, swivelling", "Nm", "about a line across the load"
     )

@@ -22,7 +22,9 @@ class Order:
 
     order: int = item("order")
     unit: str = word("unit", is_detail=True)
-    amplitude: float = figure("amplitude", "own")
+    amplitude: float = figure(
+        "amplitude", "own", "joints have even orders, eccentric encoders orders 1 and 3"
+    )
 
 
 @dataclass(frozen=True)
@@ -39,20 +41,39 @@ class Identified:
     """What a recording shows of the joints of a driveline; ``path`` is its file."""
 
     path: str
-    samples: int = count("samples")
-    missing_samples: int = count("missing samples")
-    turns: float = figure("turns of the drive")
-    equivalent_bend: float = figure("equivalent bend", "deg")
-    standard_deviation: float | None = figure("standard deviation of the bend", "deg")
-    detection_limit: float = figure("smallest bend detected", "deg")
+    samples: int = count("samples", "rows of the file that are known")
+    missing_samples: int = count("missing samples", "rows of the file that are not")
+    turns: float = figure("turns of the drive", meaning="at least 1")
+    equivalent_bend: float = figure(
+        "equivalent bend", "deg", "bend of the single joint that turns the last shaft as unevenly"
+    )
+    standard_deviation: float | None = figure(
+        "standard deviation of the bend", "deg", "by the noise"
+    )
+    detection_limit: float = figure(
+        "smallest bend detected", "deg", "that the noise alone may imitate"
+    )
     detected: bool = flag("detected", "whether the bend is larger than the noise permits to detect")
-    angle_offset: float = figure("offset of the drive angle", "deg")
-    phase_less_twist: float | None = figure("phase less twist", "deg", "of two joints")
-    purity: float | None = figure("purity", meaning="1 for a chain of joints and nothing else")
-    purity_standard_deviation: float | None = figure("standard deviation of the purity")
+    angle_offset: float = figure(
+        "offset of the drive angle",
+        "deg",
+        "to add to the recorded angle, so that the driving pin is in the bend plane at 0°",
+    )
+    phase_less_twist: float | None = figure(
+        "phase less twist", "deg", "of two joints, modulo 180°; 0° where they should cancel"
+    )
+    purity: float | None = figure(
+        "purity",
+        meaning="order 4 over what order 2 demands; 1 for a chain of joints and nothing else",
+    )
+    purity_standard_deviation: float | None = figure(
+        "standard deviation of the purity", meaning="by the noise"
+    )
     unit: str = word("unit", "of the residual and the orders", is_detail=True)
-    residual: float = figure("not explained, rms", "own")
-    recorded: Literal["angle error", "speed ratio"] = word("recorded")
+    residual: float = figure("not explained, rms", "own", "what remains without the joints")
+    recorded: Literal["angle error", "speed ratio"] = word(
+        "recorded", "what the orders and the residual are of"
+    )
     orders: tuple[Order, ...] = parts("Orders of what was recorded")
     joints: tuple[JointBend, ...] = parts("Joints")
 

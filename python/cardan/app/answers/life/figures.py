@@ -51,7 +51,7 @@ class JointLife:
     """One joint over the duty cycle."""
 
     joint: int = item("joint")
-    size: str | None = word("size")
+    size: str | None = word("size", "in the table of sizes")
     bearing: BearingType = word("bearing", "of the pins")
     rating: float | None = figure("rating", "Nm", "torque for 5000 h at 3 deg and 100 rpm")
     hours: Judged | None = figure(
@@ -70,9 +70,14 @@ class JointLife:
         "most wear", "percent", "share of the damage in the step that has most of it"
     )
     small_swing: bool = flag("swing below 3°", "in some step; the needles may mark their races")
-    bend: Judged | None = figure("largest bend", "deg", limit="[joints] max_bend_deg")
+    bend: Judged | None = figure(
+        "largest bend", "deg", "over the duty cycle", limit="[joints] max_bend_deg"
+    )
     speed_bend: Judged | None = figure(
-        "largest speed times bend", "rpm_deg", limit="[joints] max_speed_bend_rpm_deg"
+        "largest speed times bend",
+        "rpm_deg",
+        "over the duty cycle",
+        limit="[joints] max_speed_bend_rpm_deg",
     )
     heat: Judged | None = figure("heat", "W", "mean over the duty cycle", limit="[joints] heat_W")
     largest_heat: Judged | None = figure("largest heat", "W", "in the step that has most")
@@ -96,7 +101,7 @@ class LifeFigures:
 
     hours: float | None = figure("L10 life", "h", "of the joint that fails first")
     decisive: int | None = count("fails first", "the joint that does")
-    target: float | None = figure("required life", "h")
+    target: float | None = figure("required life", "h", "by the scene")
     of_sizes: Judged | None = figure(
         "life with the best size",
         "h",

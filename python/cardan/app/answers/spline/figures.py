@@ -56,7 +56,9 @@ class SplineFigures:
 
     shaft: int = item("shaft")
     drivelines: int = count("drivelines", "states or drivelines of the study")
-    length: float = figure("length at the points of the scene", "mm")
+    length: float = figure(
+        "length at the points of the scene", "mm", "distance of the joint centres"
+    )
     shortest: Judged | None = figure("shortest length", "mm", "over the states or the study")
     longest: Judged | None = figure("longest length", "mm", "over the states or the study")
     travel: Judged | None = figure(

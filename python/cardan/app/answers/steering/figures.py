@@ -23,9 +23,13 @@ class SteeringFigures:
     """A steering column; ratio, slope and turns are those where it is farthest from symmetry."""
 
     centre: float = figure("straight ahead", "deg", "drive angle at which the wheels are straight")
-    ratio: Judged = figure("ratio", meaning="speed of the last shaft over that of the column")
+    ratio: Judged = figure(
+        "ratio", meaning="speed of the last shaft over that of the column, straight ahead"
+    )
     slope: Judged = figure(
-        "slope of the ratio", "per_rad", "derivative of the ratio by the angle of the column"
+        "slope of the ratio",
+        "per_rad",
+        "derivative of the ratio by the angle of the column; 0 if left and right are alike",
     )
     difference: Judged = figure(
         "asymmetry of the ratio",

@@ -81,9 +81,9 @@ class ToleranceFigure:
     name: str = word("name", "in a scene", is_detail=True)
     unit: str = word("unit", _UNIT, is_detail=True)
     nominal: Judged = figure("in the middle of the tolerances", "own", "as drawn or as measured")
-    half: float = figure("half of the drivelines up to", "own")
-    most: float = figure("95 % up to", "own")
-    nearly: float = figure("99 % up to", "own")
+    half: float = figure("half of the drivelines up to", "own", "median")
+    most: float = figure("95 % up to", "own", "of 100 drivelines, 95 are not above it")
+    nearly: float = figure("99 % up to", "own", "of 100 drivelines, 99 are not above it")
     worst: Judged = figure(
         "worst with tolerances",
         "own",
@@ -113,8 +113,8 @@ class ToleranceFigures:
     """The figures of a scene's tolerances."""
 
     given: tuple[Given, ...] = parts("Given", "the tolerances of the scene")
-    distribution: str = word("distribution")
-    samples: int = count("random drivelines")
+    distribution: str = word("distribution", "of the errors within their tolerances")
+    samples: int = count("random drivelines", "how many are drawn")
     seed: int = count("seed", "of the random numbers")
     figures: tuple[ToleranceFigure, ...] = parts("Drivelines")
     shares: tuple[Share, ...] = parts("Shares in the scatter", "the largest of each figure first")

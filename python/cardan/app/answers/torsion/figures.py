@@ -105,7 +105,9 @@ class BendRule:
     exceeded: bool = flag(
         "exceeded", "whether the factor exceeds the damping ratio: unstable motion is possible"
     )
-    speed: float = figure("around the speed", "rpm")
+    speed: float = figure(
+        "around the speed", "rpm", "of the drive, at which unstable motion is possible"
+    )
     inside: bool = flag("inside", "whether these speeds overlap the speed range")
 
 

@@ -44,7 +44,7 @@ class TubeFigures:
         "of the tube, pinned at both ends, where it is longest",
         source="(pi/L)**2 sqrt(E I/(rho A))",
     )
-    speed: Judged | None = figure("largest speed", "rpm")
+    speed: Judged | None = figure("largest speed", "rpm", "of the shaft")
     margin: Judged | None = figure(
         "margin", "", "critical bending speed over the speed", limit="[tubes] least_margin"
     )
