@@ -196,6 +196,7 @@ OBJECTS = [
     LINE.plan("speed_ratio").gradient(GRID, {"speed_ratio": 1.0}),
     LINE.plan("speed_ratio").derivatives(GRID, "bends"),
     cardan.tube(0.09, 0.003, length=1.5),
+    cardan.Machine(BATCH.reshape(-1), limits={"equivalent_bend": 0.05}),
     TORSIONAL,
     TORSIONAL.steady(20.0),
     TORSIONAL.orbit(20.0, 4),

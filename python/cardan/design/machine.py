@@ -332,7 +332,12 @@ class Machine:
 
     @property
     def _core(self) -> _core.Machine:
-        return _core.Machine(**self._parts)
+        parts = dict(self._parts)
+        for name in ("states", "steps"):
+            if parts[name] is not None:
+                line, *rest = parts[name]
+                parts[name] = (line._lines, *rest)
+        return _core.Machine(**parts)
 
     def _with(self, **parts: Any) -> Machine:  # noqa: ANN401 - what the core takes
         other = copy.copy(self)
@@ -352,11 +357,11 @@ def _states_of(name: str, line: Driveline) -> Driveline:
 
 
 def _cases(line: Driveline, load: Load | None, speed: ArrayLike | None) -> tuple[Any, ...]:
-    """Drivelines, speeds and load as the core takes them."""
+    """Drivelines, and speeds and load as the core takes them."""
     count = line.size
     if load is None:
         speeds = as_float64("speed", 0.0 if speed is None else speed)
-        return line._lines, _spread("speed", speeds, count), None
+        return line, _spread("speed", speeds, count), None
     require_load(load)
     speeds = load.speed if speed is None else as_float64("speed", speed)
     inertias = load.inertias_by_shaft(line.n_joints).items()
@@ -366,7 +371,7 @@ def _cases(line: Driveline, load: Load | None, speed: ArrayLike | None) -> tuple
         _spread("acceleration", load.acceleration, count),
         [(shaft, _spread("inertias", each, count)) for shaft, each in inertias],
     )
-    return line._lines, _spread("speed", speeds, count), arrays
+    return line, _spread("speed", speeds, count), arrays
 
 
 def _spread(name: str, array: FloatArray, count: int) -> list[float]:
