@@ -206,7 +206,9 @@ def signals_text(drive_angles: Mapping[str, Any]) -> str:
     rate = time["samples_per_second"] if time else None
     step = 1.0 / rate if rate else 0.0
     samples = drive_angles["samples"]
-    lines = [(_label(signal), "; ".join(_signal_parts(signal, samples, step))) for signal in signals]
+    lines = [
+        (_label(signal), "; ".join(_signal_parts(signal, samples, step))) for signal in signals
+    ]
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
 
 
