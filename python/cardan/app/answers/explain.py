@@ -84,7 +84,7 @@ def reference() -> str:
         "states, the number or name of the item follows the name of the part.\n"
     ]
     for part in PARTS.values():
-        shown = ", ".join(f"`{command}`" for command in part.shown)
+        shown = ", ".join(f"`{command}`" for command in part.shown or ("check",))
         sections = " and ".join(f"`[{section}]`" for section in part.sections)
         text.append(f"\n## {part.title}\n\nShown by {shown}; from {sections or '`[driveline]`'}.\n")
         text += _table(part.figures(), f"{part.name}.")
