@@ -1,1 +1,1 @@
-"""Answers: the numbers, words and pictures of each part, in a room of its own."""
+"""Answers to scenes: each part has a room with its numbers, sentences and pictures."""
