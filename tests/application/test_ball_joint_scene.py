@@ -24,7 +24,7 @@ from cardan.app.command import commands
 from cardan.app.plots import plot_ball_joint
 from cardan.app.report import write_report
 from cardan.app.scene import BallJointScene, load_scene
-from cardan.app.scene.errors import SceneError
+from cardan.app.scene.language.errors import SceneError
 from cardan.ball_joint import layer_compliance
 from example_scenes import ANSWERS, SCENES, example, replaced
 from pages import curves, figure

@@ -29,8 +29,8 @@ from cardan.app.charts.samples import evaluated
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, SceneError, load_scene
-from cardan.app.scene.cluster import _fingerprint
-from cardan.app.scene.curves import columns, study_columns
+from cardan.app.scene.study.cluster import _fingerprint
+from cardan.app.scene.study.curves import columns, study_columns
 from example_scenes import ANSWERS, SCENES, example, replaced
 
 EXAMPLE = example("bearings.toml")

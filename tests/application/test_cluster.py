@@ -25,7 +25,8 @@ from cardan.app.answers.study.extremes import study_data  # noqa: E402
 from cardan.app.answers.study.text import study_text  # noqa: E402
 from cardan.app.answers.turn.figures import drive_angles  # noqa: E402
 from cardan.app.command import commands  # noqa: E402
-from cardan.app.scene import Scene, cluster, curves  # noqa: E402
+from cardan.app.scene import Scene  # noqa: E402
+from cardan.app.scene.study import cluster, curves  # noqa: E402
 from example_scenes import example, replaced  # noqa: E402
 
 # One cluster serves all.
@@ -60,7 +61,8 @@ import time
 
 import distributed
 
-from cardan.app.scene import Scene, cluster
+from cardan.app.scene import Scene
+from cardan.app.scene.study import cluster
 
 
 class Slow(distributed.WorkerPlugin):

@@ -30,7 +30,7 @@ from cardan.app.command import commands
 from cardan.app.command.files import wrote
 from cardan.app.files.columns import write_columns
 from cardan.app.scene import Scene, load_scene
-from cardan.app.scene.format import FORMAT
+from cardan.app.scene.sections.table import FORMAT
 from cardan.app.scene.starters import STARTERS
 from example_scenes import DRIVELINES, EXAMPLES, Answers, example
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
@@ -434,7 +434,7 @@ def test_check_of_a_study_is_of_every_driveline(
     text += "[limits]\npreset = 'truck'\n[study]\n"
     path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
     for block in (1 << 21, 3):
-        monkeypatch.setattr("cardan.app.scene.study._BLOCK", block)
+        monkeypatch.setattr("cardan.app.scene.study.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
         said = " ".join(result.output.split())
@@ -501,7 +501,7 @@ def test_verdicts_agree(path: Path, answered: Answers) -> None:
 
 def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of drivelines at rest have the same figures as the others."""
-    monkeypatch.setattr("cardan.app.scene.study._BLOCK", 1)
+    monkeypatch.setattr("cardan.app.scene.study.study._BLOCK", 1)
     path = tmp_path / "a.toml"
     text = "[driveline]\nbends_deg = [2]\n[limits]\npreset = 'truck'\n[load]\n"
     path.write_text(f"{text}[study]\nspeed_rpm = [0, 6000]")

@@ -15,8 +15,8 @@ import pytest
 from cardan.app.files import columns as curves
 from cardan.app.files.whole_file import check_writable, whole_file
 from cardan.app.scene import Scene, SceneResult
-from cardan.app.scene.curves import columns, write_curves, write_study
-from cardan.app.scene.study import StudyResult
+from cardan.app.scene.study.curves import columns, write_curves, write_study
+from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 
 SCENE = """\

@@ -17,7 +17,7 @@ from cardan.app.files.columns import write_columns
 from cardan.app.plots import plot_scene
 from cardan.app.report.results import inputs
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.curves import columns
+from cardan.app.scene.study.curves import columns
 
 TEXT = """
 [driveline]

@@ -25,7 +25,7 @@ from cardan.app.command import commands
 from cardan.app.plots import plot_force_hodograph, plot_hodograph
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
-from cardan.app.scene.curves import columns, study_columns
+from cardan.app.scene.study.curves import columns, study_columns
 from example_scenes import example, replaced
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())

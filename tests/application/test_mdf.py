@@ -16,7 +16,7 @@ from cardan import Driveline
 from cardan.app.command import commands
 from cardan.app.files.recording import read_chunks, read_columns
 from cardan.app.scene import Scene, stream
-from cardan.app.scene.curves import write_curves
+from cardan.app.scene.study.curves import write_curves
 
 asammdf = pytest.importorskip("asammdf")
 

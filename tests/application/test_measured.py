@@ -19,9 +19,9 @@ from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.text import signals_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene, stream
-from cardan.app.scene.curves import columns, write_curves
-from cardan.app.scene.motion import Integral, derivatives
-from cardan.app.scene.recorded import Recording
+from cardan.app.scene.recording.motion import Integral, derivatives
+from cardan.app.scene.recording.recorded import Recording
+from cardan.app.scene.study.curves import columns, write_curves
 from example_scenes import ANSWERS
 
 RANDOM = np.random.default_rng(20)

@@ -38,7 +38,7 @@ from cardan.app.pictures.space import View
 from cardan.app.pictures.style import degree_ticks, text_width
 from cardan.app.plots import plot_scene, write_picture
 from cardan.app.scene import Scene, SceneResult
-from cardan.app.scene.study import StudyResult
+from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

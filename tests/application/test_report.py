@@ -42,7 +42,7 @@ from cardan.app.report import write_report
 from cardan.app.report.page import environment
 from cardan.app.scene import Scene
 from cardan.app.scene.starters import STARTERS
-from cardan.app.scene.study import Column
+from cardan.app.scene.study.study import Column
 from cardan.arrays import FloatArray
 from example_scenes import DRIVELINES, EXAMPLES, Answers
 from pages import curves, scales, tables

@@ -18,8 +18,7 @@ from cardan.app.command import commands
 from cardan.app.files.columns import write_columns
 from cardan.app.report.page import page
 from cardan.app.scene import Scene
-from cardan.app.scene.timing import Sampling, Timing
-from cardan.app.scene.way import Way
+from cardan.app.scene.recording.signals import Sampling, Timing, Way
 
 TIME = np.arange(1000) * 1e-3
 

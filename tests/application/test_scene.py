@@ -14,10 +14,10 @@ from cardan import Driveline, Limits, Load, Sweep
 from cardan.app.answers.turn.figures import SummaryRow, drive_angles, summary
 from cardan.app.answers.turn.text import summary_lines, summary_text
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.bearing_section import LENGTHS
-from cardan.app.scene.format import FORMAT
-from cardan.app.scene.forms import FORMS, TEETH
-from cardan.app.scene.help_text import describe
+from cardan.app.scene.language.schema import describe
+from cardan.app.scene.sections.bearing_section import LENGTHS
+from cardan.app.scene.sections.driveline import FORMS, TEETH
+from cardan.app.scene.sections.table import FORMAT
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 JOINT = "[driveline]\nbends_deg = [8.5]\n"

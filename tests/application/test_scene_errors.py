@@ -9,8 +9,8 @@ import pytest
 
 from cardan import ArgumentValueError
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.cluster import connect, write_study
-from cardan.app.scene.errors import StudyPointError
+from cardan.app.scene.language.errors import StudyPointError
+from cardan.app.scene.study.cluster import connect, write_study
 
 TWO = "[driveline]\nbends_deg = [8.5, 8.5]\n"
 

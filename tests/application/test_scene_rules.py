@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cardan.app.scene import Scene
-from cardan.app.scene import values as kinds
-from cardan.app.scene.errors import Location
-from cardan.app.scene.format import FORMAT
-from cardan.app.scene.forms import FORMS
+from cardan.app.scene.language import values as kinds
+from cardan.app.scene.language.errors import Location
+from cardan.app.scene.sections.driveline import FORMS
+from cardan.app.scene.sections.table import FORMAT
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
 from tiers import part
 

@@ -23,9 +23,9 @@ from cardan.app.answers.turn.figures import drive_angles, summary
 from cardan.app.answers.turn.text import summary_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene
-from cardan.app.scene.curves import columns, study_columns
-from cardan.app.scene.format import FORMAT
+from cardan.app.scene.sections.table import FORMAT
 from cardan.app.scene.starters import STARTERS
+from cardan.app.scene.study.curves import columns, study_columns
 from example_scenes import ANSWERS, EXAMPLES, SCENES
 from scene_values import VALUES, as_toml
 from tiers import part

@@ -20,7 +20,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_slide_orders, plot_slides, write_slides
 from cardan.app.scene import Scene
-from cardan.app.scene.errors import SceneError
+from cardan.app.scene.language.errors import SceneError
 from example_scenes import ANSWERS, SCENES, Answers, example, replaced
 
 PATH = example("axial_travel.toml")

@@ -20,7 +20,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
-from cardan.app.scene.errors import SceneError
+from cardan.app.scene.language.errors import SceneError
 from example_scenes import ANSWERS, SCENES, example, replaced
 
 TEXT = example("slip.toml").read_text(encoding="utf-8")

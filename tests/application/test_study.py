@@ -14,9 +14,10 @@ from cardan import Driveline, Load
 from cardan.app.answers.study.extremes import End, extremes, study_data
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.figures import drive_angles
-from cardan.app.scene import Scene, axes, study
-from cardan.app.scene.curves import study_columns
-from cardan.app.scene.study import Axis, Column, StudyResult
+from cardan.app.scene import Scene
+from cardan.app.scene.study import axes, study
+from cardan.app.scene.study.curves import study_columns
+from cardan.app.scene.study.study import Axis, Column, StudyResult
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"
@@ -584,7 +585,7 @@ def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> N
     ]
     assert "plan for angle_error; 2 joints of 6 drivelines" in lines
     assert any("to its rms; no sample is stored" in line for line in lines)
-    monkeypatch.setattr("cardan.app.scene.study._BLOCK", 4 * 720)
+    monkeypatch.setattr("cardan.app.scene.study.study._BLOCK", 4 * 720)
     assert scene.explain().splitlines()[-len(lines)] == "study of 6 drivelines in blocks of 4"
     # Closed forms alone need no plan.
     alone = Scene.parse(f"{TWO}[output]\nclosed_forms = ['k']\n")

@@ -21,7 +21,7 @@ from cardan.app.answers.turn.text import angles_text, few_samples_text  # noqa: 
 from cardan.app.command import commands  # noqa: E402
 from cardan.app.files import map_parquet, recording  # noqa: E402
 from cardan.app.scene import Scene, stream  # noqa: E402
-from cardan.app.scene.curves import write_curves  # noqa: E402
+from cardan.app.scene.study.curves import write_curves  # noqa: E402
 
 ROWS = 1000
 RANDOM = np.random.default_rng(6)

@@ -26,7 +26,7 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice, torsion_sentences, torsion_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene
-from cardan.app.scene.torsion import TorsionCase
+from cardan.app.scene.sections.torsion import TorsionCase
 
 ROOT = Path(__file__).parents[2]
 TRUCK, RIG = (ROOT / "examples" / f"{name}_torsion.toml" for name in ("truck", "rig"))

@@ -19,7 +19,7 @@ import pytest
 import cardan
 from cardan import BallJoint, Driveline, Load, Plan, Scene, Sweep
 from cardan.app.scene import SceneResult
-from cardan.app.scene.study import StudyResult
+from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import as_float64
 
 GRID = np.linspace(-3.0, 9.0, 60)

@@ -10,8 +10,7 @@ from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.files.progress import Progress
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.scene import Scene
+from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.design.check import Check
 
 _FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from cardan.app.scene.study import Column
-from cardan.app.scene.units import ENDINGS, split
+from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.study.study import Column
 from cardan.evaluation.outputs import OUTPUTS
 
 # What an entry of a list is, of what, and the number of the first one.

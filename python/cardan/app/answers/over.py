@@ -11,9 +11,9 @@ import numpy as np
 
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import UNITS, Judged
-from cardan.app.scene.duty import DutyCycle
+from cardan.app.scene.language.units import split
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import split
+from cardan.app.scene.sections.life import DutyCycle
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

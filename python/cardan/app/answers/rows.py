@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple, get_args, get_type_hints
 
-from cardan.app.scene.units import ENDINGS, RPM, ending_of
+from cardan.app.scene.language.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
 Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts"]

@@ -12,9 +12,9 @@ import numpy as np
 from cardan.app.answers.rounding import alike, first_peak
 from cardan.app.answers.turn.extremes import magnitudes, peak, shortest_arm, values_of
 from cardan.app.charts.motion import as_built
-from cardan.app.scene.angles import Angles
+from cardan.app.scene.language.units import RPM
+from cardan.app.scene.recording.angles import Angles
 from cardan.app.scene.scene import Scene, SceneResult
-from cardan.app.scene.units import RPM
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

@@ -9,12 +9,11 @@ from typing import Any
 from cardan.app.command.terminal import progress_bar
 from cardan.app.files import pictures
 from cardan.app.files.whole_file import check_writable
-from cardan.app.scene import cluster
-from cardan.app.scene.ball_joint import BallJointCase
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.curves import write_curves, write_study
-from cardan.app.scene.errors import SceneError
-from cardan.app.scene.scene import Scene, SceneResult
+from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.scene import BallJointScene, Scene, SceneResult
+from cardan.app.scene.sections.ball_joint import BallJointCase
+from cardan.app.scene.study import cluster
+from cardan.app.scene.study.curves import write_curves, write_study
 from cardan.arrays import import_optional
 
 

@@ -14,9 +14,9 @@ from cardan.app.command.files import check_output
 from cardan.app.command.options import file_option, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import check_writable, whole_file
-from cardan.app.scene.document import read_text
-from cardan.app.scene.edit import with_values
-from cardan.app.scene.errors import SceneError
+from cardan.app.scene.language.document import read_text
+from cardan.app.scene.language.edit import with_values
+from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.scene import Scene
 
 

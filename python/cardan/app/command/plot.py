@@ -18,7 +18,7 @@ from cardan.app.command.terminal import progress_bar, say
 from cardan.app.files.pictures import SUFFIXES
 from cardan.app.plots import plot_forces, save, write_backlash, write_picture, write_slides
 from cardan.app.scene import load_scene
-from cardan.app.scene.ball_joint_scene import BallJointScene
+from cardan.app.scene.scene import BallJointScene
 from cardan.arrays.errors import ArgumentValueError
 
 _ENDINGS = " or ".join((", ".join([*SUFFIXES][:-1]), [*SUFFIXES][-1]))

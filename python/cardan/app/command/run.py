@@ -34,10 +34,10 @@ from cardan.app.command.terminal import (
     say_before_files,
 )
 from cardan.app.scene import load_scene
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.cluster import StudyFolder
-from cardan.app.scene.help_text import describe
-from cardan.app.scene.states import StatesResult
+from cardan.app.scene.language.schema import describe
+from cardan.app.scene.scene import BallJointScene
+from cardan.app.scene.study.cluster import StudyFolder
+from cardan.app.scene.study.states import StatesResult
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")

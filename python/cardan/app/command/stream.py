@@ -12,7 +12,7 @@ from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_
 from cardan.app.command.files import missing_samples
 from cardan.app.command.options import into_option, scene_argument, units_option
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.scene.streaming import stream
+from cardan.app.scene.recording.streaming import stream
 
 
 @click.command()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cardan.app.scene.units import LengthUnit
+from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 

@@ -14,7 +14,7 @@ from cardan.app.pictures.drawing_positions import bearing_places, length_text, s
 from cardan.app.pictures.labels import PlacedLabels
 from cardan.app.pictures.space import DEPTH, View, tube, wedge, yoke
 from cardan.app.pictures.style import THIN, drawing, legend_above, number
-from cardan.app.scene.units import LengthUnit
+from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline

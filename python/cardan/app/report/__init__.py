@@ -9,8 +9,7 @@ from pathlib import Path
 from cardan.app.files.progress import Progress
 from cardan.app.files.whole_file import whole_file
 from cardan.app.report.page import page
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.scene import Scene
+from cardan.app.scene.scene import BallJointScene, Scene
 
 SUFFIXES = (".html", ".htm")
 """Suffixes of a report."""

@@ -25,9 +25,8 @@ from cardan.app.charts.samples import Panel, Samples, evaluated
 from cardan.app.files.progress import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer
-from cardan.app.scene.ball_joint_scene import BallJointScene
-from cardan.app.scene.scene import Scene
-from cardan.app.scene.states import StatesResult
+from cardan.app.scene.scene import BallJointScene, Scene
+from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from cardan.app.answers.turn.figures import within_turn
 from cardan.app.charts.motion import deviates, equivalent, turn_motion
 from cardan.app.charts.samples import PeakSample, Samples
 from cardan.app.charts.tables import Table
-from cardan.app.scene.bearings import has_lengths
+from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import RPM, in_degrees
+from cardan.app.scene.sections.bearing import has_lengths
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.motion.workshop import VIEW, turn

@@ -9,23 +9,28 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.scene.angles import ANGLE_OF, Angles, at_drive, check_driven
-from cardan.app.scene.axes import grid_of
-from cardan.app.scene.ball_joint import ball_joint_case
-from cardan.app.scene.ball_joint_scene import is_alone
-from cardan.app.scene.bearing_section import LENGTHS
-from cardan.app.scene.bearings import Mounting, lengths_of
-from cardan.app.scene.document import Document
-from cardan.app.scene.format import OF_PARTS
-from cardan.app.scene.forms import TEETH, Form
-from cardan.app.scene.joint_deviations import (
+from cardan.app.scene.language.document import Document
+from cardan.app.scene.recording.angles import ANGLE_OF, Angles, at_drive, check_driven
+from cardan.app.scene.recording.recorded import Recording
+from cardan.app.scene.sections.ball_joint import ball_joint_case
+from cardan.app.scene.sections.bearing import Mounting, lengths_of
+from cardan.app.scene.sections.bearing_section import LENGTHS
+from cardan.app.scene.sections.driveline import TEETH, Form
+from cardan.app.scene.sections.joint_deviations import (
     arms_of,
     arms_of_lengths,
     check_as_built,
     deviations_of,
 )
-from cardan.app.scene.layout import SceneLayout
-from cardan.app.scene.parts import (
+from cardan.app.scene.sections.output import (
+    check_forces,
+    check_sections,
+    is_alone,
+    items,
+    requested,
+    to_reduce,
+)
+from cardan.app.scene.sections.parts import (
     check_load,
     check_not_recorded,
     filled,
@@ -33,16 +38,17 @@ from cardan.app.scene.parts import (
     make_load,
     teeth_of,
 )
-from cardan.app.scene.recorded import Recording
-from cardan.app.scene.reductions import LENGTH
-from cardan.app.scene.requested import check_forces, check_sections, items, requested, to_reduce
-from cardan.app.scene.service import known_arms, service_of
-from cardan.app.scene.slip import slip_of
-from cardan.app.scene.states import states_of, with_states
-from cardan.app.scene.steering import steering_of
-from cardan.app.scene.study import Study
-from cardan.app.scene.tolerances import ToleratedLine, tolerances_of
-from cardan.app.scene.torsion import torsion_of
+from cardan.app.scene.sections.service import known_arms, service_of
+from cardan.app.scene.sections.slip import slip_of
+from cardan.app.scene.sections.steering import steering_of
+from cardan.app.scene.sections.table import OF_PARTS
+from cardan.app.scene.sections.tolerances import ToleratedLine, tolerances_of
+from cardan.app.scene.sections.torsion import torsion_of
+from cardan.app.scene.study.axes import grid_of
+from cardan.app.scene.study.layout import SceneLayout
+from cardan.app.scene.study.reductions import LENGTH
+from cardan.app.scene.study.states import states_of, with_states
+from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import OWN, Limit, Limits
@@ -173,7 +179,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
     optimisation = None
     with document.within("optimise"):
         if "optimise" in given:
-            from cardan.app.scene.optimise import optimisation_of
+            from cardan.app.scene.sections.optimise import optimisation_of
 
             optimisation = optimisation_of(
                 given["optimise"], layout, states, loaded.load, described.teeth

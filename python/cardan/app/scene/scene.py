@@ -15,28 +15,27 @@ from numpy.typing import ArrayLike
 
 from cardan.app.files.ahead import read_ahead
 from cardan.app.files.progress import Progress
-from cardan.app.scene.angles import Angles
-from cardan.app.scene.ball_joint import BallJointCase
-from cardan.app.scene.ball_joint_scene import BallJointScene, is_alone
-from cardan.app.scene.document import Document, read_text
-from cardan.app.scene.errors import SceneError
-from cardan.app.scene.help_text import describe
-from cardan.app.scene.layout import SceneLayout
-from cardan.app.scene.parts import (
+from cardan.app.scene.language.document import Document, read_text
+from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.language.schema import describe, scene_schema
+from cardan.app.scene.language.units import LengthUnit
+from cardan.app.scene.reading import attributes_of
+from cardan.app.scene.recording.angles import Angles
+from cardan.app.scene.recording.recorded import Recording
+from cardan.app.scene.recording.signals import Signal
+from cardan.app.scene.sections.ball_joint import BallJointCase
+from cardan.app.scene.sections.output import is_alone
+from cardan.app.scene.sections.parts import (
     at_samples,
     largest_speed,
 )
-from cardan.app.scene.reading import attributes_of
-from cardan.app.scene.recorded import Recording
-from cardan.app.scene.schema import scene_schema
-from cardan.app.scene.service import Service
-from cardan.app.scene.signals import Signal
-from cardan.app.scene.slip import Slip
-from cardan.app.scene.states import States, table_of
-from cardan.app.scene.steering import SteeringColumn
-from cardan.app.scene.study import Study, StudyResult
-from cardan.app.scene.torsion import TorsionCase
-from cardan.app.scene.units import LengthUnit
+from cardan.app.scene.sections.service import Service
+from cardan.app.scene.sections.slip import Slip
+from cardan.app.scene.sections.steering import SteeringColumn
+from cardan.app.scene.sections.torsion import TorsionCase
+from cardan.app.scene.study.layout import SceneLayout
+from cardan.app.scene.study.states import States, table_of
+from cardan.app.scene.study.study import Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limit, Limits
@@ -49,7 +48,11 @@ from cardan.evaluation.sweep import Sweep
 from cardan.tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from cardan.app.scene.optimise import Optimisation
+    from cardan.app.scene.sections.optimise import Optimisation
+
+
+from cardan.app.scene.sections.ball_joint import ball_joint_case
+from cardan.app.scene.sections.table import FORMAT
 
 
 @dataclass(frozen=True, eq=False)
@@ -422,3 +425,77 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
+
+
+@dataclass(frozen=True, eq=False)
+class BallJointScene:
+    """A ball joint, its load and its materials.
+
+    Make one with ``cardan.scene.load_scene`` or ``parse``.
+
+    Attributes:
+        name: where it came from, for messages.
+        title: heading, or "".
+        ball_joint: the case.
+    """
+
+    name: str
+    title: str
+    ball_joint: BallJointCase
+
+    @classmethod
+    def parse(cls, text: str, name: str = "scene") -> Self:
+        """Make a scene from the text of a scene file.
+
+        Args:
+            text: TOML.
+            name: its name in messages.
+
+        Raises:
+            ValueError: it is no scene of a ball joint alone; one line with name, line where that
+                is certain, section, key, rule and value.
+        """
+        return cls.of(Document(text, name))
+
+    @classmethod
+    def of(cls, document: Document) -> Self:
+        """Make a scene from a document."""
+        given = document.sections
+        with document.within(""):
+            if "ball_joint" not in given:
+                raise ValueError("section [ball_joint] is missing")
+        for section in (*given, *document.tables):
+            if section not in ("", "ball_joint"):
+                with document.within("", section):
+                    heading = FORMAT[section].heading(section)
+                    raise ValueError(f"section {heading} needs a section [driveline]")
+        with document.within("ball_joint"):
+            case = ball_joint_case(given["ball_joint"])
+        return cls(document.name, given[""].get("title", ""), case)
+
+    @property
+    def picture_file(self) -> str | None:
+        """Name of the file for the picture, if any."""
+        return self.ball_joint.picture_file
+
+
+def load_scene(path: str | PathLike[str]) -> Scene | BallJointScene:
+    """Read a scene file of a driveline, of a ball joint, or of both.
+
+    Args:
+        path: the file.
+
+    Returns:
+        a scene of a driveline, which may have a ball joint as well, or of a ball joint alone.
+
+    Raises:
+        ImportError: it names a Parquet file and pyarrow is missing.
+        OSError: the file or a recording cannot be read.
+        ValueError: it is not a scene; one line with file, line where that is certain, section,
+            key, rule and value.
+    """
+    text = read_text(path)
+    document = Document(text, fspath(path))
+    if is_alone(document):
+        return BallJointScene.of(document)
+    return Scene.parse(text, fspath(path), Path(path).parent)

@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import Judged, figure, word
-from cardan.app.scene.ball_joint import BallJointCase, Material
+from cardan.app.scene.sections.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
 

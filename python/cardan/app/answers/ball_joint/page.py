@@ -18,7 +18,7 @@ from cardan.app.answers.printed import quantity
 from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
-from cardan.app.scene.ball_joint import BallJointCase
+from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 
 # Of the drawing: pixels of a ball radius, ball radii of the peak pressure and of the seat.

@@ -27,7 +27,7 @@ from cardan.app.pictures.style import (
     save,
     value_ticks,
 )
-from cardan.app.scene.ball_joint import BallJointCase
+from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 
 if TYPE_CHECKING:

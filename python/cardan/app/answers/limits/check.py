@@ -12,7 +12,7 @@ import numpy as np
 from cardan.app.answers.rounding import alike
 from cardan.app.files.progress import Progress
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.study import Study
+from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
 from cardan.design.check import Check
 from cardan.driveline import Driveline

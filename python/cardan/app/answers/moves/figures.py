@@ -9,9 +9,9 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import count, figure, word
-from cardan.app.scene.duty import load_at
+from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import RPM
+from cardan.app.scene.sections.life import load_at
 from cardan.design.machine import Change, Machine
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cardan.app.answers.data import data_of, schema_of
 from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.rows import UNITS, figure, flag, item, key_of, parts, word
-from cardan.app.scene.errors import SceneError
-from cardan.app.scene.optimise import Optimisation, Variable
+from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.language.units import ENDINGS, in_degrees, split
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import ENDINGS, in_degrees, split
+from cardan.app.scene.sections.optimise import Optimisation, Variable
 from cardan.arrays import FloatArray
 from cardan.design.quantities import label
 from cardan.optimisation import Optimum

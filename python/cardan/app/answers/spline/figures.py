@@ -13,8 +13,8 @@ from cardan.app.answers.over import over
 from cardan.app.answers.rows import Judged, count, figure, item, parts, word
 from cardan.app.answers.turn.extremes import peak
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.slip import Slip
-from cardan.app.scene.study import Study
+from cardan.app.scene.sections.slip import Slip
+from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

@@ -11,7 +11,7 @@ from cardan.app.answers.json_schema import record
 from cardan.app.answers.limits.figures import FIGURES
 from cardan.app.answers.rows import figure, item, numbers, word, worst_of
 from cardan.app.answers.study.extremes import End, extremes, finite_or_none
-from cardan.app.scene.states import STATE, StatesResult
+from cardan.app.scene.study.states import STATE, StatesResult
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
+from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.states import StatesResult
-from cardan.app.scene.units import in_degrees
+from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
 
 _MOST_DRAWN = 8

@@ -8,8 +8,8 @@ import numpy as np
 
 from cardan.app.answers.names import column_name
 from cardan.app.pictures.style import LINES, THIN, drawing, legend_above, number, value_ticks
-from cardan.app.scene.states import StatesResult
-from cardan.app.scene.units import in_degrees
+from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.study.states import StatesResult
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.design.limits import MAX_EQUIVALENT_BEND
 

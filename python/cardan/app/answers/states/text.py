@@ -13,7 +13,7 @@ from cardan.app.answers.printed import aligned, figure_text
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.states.figures import state_name
 from cardan.app.answers.study.extremes import Extremes, extremes
-from cardan.app.scene.states import StatesResult
+from cardan.app.scene.study.states import StatesResult
 
 OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
 """What the answer of a run says between the two."""

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from cardan.app.answers.rounding import CANCELLED, ROUNDING
-from cardan.app.scene.axes import Axis
-from cardan.app.scene.study import Column
+from cardan.app.scene.study.axes import Axis
+from cardan.app.scene.study.study import Column
 from cardan.arrays import FloatArray
 
 # Closed forms and statistics by which the driveline with the least figure is the best one. Mean

@@ -18,9 +18,9 @@ from cardan.app.answers.study.maps import heat_map
 from cardan.app.charts.charts import chart, some
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
-from cardan.app.scene.axes import Axis
-from cardan.app.scene.study import StudyResult
-from cardan.app.scene.units import in_degrees
+from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.study.axes import Axis
+from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 from cardan.design.check import Check
 

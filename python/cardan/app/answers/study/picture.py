@@ -18,8 +18,8 @@ from cardan.app.pictures.style import (
     number,
     value_ticks,
 )
-from cardan.app.scene.study import StudyResult
-from cardan.app.scene.units import ENDINGS, in_degrees, split
+from cardan.app.scene.language.units import ENDINGS, in_degrees, split
+from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.design.limits import MAX_EQUIVALENT_BEND

@@ -14,8 +14,8 @@ from cardan.app.answers.data import data_of, schema_of
 from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.over import over
 from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, key_of, parts, word
+from cardan.app.scene.language.units import ENDINGS
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import ENDINGS
 from cardan.arrays import FloatArray
 from cardan.design.quantities import MOTION_QUANTITIES, label
 from cardan.tolerances import JOINT_GROUPS, Tolerances

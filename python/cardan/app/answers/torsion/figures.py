@@ -15,7 +15,7 @@ from cardan.app.answers.data import data_of, schema_of
 from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.rows import Judged, count, figure, flag, item, numbers, parts, word
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.torsion import TorsionCase
+from cardan.app.scene.sections.torsion import TorsionCase
 from cardan.arrays import FloatArray
 from cardan.torsion import SteadyState
 from cardan.torsion.instability import ranges

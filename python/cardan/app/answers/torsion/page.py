@@ -18,7 +18,7 @@ from cardan.app.answers.torsion.text import (
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
-from cardan.app.scene.units import RPM
+from cardan.app.scene.language.units import RPM
 
 _CLASSES = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear": "good"}
 

@@ -21,7 +21,7 @@ from cardan.app.pictures.style import (
     matplotlib,
     value_ticks,
 )
-from cardan.app.scene.units import RPM
+from cardan.app.scene.language.units import RPM
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, varies
 from cardan.app.answers.rows import Judged, figure, item
 from cardan.app.answers.turn.extremes import peak
-from cardan.app.scene.duty import load_at
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.life import load_at
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

@@ -11,9 +11,9 @@ from cardan.app.answers.states.figures import STATES_SCHEMA, states_data
 from cardan.app.answers.study.extremes import StudyTable, study_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import SummaryRow, drive_angles, summary_data
-from cardan.app.scene.reductions import CLOSED_FORMS, REDUCTIONS
-from cardan.app.scene.signals import Measured
-from cardan.app.scene.states import StatesResult
+from cardan.app.scene.recording.signals import Measured
+from cardan.app.scene.study.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.app.scene.study.states import StatesResult
 from cardan.evaluation.outputs import OUTPUTS
 
 

@@ -19,10 +19,9 @@ from cardan.app.answers.turn.extremes import (
     shortest_arm,
     slowest,
 )
+from cardan.app.scene.language.units import RPM, ending_of, in_degrees
+from cardan.app.scene.recording.signals import Signal, Way
 from cardan.app.scene.scene import Scene, SceneResult
-from cardan.app.scene.signals import Signal
-from cardan.app.scene.units import RPM, ending_of, in_degrees
-from cardan.app.scene.way import Way
 from cardan.arrays import FloatArray
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.motion.equivalent import EquivalentJoint

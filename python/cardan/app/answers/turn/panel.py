@@ -10,7 +10,7 @@ import numpy as np
 from cardan.app.answers.rounding import flat_limits
 from cardan.app.answers.turn.bands import Bands
 from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
-from cardan.app.scene.units import in_degrees
+from cardan.app.scene.language.units import in_degrees
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline

@@ -28,9 +28,9 @@ from cardan.app.pictures.style import (
     text_width,
     value_ticks,
 )
+from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene, SceneResult
-from cardan.app.scene.states import StatesResult
-from cardan.app.scene.units import RPM
+from cardan.app.scene.study.states import StatesResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

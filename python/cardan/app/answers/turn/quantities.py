@@ -11,8 +11,8 @@ import numpy as np
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.turn.abscissa import Abscissa
 from cardan.app.pictures.style import LINES, legend_above
+from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import SceneResult
-from cardan.app.scene.units import RPM
 from cardan.arrays import FloatArray
 from cardan.evaluation.outputs import Output
 

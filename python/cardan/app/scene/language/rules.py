@@ -1,0 +1,322 @@
+"""Rules for the values of a scene: each reads a value and describes itself as JSON Schema.
+
+Both follow from the same attributes, so the reader and the schema accept the same values. A schema
+cannot say that the name of a file is printable; only the reader checks that.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from datetime import date, time
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from cardan.app.scene.language.errors import Location
+from cardan.arrays.errors import nearest
+
+Schema: TypeAlias = Mapping[str, Any]
+
+# Beyond any driveline, and small enough for the squares of torques and lengths.
+_LARGEST = 1e40
+
+
+class Rule(ABC):
+    """What a value must be."""
+
+    @abstractmethod
+    def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - what the rule makes of it
+        """Return the value as scenes use it.
+
+        Args:
+            where: key and place of the value, for errors.
+            value: as TOML has it.
+
+        Raises:
+            KeyValueError: a value that breaks the rule; place, value and rule.
+        """
+
+    @property
+    @abstractmethod
+    def schema(self) -> Schema:
+        """JSON Schema of the values that ``read`` takes."""
+
+
+def shown(value: object) -> str:
+    """Return a value for a message: on one line and not long."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a section"
+    if isinstance(value, date | time):
+        # As TOML writes it.
+        return value.isoformat()
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        # Python does not print whole numbers of more than 4300 digits.
+        return "a number too large"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def refused(where: Location, value: object, must: str) -> ValueError:
+    """Return what to raise for a value that breaks a rule."""
+    return where.error(f"is {shown(value)}; it must {must}")
+
+
+@dataclass(frozen=True)
+class Text(Rule):
+    """Any text."""
+
+    def read(self, where: Location, value: object) -> str:
+        """Return the text."""
+        if not isinstance(value, str):
+            raise refused(where, value, "be text in quotes")
+        return value
+
+    @property
+    def schema(self) -> Schema:
+        """A string."""
+        return {"type": "string"}
+
+
+@dataclass(frozen=True)
+class Number(Rule):
+    """A finite number of an interval.
+
+    Attributes:
+        low: its lower end.
+        high: its upper end.
+        above: whether the lower end is excluded.
+        below: whether the upper end is excluded.
+        what: what the message for a number outside calls it.
+        unit: its unit in that message.
+    """
+
+    low: float = -_LARGEST
+    high: float = _LARGEST
+    above: bool = False
+    below: bool = False
+    what: str = "it"
+    unit: str = ""
+
+    def read(self, where: Location, value: object) -> float:
+        """Return the number."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise refused(where, value, "be a number")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise refused(where, value, "be finite")
+        if abs(number) > _LARGEST:
+            raise refused(where, value, f"lie within ±{_LARGEST:g}")
+        fits_low = number > self.low if self.above else number >= self.low
+        fits_high = number < self.high if self.below else number <= self.high
+        if not (fits_low and fits_high):
+            unit = self.unit and f" {self.unit}"
+            raise where.error(f"is {shown(value)}{unit}; {self.what} must {self._interval}{unit}")
+        return number
+
+    @property
+    def _interval(self) -> str:
+        if self.low == 0.0 and self.high == _LARGEST:
+            return "be positive" if self.above else "not be negative"
+        if self.low == -self.high and not (self.above or self.below):
+            return f"lie within ±{self.high:g}"
+        if self.above and self.below:
+            return f"lie between {self.low:g} and {self.high:g}"
+        opening, closing = "(" if self.above else "[", ")" if self.below else "]"
+        return f"lie in {opening}{self.low:g}, {self.high:g}{closing}"
+
+    @property
+    def schema(self) -> Schema:
+        """A number between the ends."""
+        return {
+            "type": "number",
+            "exclusiveMinimum" if self.above else "minimum": self.low,
+            "exclusiveMaximum" if self.below else "maximum": self.high,
+        }
+
+
+@dataclass(frozen=True)
+class Whole(Rule):
+    """A whole number.
+
+    Attributes:
+        least: the smallest one.
+        also: a smaller one that is permitted too.
+        most: the largest one, if there is one.
+    """
+
+    least: int
+    also: int | None = None
+    most: int | None = None
+
+    def read(self, where: Location, value: object) -> int:
+        """Return the number."""
+        # To Python, true is a whole number.
+        given = value if isinstance(value, int) and not isinstance(value, bool) else None
+        low_enough = given is not None and (self.most is None or given <= self.most)
+        if given is not None and low_enough and (given >= self.least or given == self.also):
+            return given
+        counted = f" of at least {self.least}" if self.least else ", counted from 0"
+        if self.most is not None:
+            counted = f" from {self.least} to {self.most}"
+        other = "" if self.also is None else f", or {self.also}"
+        raise refused(where, value, f"be a whole number{counted}{other}")
+
+    @property
+    def schema(self) -> Schema:
+        """An integer."""
+        if self.also is None:
+            most = {} if self.most is None else {"maximum": self.most}
+            return {"type": "integer", "minimum": self.least, **most}
+        return {"type": "integer", "anyOf": [{"minimum": self.least}, {"const": self.also}]}
+
+
+@dataclass(frozen=True)
+class OneOf(Rule):
+    """One of some names."""
+
+    names: tuple[str, ...]
+
+    def read(self, where: Location, value: object) -> str:
+        """Return the name."""
+        name = Text().read(where, value)
+        if name not in self.names:
+            raise where.error(f"is {shown(name)}; {nearest(name, self.names)}")
+        return name
+
+    @property
+    def schema(self) -> Schema:
+        """The names."""
+        return {"enum": list(self.names)}
+
+
+@dataclass(frozen=True)
+class FileName(Rule):
+    """The name of a file.
+
+    Attributes:
+        suffixes: what it may end in.
+        folders: whether it may name folders.
+    """
+
+    suffixes: Collection[str]
+    folders: bool = False
+
+    @property
+    def _pattern(self) -> str:
+        endings = "|".join(suffix[1:] for suffix in self.suffixes)
+        stem = "(.*/)?[^/]+" if self.folders else r"[^/\\]+"
+        return rf"^{stem}\.({endings})$"
+
+    def read(self, where: Location, value: object) -> str:
+        """Return the name."""
+        name = Text().read(where, value)
+        # On Windows a drive is a folder too.
+        if not self.folders and (Path(name).name != name or "\\" in name):
+            # The folder is for whoever runs the scene to choose.
+            raise refused(where, name, "be a file name without a folder")
+        if not name.isprintable():
+            raise refused(where, name, "have printable characters only")
+        if not re.search(self._pattern, name):
+            raise refused(where, name, f"end in {' or '.join(self.suffixes)}")
+        return name
+
+    @property
+    def schema(self) -> Schema:
+        """A string with one of the endings."""
+        return {"type": "string", "pattern": self._pattern}
+
+
+@dataclass(frozen=True)
+class ListOf(Rule):
+    """A list.
+
+    Attributes:
+        item: what each entry must be.
+        what: the entries, in words.
+        count: how many there must be, if that is fixed.
+        distinct: whether there must be an entry and none may come twice.
+    """
+
+    item: Rule
+    what: str
+    count: int | None = None
+    distinct: bool = False
+
+    def read(self, where: Location, value: object) -> list[Any]:
+        """Return the entries."""
+        if not isinstance(value, list):
+            raise refused(where, value, f"be a list of {self.what}")
+        entries = [self.item.read(where.at(i), entry) for i, entry in enumerate(value)]
+        if self.count is not None and len(entries) != self.count:
+            raise refused(where, value, f"be a list of {self.what}")
+        if self.distinct and not entries:
+            raise where.error("is []; name at least one, or leave it out")
+        for i, entry in enumerate(entries):
+            if self.distinct and entry in entries[:i]:
+                raise where.at(i).error(f"is {shown(entry)} again; name each once")
+        return entries
+
+    @property
+    def schema(self) -> Schema:
+        """An array."""
+        schema: dict[str, Any] = {"type": "array", "items": self.item.schema}
+        if self.count is not None:
+            schema |= {"minItems": self.count, "maxItems": self.count}
+        if self.distinct:
+            schema |= {"minItems": 1, "uniqueItems": True}
+        return schema
+
+
+@dataclass(frozen=True)
+class OneOrMore(Rule):
+    """A list, or its only entry.
+
+    Attributes:
+        several: the list.
+        single: the types of an entry in TOML; anything else must be a list.
+    """
+
+    several: ListOf
+    single: type | tuple[type, ...] = str
+
+    def read(self, where: Location, value: object) -> list[Any]:
+        """Return the entries, as a list in either case."""
+        # To Python, true is a whole number.
+        if isinstance(value, self.single) and not isinstance(value, bool):
+            return [self.several.item.read(where, value)]
+        return self.several.read(where, value)
+
+    @property
+    def schema(self) -> Schema:
+        """An entry or an array."""
+        return {"oneOf": [self.several.item.schema, self.several.schema]}
+
+
+@dataclass(frozen=True)
+class OneOrEach(Rule):
+    """One value for all, or a list of them with one for each.
+
+    Attributes:
+        several: the list.
+    """
+
+    several: ListOf
+
+    def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - a value or a list
+        """Return the value or the list."""
+        rule = self.several if isinstance(value, list) else self.several.item
+        return rule.read(where, value)
+
+    @property
+    def schema(self) -> Schema:
+        """A value or an array."""
+        return {"oneOf": [self.several.item.schema, self.several.schema]}

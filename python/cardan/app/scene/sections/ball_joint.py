@@ -1,0 +1,172 @@
+"""The section of a scene that describes a ball joint, and the case that it makes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+import cardan.app.scene.language.values as kinds
+from cardan.app.files import pictures
+from cardan.app.scene.language.section import Key, Section
+from cardan.arrays.errors import ArgumentValueError
+from cardan.ball_joint import BallJoint, layer_compliance
+
+_MM, _MPA = 1e-3, 1e6
+
+_MATERIAL = (
+    "with name, allowable_pressure_MPa, and compliance_um_per_MPa (how far it yields per unit of "
+    "pressure) or layer_mm, modulus_MPa and poisson of a layer such as a lining; poisson defaults "
+    "to 0.3"
+)
+
+BALL_JOINT = Section(
+    "a ball in its seat; alone or with a driveline",
+    {
+        "load_N": Key(kinds.FORCE, "force between ball and seat; it points to the seat's middle"),
+        "radius_mm": Key(
+            kinds.BALL_RADIUS,
+            "radius of the ball; default: the smallest that the allowable pressure permits",
+        ),
+        "half_angle_deg": Key(
+            kinds.SEAT_ANGLE, "angle from the middle of the seat to its edge", default=90
+        ),
+        "clearance_mm": Key(
+            kinds.CLEARANCE,
+            "radius of the seat less that of the ball; needs the compliance of ball or seat",
+            default=0,
+        ),
+        "friction": Key(kinds.FRICTION, "coefficient of friction between ball and seat"),
+        "ball": Key(kinds.MATERIAL, f"table of the ball, {_MATERIAL}"),
+        "seat": Key(kinds.MATERIAL, "table of the seat with the same keys"),
+        "picture": Key(
+            kinds.PICTURE_FILE,
+            "file for the picture of the pressure on the seat; its name ends in "
+            + " or ".join(pictures.SUFFIXES),
+        ),
+    },
+    needed=(("load_N",),),
+)
+"""The section [ball_joint]."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """What ball or seat is made of.
+
+    Attributes:
+        part: which of them.
+        name: of the material, or "".
+        allowable_pressure: in Pa, if the scene gives one.
+        compliance: approach per pressure in m³/N; 0 for a part that does not yield, ``None`` if
+            the scene gives that of neither part.
+        layer: thickness in m of the layer that yields, if the scene gives one.
+    """
+
+    part: Literal["ball", "seat"]
+    name: str
+    allowable_pressure: float | None
+    compliance: float | None
+    layer: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class BallJointCase:
+    """A ball joint of a scene with its load and materials.
+
+    Attributes:
+        joint: the joint.
+        load: in N.
+        friction: coefficient of friction, if the scene gives one.
+        materials: of the ball and of the seat.
+        sized: whether the scene leaves the radius to the allowable pressure.
+        picture_file: name of the file for the picture, if any.
+    """
+
+    joint: BallJoint
+    load: float
+    friction: float | None
+    materials: tuple[Material, Material]
+    sized: bool
+    picture_file: str | None
+
+    @property
+    def allowable_pressure(self) -> float | None:
+        """What both materials bear, in Pa; ``None`` if the scene gives no allowable pressure."""
+        given = [part.allowable_pressure for part in self.materials]
+        return min((pressure for pressure in given if pressure is not None), default=None)
+
+
+def ball_joint_case(values: Mapping[str, Any]) -> BallJointCase:
+    """Return the case that the keys of the section describe.
+
+    Raises:
+        ValueError: neither a radius nor an allowable pressure, a clearance without a compliance.
+    """
+    ball, seat = (values.get(part, {}) for part in ("ball", "seat"))
+    yields = [_compliance(part) for part in (ball, seat)]
+    compliance = sum(value for value in yields if value is not None) or None
+    materials = (
+        _material("ball", ball, yields[0], compliance),
+        _material("seat", seat, yields[1], compliance),
+    )
+    clearance = values.get("clearance_mm", 0.0) * _MM
+    if clearance and compliance is None:
+        raise ArgumentValueError(
+            "clearance_mm",
+            "needs the compliance of ball or seat; how far they yield determines the contact angle",
+        )
+    half_angle = math.radians(values.get("half_angle_deg", 90.0))
+    pressures = [m.allowable_pressure for m in materials if m.allowable_pressure is not None]
+    if "radius_mm" in values:
+        joint = BallJoint(values["radius_mm"] * _MM, half_angle)
+        if clearance:
+            assert compliance is not None
+            joint = joint.with_clearance(clearance, compliance=compliance)
+    elif pressures:
+        wider: Mapping[str, Any] = {}
+        if clearance:
+            wider = {"clearance": clearance, "compliance": compliance}
+        joint = BallJoint.sized_for(values["load_N"], min(pressures), half_angle, **wider)
+    else:
+        raise ArgumentValueError(
+            "radius_mm",
+            "is missing; or give allowable_pressure_MPa of ball or seat to size the ball",
+        )
+    return BallJointCase(
+        joint,
+        values["load_N"],
+        values.get("friction"),
+        materials,
+        "radius_mm" not in values,
+        values.get("picture"),
+    )
+
+
+def _compliance(values: Mapping[str, Any]) -> float | None:
+    """Approach per pressure in m³/N, as given or of a layer."""
+    if "compliance_um_per_MPa" in values:
+        return float(values["compliance_um_per_MPa"]) * 1e-6 / _MPA
+    if "layer_mm" in values:
+        layer = values["layer_mm"] * _MM, values["modulus_MPa"] * _MPA
+        return float(np.asarray(layer_compliance(*layer, values.get("poisson", 0.3))))
+    return None
+
+
+def _material(
+    part: Literal["ball", "seat"],
+    values: Mapping[str, Any],
+    own: float | None,
+    both: float | None,
+) -> Material:
+    pressure = values.get("allowable_pressure_MPa")
+    return Material(
+        part,
+        values.get("name", ""),
+        None if pressure is None else pressure * _MPA,
+        (own or 0.0) if both is not None else None,
+        values["layer_mm"] * _MM if "layer_mm" in values else None,
+    )

@@ -1,0 +1,53 @@
+"""The section of a scene whose driveline is a steering column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import cardan.app.scene.language.values as kinds
+from cardan.app.scene.language.section import Key, Section
+
+STEERING = Section(
+    "the driveline is a steering column: ratio straight ahead, its slope, symmetry left to right",
+    {
+        "centre_deg": Key(
+            kinds.START,
+            "drive angle of shaft 0 straight ahead, with the points of [driveline]; "
+            "in other states the yoke is carried along as the column tilts",
+            default=0,
+        ),
+        "offset_deg": Key(
+            kinds.OFFSET,
+            "how far straight ahead may be from the nearest angle at which left and right are "
+            "symmetric; default: not judged",
+        ),
+        "ratio_percent": Key(
+            kinds.POSITIVE,
+            "largest difference of the ratio between equal angles to the left and to the right, in "
+            "percent; default: not judged",
+        ),
+    },
+)
+"""The section [steering]."""
+
+
+@dataclass(frozen=True)
+class SteeringColumn:
+    """What a scene says of its steering column.
+
+    Attributes:
+        centre_deg: drive angle straight ahead.
+        offset_deg: permitted distance from symmetry, if the scene gives one.
+        ratio_percent: permitted difference of the ratio from left to right, if it gives one.
+    """
+
+    centre_deg: float = 0.0
+    offset_deg: float | None = None
+    ratio_percent: float | None = None
+
+
+def steering_of(values: Mapping[str, Any]) -> SteeringColumn:
+    """Return what the keys of the section say."""
+    return SteeringColumn(**values)

@@ -1,0 +1,133 @@
+"""The curves of a scene and the table of its study, as columns and as files of columns."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from cardan.app.files.columns import write_columns
+from cardan.app.files.progress import Progress
+from cardan.app.scene.language.units import converted
+from cardan.app.scene.scene import Scene, SceneResult
+from cardan.app.scene.study.study import StudyPart, StudyResult
+from cardan.arrays import FloatArray
+
+
+def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
+    """Return the curves as columns of equal length, in SI units and angles in degrees.
+
+    The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
+    last shaft has no number where the scene names no shafts. A drive that was recorded over time
+    has ``time_s``, ``drive_speed_rad_s`` and ``drive_acceleration_rad_s2`` as well. A scene that
+    gives angles of the driven shaft has them as ``driven_angle_deg``, before the drive angles.
+
+    Args:
+        result: an evaluated scene.
+        radians: whether angles are in radians instead.
+    """
+    scene = result.scene
+    table = _driven(scene, radians=radians)
+    if radians:
+        table["drive_angle_rad"] = scene.drive_angle
+    else:
+        table["drive_angle_deg"] = scene.drive_angle_deg
+    table |= _drive(scene, with_units=True)
+    for output, item, values in result.curves():
+        last = output.per == "shaft" and scene.shafts is None
+        name = output.name if last else f"{output.name}_{item}"
+        parts = {name: values}
+        if output.vector:
+            parts = {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
+        for part, curve in parts.items():
+            suffix, in_unit = converted(curve, output.unit, radians)
+            table[f"{part}{suffix}"] = in_unit
+    return table
+
+
+def _driven(scene: Scene, *, radians: bool) -> dict[str, FloatArray]:
+    """The angles of the driven shaft, if the scene gives those."""
+    angle = scene.driven_angle_deg
+    if angle is None:
+        return {}
+    return {"driven_angle_rad": np.radians(angle)} if radians else {"driven_angle_deg": angle}
+
+
+def _drive(scene: Scene, *, with_units: bool) -> dict[str, FloatArray]:
+    """The time and the motion of a drive that was recorded over time."""
+    if scene.time is None or scene.load_case is None:
+        return {}
+    found = {
+        ("time", "_s"): scene.time,
+        ("drive_speed", "_rad_s"): scene.load_case.speed,
+        ("drive_acceleration", "_rad_s2"): scene.load_case.acceleration,
+    }
+    return {name + unit * with_units: values for (name, unit), values in found.items()}
+
+
+def study_columns(
+    result: StudyResult | StudyPart, *, radians: bool = False
+) -> dict[str, FloatArray]:
+    """Return a study as columns: the keys varied, as the file has them, then the figures.
+
+    The arrays have the shape of the grid, and its rows are their elements in order. Figures are in
+    SI units and their angles in degrees, or radians; the names carry the unit.
+    """
+    table = result.coordinates()
+    for column in result.columns:
+        suffix, in_unit = converted(result.values[column.name], column.unit, radians)
+        table[f"{column.name}{suffix}"] = in_unit
+    return table
+
+
+def write_curves(
+    result: SceneResult,
+    path: str | PathLike[str],
+    *,
+    radians: bool = False,
+    progress: Progress | None = None,
+) -> int:
+    """Write the curves in the format that the path's suffix names and return the number of rows.
+
+    CSV and Parquet hold the columns of ``columns``, CSV with every digit of the doubles. NPZ holds
+    the arrays as evaluated, in SI units under the names of the outputs, and ``drive_angle`` in rad;
+    ``driven_angle`` too if the scene gives angles of the driven shaft.
+    ``progress`` is called as ``write_columns`` does.
+
+    Raises:
+        ImportError: Parquet without pyarrow.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
+    if Path(path).suffix == ".npz":
+        drive = {"drive_angle": result.drive_angle, **_drive(result.scene, with_units=False)}
+        if result.scene.driven_angle_deg is not None:
+            drive["driven_angle"] = np.radians(result.scene.driven_angle_deg)
+        return write_columns(path, {**drive, **result.values})
+    return write_columns(path, columns(result, radians=radians), progress)
+
+
+def write_study(
+    result: StudyResult,
+    path: str | PathLike[str],
+    *,
+    radians: bool = False,
+    progress: Progress | None = None,
+) -> int:
+    """Write a study in the format that the path's suffix names and return the number of rows.
+
+    CSV and Parquet hold the columns of ``study_columns``. NPZ holds the grid: the values of each
+    key that is varied in one dimension, and every figure in SI units with a dimension per key.
+    ``progress`` is called as ``write_columns`` does.
+
+    Raises:
+        ImportError: Parquet without pyarrow.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
+    if Path(path).suffix == ".npz":
+        write_columns(path, {**result.grid(), **result.values})
+    else:
+        write_columns(path, study_columns(result, radians=radians), progress)
+    return result.rows

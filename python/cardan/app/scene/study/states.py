@@ -1,0 +1,244 @@
+"""States of a driveline, such as ride heights or tilts of a column: one value of a key in each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.app.files.progress import Progress
+from cardan.app.scene.language.errors import StatePointError
+from cardan.app.scene.sections.parts import make_load
+from cardan.app.scene.sections.table import FORMAT, OF_STATES
+from cardan.app.scene.study.axes import Axis, axes_of
+from cardan.app.scene.study.axis_rules import Spread
+from cardan.app.scene.study.layout import SceneLayout
+from cardan.app.scene.study.study import Study, StudyResult
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+
+STATE = "state"
+"""The key of a table over states: the number of the state, counted from 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """The states that a scene's section [states] lists.
+
+    Attributes:
+        names: what each is called; ``"points_mm.2.y = -40"`` if one key varies and the scene names
+            none, otherwise ``"state 0"``.
+        weights: how much each counts, ``(count,)``; 1 unless the scene says otherwise.
+        axes: the keys that vary, each with ``count`` values.
+        layout: what the scene's other keys say.
+    """
+
+    names: tuple[str, ...]
+    weights: FloatArray
+    axes: tuple[Axis, ...]
+    layout: SceneLayout
+
+    @property
+    def count(self) -> int:
+        """Number of states."""
+        return len(self.names)
+
+    @property
+    def set_phases(self) -> bool:
+        """Whether the states set phases themselves, so that no one setting serves all."""
+        return any(axis.name == "phases_deg" for axis in self.axes)
+
+    def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
+        """Return the driveline in every state: a batch ``(count,)`` in the order of ``names``.
+
+        This is what a search for a better layout evaluates: it gives the keys that it varies new
+        values, and the states keep theirs.
+
+        Args:
+            changes: values by path, as [study] and [states] name keys: ``"points_mm.2.y"``,
+                ``"bends_deg.0"``, ``"phases_deg.0"``. They are in the unit of the key, one number
+                for all states or an array ``(count,)``. A key that [driveline] does not give, such
+                as ``phases_deg.0``, has its default and can be changed as well.
+
+        Raises:
+            ValueError: a path that the scene does not use, or that varies from state to state;
+                values that make no driveline in one of the states, which the message names.
+        """
+        values = self.layout.values(self.axes, self.count, changes)
+        try:
+            return self.layout.of(values)
+        except ArgumentValueError:
+            # One by one, so that the message can name the state.
+            for i in range(self.count):
+                self._one(values, i)
+            raise
+
+    def driveline(self, state: int) -> Driveline:
+        """Return the driveline in one state, without a batch axis."""
+        return self._one(self.layout.values(self.axes, self.count), state)
+
+    def points(self, state: int) -> FloatArray | None:
+        """Return ends and joint centres in one state as the scene gives them, if it does."""
+        values = self.layout.values(self.axes, self.count)
+        return next((value[state] for key, value in values.items() if "points" in key), None)
+
+    def load(self, state: int) -> Load | None:
+        """Return the load in one state, if there is one."""
+        return None if self.layout.load is None else make_load(self._loads(self.layout.load, state))
+
+    def loads(self, load: Load | None) -> Load | None:
+        """Return the load of all states, with arrays ``(count,)`` if states vary it.
+
+        Args:
+            load: that of the scene.
+        """
+        if load is None or all(axis.section == "driveline" for axis in self.axes):
+            return load
+        each = [one for i in range(self.count) if (one := self.load(i))]
+
+        def column(name: str) -> FloatArray:
+            return np.stack([np.asarray(getattr(one, name)) for one in each])
+
+        torque: dict[str, Any] = {f"{each[0].end}_torque": column("torque")}
+        inertias = None if load.inertias is None else column("inertias")
+        return Load(
+            speed=column("speed"), acceleration=column("acceleration"), inertias=inertias, **torque
+        )
+
+    def study(self, of_one: Study, state: int) -> Study:
+        """Return what a study without keys that vary computes of one state."""
+        values = self.layout.values(self.axes, self.count)
+        load = None if of_one.load is None else self._loads(of_one.load, state)
+        driveline = {key: value[state] for key, value in values.items()}
+        return replace(of_one, driveline=driveline, load=load)
+
+    def _loads(self, load: Mapping[str, Any], state: int) -> dict[str, Any]:
+        values: dict[str, Any] = dict(load)
+        for axis in self.axes:
+            if axis.section == "load" and axis.place is None:
+                values[axis.name] = float(axis.values[state])
+            elif axis.section == "load":
+                entries = np.array(values[axis.name], dtype=np.float64)
+                entries[axis.place] = axis.values[state]
+                values[axis.name] = entries
+        return values
+
+    def _one(self, values: Mapping[str, FloatArray], state: int) -> Driveline:
+        try:
+            return self.layout.of({key: value[state] for key, value in values.items()})
+        except ArgumentValueError as error:
+            point = {axis.key: float(axis.values[state]) for axis in self.axes}
+            section = "driveline" if error.argument in values else "bearing"
+            what = (error.argument, error.problem, error.place, section, point)
+            raise StatePointError(*what, self.names[state]) from None
+
+
+@dataclass(frozen=True, eq=False)
+class StatesResult(StudyResult):
+    """The figures of every state, as a study over the number of the state, counted from 0.
+
+    Attributes:
+        states: the states.
+    """
+
+    states: States
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the number of each state and its values of the keys that vary."""
+        return {
+            **super().coordinates(),
+            **{axis.key: axis.values for axis in self.states.axes},
+        }
+
+    def grid(self) -> dict[str, FloatArray]:
+        """Return the same: all keys vary together, along one dimension."""
+        return self.coordinates()
+
+
+def states_result(states: States, of_one: Study, progress: Progress | None = None) -> StatesResult:
+    """Evaluate a study without keys that vary in every state.
+
+    Args:
+        states: the states.
+        of_one: what to compute of each.
+        progress: called after each state.
+    """
+    results = []
+    for state in range(states.count):
+        results.append(states.study(of_one, state).run())
+        if progress:
+            progress(state + 1, states.count)
+    columns = results[0].columns
+    values = {
+        column.name: np.array([float(each.values[column.name]) for each in results])
+        for column in columns
+    }
+    axis = Axis(STATE, "states", STATE, None, None, np.arange(float(states.count)))
+    return StatesResult((axis,), columns, values, states)
+
+
+def table_of(
+    states: States | None, study: Study | None, progress: Progress | None
+) -> StudyResult | None:
+    """Return the table of a study, or of one in every state; arguments as of ``states_result``."""
+    if study is None:
+        return None
+    return states_result(states, study, progress) if states else study.run(progress)
+
+
+def with_states(
+    load: Mapping[str, Any] | None, given: Mapping[str, Any]
+) -> Mapping[str, Any] | None:
+    """Return the keys of a load and those that only the states give."""
+    if load is None:
+        return None
+    return {**{key: given[key] for key in given if key in FORMAT["load"].keys}, **load}
+
+
+def states_of(given: Mapping[str, Any], layout: SceneLayout) -> States:
+    """Return the states that the section describes, each of them checked.
+
+    Args:
+        given: values by key of [states].
+        layout: what the other sections say.
+
+    Raises:
+        ValueError: no key that varies, a key that the scene does not use, keys with different
+            numbers of values, weights of which none is positive, values that make no driveline.
+    """
+    varied: Mapping[str, Mapping[str, Spread | list[float]]] = {
+        key: value for key, value in given.items() if key not in OF_STATES
+    }
+    if not varied:
+        raise ValueError('no key varies; give one value per state, as in "points_mm.2.y" = [0, 40]')
+    axes = axes_of(varied, layout.driveline, layout.load, "a state")
+    first, count = axes[0], len(axes[0].values)
+    for axis in axes[1:]:
+        if len(axis.values) != count:
+            raise axis.location.error(
+                f"has {len(axis.values)} values and {first.key} {count}; each state needs one"
+            )
+    for key in OF_STATES:
+        if key in given and len(given[key]) != count:
+            raise ArgumentValueError(
+                key, f"has length {len(given[key])}; it needs {count}, one per state"
+            )
+    weights = np.array(given.get("weights", [1.0] * count))
+    if not np.any(weights > 0.0):
+        raise ArgumentValueError("weights", "has only zeros; at least one state must count")
+    states = States(tuple(given.get("names") or _names(axes)), weights, axes, layout)
+    states.drivelines()
+    for i in range(count):
+        states.load(i)
+    return states
+
+
+def _names(axes: tuple[Axis, ...]) -> list[str]:
+    if len(axes) == 1 and len(set(axes[0].values)) == len(axes[0].values):
+        return [f"{axes[0].key} = {value:.6g}" for value in axes[0].values]
+    return [f"state {i}" for i in range(len(axes[0].values))]

@@ -1,0 +1,364 @@
+"""Studies: a scene's keys varied over a grid, each of its drivelines a row of figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.app.files.progress import Progress
+from cardan.app.scene.language.errors import StudyPointError
+from cardan.app.scene.language.units import converted, split
+from cardan.app.scene.language.values import VECTORS
+from cardan.app.scene.sections.bearing import Mounting
+from cardan.app.scene.sections.bearing_section import LENGTHS
+from cardan.app.scene.sections.driveline import Form
+from cardan.app.scene.sections.parts import make_driveline, make_load
+from cardan.app.scene.sections.table import FORMAT
+from cardan.app.scene.study.axes import Axis as Axis
+from cardan.app.scene.study.axes import per_row, put, values_at
+from cardan.app.scene.study.reductions import CLOSED_FORMS, LENGTH, reduced
+from cardan.arrays import FloatArray, import_optional
+from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import Reduction
+from cardan.evaluation.sweep import Sweep
+
+if TYPE_CHECKING:
+    import xarray
+
+# Doubles of one block: enough to hide the overhead of a call, few enough for any machine.
+_BLOCK = 1 << 21
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One figure of every driveline of a study.
+
+    Attributes:
+        name: quantity, shaft or joint, component and reduction: ``moment_0_x_mean``.
+        unit: SI unit; ``"1"`` for a ratio.
+        quantity: an output or a closed form.
+        per: ``"shaft"`` or ``"joint"``.
+        item: of which.
+        statistic: how the output is reduced; ``"value"`` for a closed form.
+        component: of a vector: ``"x"``, ``"y"`` or ``"z"``; ``""`` for its length and for scalars.
+    """
+
+    name: str
+    unit: str
+    quantity: str
+    per: Literal["shaft", "joint", "bearing"]
+    item: int
+    statistic: str
+    component: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """The table of a study, as a grid.
+
+    Attributes:
+        axes: the keys that vary; none for the figures of a single driveline.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, each of ``shape``.
+    """
+
+    axes: tuple[Axis, ...]
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of drivelines."""
+        return math.prod(self.shape)
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis over the grid, by key; views, nothing is copied."""
+        grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
+        return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
+
+    def grid(self) -> dict[str, FloatArray]:
+        """Return the values of every axis, by key."""
+        return {axis.key: axis.values for axis in self.axes}
+
+    def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
+        """Return the ending of a column's unit and its values, angles in the unit asked for."""
+        return converted(self.values[column.name], column.unit, radians)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the figures as variables over the keys that are varied, with their units.
+
+        Raises:
+            ImportError: xarray is missing.
+        """
+        library = import_optional("xarray", "xarray")
+        keys = tuple(axis.key for axis in self.axes)
+        figures = {
+            column.name: (keys, self.values[column.name], {"units": column.unit})
+            for column in self.columns
+        }
+        made: xarray.Dataset = library.Dataset(figures, {a.key: a.values for a in self.axes})
+        return made
+
+
+@dataclass(frozen=True, eq=False)
+class StudyPart:
+    """Some rows of the table of a study.
+
+    Attributes:
+        axes: what is varied.
+        rows: which rows of the grid.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, ``(rows,)``.
+    """
+
+    axes: tuple[Axis, ...]
+    rows: range
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis at these rows, by key."""
+        keys = (axis.key for axis in self.axes)
+        return dict(zip(keys, values_at(self.axes, self.rows), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What a scene varies and which figures it wants of each driveline.
+
+    Attributes:
+        axes: what is varied.
+        form: how the scene describes its driveline.
+        driveline: the values of its keys as they stand in the file.
+        load: likewise those of its load; ``None`` without one.
+        angle: drive angles to reduce over: a sweep, or an array in rad.
+        quantities: what to reduce.
+        reductions: how.
+        closed_forms: figures that need no samples.
+        shafts: of which shafts; ``None`` for the last one, without its number in the names.
+        joints: of which joints.
+        options: further arguments of ``evaluate``.
+        mounting: the bearings of every driveline.
+        deviations: of the joints of every driveline in rad, ``(n, 3)``; ``None`` of ideal ones.
+            Closed forms are those of ideal joints.
+    """
+
+    axes: tuple[Axis, ...]
+    form: Form
+    driveline: Mapping[str, Any]
+    load: Mapping[str, Any] | None
+    angle: FloatArray | Sweep
+    quantities: tuple[str, ...]
+    reductions: tuple[Reduction, ...]
+    closed_forms: tuple[str, ...]
+    shafts: tuple[int, ...] | None
+    joints: tuple[int, ...]
+    options: Mapping[str, Any]
+    mounting: Mounting
+    deviations: FloatArray | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def planes(self) -> int:
+        """Numbers that the quantities take for one drive angle of one driveline."""
+        items = {
+            "shaft": len(self.shafts or [-1]),
+            "joint": len(self.joints),
+            "bearing": len(self.mounting.bearings),
+        }
+        outputs = (OUTPUTS[name] for name in self.quantities)
+        return sum(items[output.per] * output.components for output in outputs)
+
+    def run(self, progress: Progress | None = None) -> StudyResult:
+        """Evaluate every driveline of the grid, block by block.
+
+        Memory is that of the table and of one block.
+
+        Args:
+            progress: called after each block.
+
+        Raises:
+            ValueError: a point of the grid that makes no driveline; the message names it.
+        """
+        part = self.part(range(math.prod(self.shape)), progress)
+        values = {name: figures.reshape(self.shape) for name, figures in part.values.items()}
+        return StudyResult(self.axes, part.columns, values)
+
+    def part(self, rows: range, progress: Progress | None = None) -> StudyPart:
+        """Evaluate some rows of the grid as ``run`` does all of them, to the same bits."""
+        columns: dict[str, Column] = {}
+        table: dict[str, FloatArray] = {}
+        for first, line, load in self.blocks(rows):
+            done = first - rows.start
+            for column, figures in self._figures(line, load):
+                if column.name not in table:
+                    columns[column.name] = column
+                    table[column.name] = np.empty(len(rows))
+                table[column.name][done : done + len(figures)] = figures
+            if progress:
+                progress(done + line.shape[0], len(rows))
+        return StudyPart(self.axes, rows, tuple(columns.values()), table)
+
+    def explain(self) -> str:
+        """Describe how the study is evaluated: what needs no samples, and the plan of a block."""
+        _, line, load = next(self.blocks())
+        rows, block = math.prod(self.shape), line.shape[0]
+        text = f"study of {rows} driveline{'s' if rows > 1 else ''}"
+        text += f" in blocks of {block}" if block < rows else ""
+        if self.closed_forms:
+            text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
+        if self.quantities:
+            first, *others = self.reductions
+            plan = self._as_built(line).plan(
+                self.quantities,
+                reduce=first,
+                load=load,
+                shafts=None if self.shafts is None else list(self.shafts),
+                joints=list(self.joints),
+                **self.options,
+            )
+            likewise = f", likewise {', '.join(others)}" if others else ""
+            text += f"\n{first} over {len(self.angle)} drive angles{likewise}:\n"
+            text += plan.explain(self.angle)
+        return text
+
+    def check_ends(self) -> None:
+        """Refuse a study with values out of range at either end of an axis.
+
+        Raises:
+            ValueError: the first such point of the grid.
+        """
+        for row in sorted({0, *self._extremes()}):
+            self._block(np.array([row]))
+
+    def _extremes(self) -> Iterator[int]:
+        """The row of each axis's largest and smallest value, the others at their first."""
+        for number, axis in enumerate(self.axes):
+            step = math.prod(self.shape[number + 1 :])
+            yield int(np.argmax(axis.values)) * step
+            yield int(np.argmin(axis.values)) * step
+
+    def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
+        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows.
+
+        The drivelines are those of the drawing, with ideal joints.
+        """
+        rows = range(math.prod(self.shape)) if rows is None else rows
+        # The geometry of one joint takes some 30 doubles itself, several times over.
+        geometry = 64 * len(self.driveline[self.form.keys[0]])
+        block = max(1, _BLOCK // max(geometry, self.planes * len(self.angle)))
+        for first in rows[::block]:
+            yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
+
+    def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
+        """The drivelines and loads of some rows of the grid."""
+        columns = values_at(self.axes, rows)
+        driveline, load, mounting = dict(self.driveline), dict(self.load or {}), self.mounting
+        try:
+            for axis, column in zip(self.axes, columns, strict=True):
+                if axis.section == "bearing" or axis.name in LENGTHS:
+                    mounting = mounting.varied(axis, column)
+                    continue
+                values = driveline if axis.section == "driveline" else load
+                put(values, axis, column)
+            if not self.axes:
+                driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
+            elif all(axis.section != "driveline" or axis.name in LENGTHS for axis in self.axes):
+                key = self.form.keys[0]
+                driveline[key] = per_row(driveline[key], len(rows))
+            line = mounting.on(make_driveline(self.form, driveline))
+            self._as_built(line)
+            return line, None if self.load is None else make_load(load)
+        except ArgumentValueError as error:
+            if len(rows) == 1:
+                argument, problem, place = error.argument, error.problem, error.place
+                # The first two count rows of the block, which the reader has not seen.
+                place = place[2:] if place[:2] == (0, 0) else place
+                point = {
+                    axis.key: float(column[0])
+                    for axis, column in zip(self.axes, columns, strict=True)
+                }
+                if not point:
+                    raise ArgumentValueError(argument, problem, place) from None
+                sections = ("driveline", "bearing")
+                section = next((name for name in sections if argument in FORMAT[name].keys), "load")
+                raise StudyPointError(argument, problem, place, section, point) from None
+            half = len(rows) // 2
+            for part in (rows[:half], rows[half:]):
+                self._block(part)
+            raise
+
+    def _as_built(self, line: Driveline) -> Driveline:
+        """Drivelines with the deviations of their joints, which must be able to turn with them."""
+        if self.deviations is None:
+            return line
+        try:
+            return line.with_deviations(*self.deviations.T)
+        except ArgumentValueError as error:
+            problem = f"and the deviations in [joints] {error.problem}"
+            raise ArgumentValueError(self.form.keys[0], problem) from None
+
+    def _figures(self, line: Driveline, load: Load | None) -> Iterator[tuple[Column, FloatArray]]:
+        shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
+        equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
+        for name in self.closed_forms:
+            field, unit = CLOSED_FORMS[name]
+            scale = 1.0
+            if name == LENGTH:
+                # Drivelines of scenes have lengths in metres.
+                unit = split(self.form.keys[0])[1]
+                scale = 1e3 if unit == "mm" else 1.0
+            for shaft, joint in zip(shafts, equivalent, strict=True):
+                number = "" if self.shafts is None else f"_{shaft}"
+                column = Column(f"{name}{number}", unit, name, "shaft", shaft, "value")
+                own = line.lengths().each[..., shaft] if name == LENGTH else getattr(joint, field)
+                yield column, scale * own[:, 0]
+        if not self.quantities:
+            return
+        bearings = list(range(line.n_bearings))
+        items = {"shaft": shafts, "joint": list(self.joints), "bearing": bearings}
+        found = reduced(
+            self._as_built(line),
+            self.angle,
+            self.quantities,
+            self.reductions,
+            load=load,
+            shafts=items["shaft"],
+            joints=items["joint"],
+            options=self.options,
+        )
+        for (name, reduction), of_items in found.items():
+            output = OUTPUTS[name]
+            for item, figures in zip(items[output.per], of_items, strict=True):
+                number = "" if output.per == "shaft" and self.shafts is None else f"_{item}"
+                what = (output.unit, name, output.per, item, reduction)
+                if output.vector and reduction != "peak":
+                    for i, axis in enumerate("xyz"):
+                        column = Column(f"{name}{number}_{axis}_{reduction}", *what, axis)
+                        yield column, figures[:, i]
+                else:
+                    yield Column(f"{name}{number}_{reduction}", *what), figures
+
+
+def _one_row(key: str, value: ArrayLike) -> FloatArray:
+    """A list of the file as a batch of one; recorded bends have their samples already."""
+    array = np.asarray(value, dtype=np.float64)
+    core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
+    return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
