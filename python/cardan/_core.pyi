@@ -80,7 +80,11 @@ def equivalent(
 ) -> list[_Flat]: ...
 def excitations(lines: Lines, workers: int | None) -> _Flat: ...
 def steering(
-    lines: Lines, numbers: NDArray[np.int64], centres: _Flat, workers: int | None
+    lines: Lines,
+    numbers: NDArray[np.int64],
+    centres: _Flat,
+    drawn: Lines | None,
+    workers: int | None,
 ) -> _Flat: ...
 def spline_forces(
     lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
@@ -163,8 +167,9 @@ class Machine:
         ratings: Sequence[float],
         friction: Sequence[Sequence[float]],
         tubes: Sequence[tuple[int, Sequence[float]]],
-        spline: tuple[int, Sequence[float], Sequence[float]] | None,
+        spline: tuple[int, Sequence[float]] | None,
         centres: Sequence[float],
+        drawn: Sequence[float],
         play: Sequence[float],
         limits: Sequence[tuple[str, int | None, float, float]],
     ) -> Machine: ...

@@ -42,11 +42,35 @@ def moved(scene: dict[str, Any], move: dict[str, Any], share: float) -> dict[str
     return changed
 
 
-@pytest.mark.parametrize("name", ["bearings", "ride_heights", "truck_heights", "truck_torsion"])
-def test_a_check_after_a_move_finds_what_it_says(name: str, tmp_path: Path) -> None:
-    """A hundredth less does not suffice, so the move is the smallest of its kind."""
+COLUMN: dict[str, Any] = {
+    "driveline": {"points_mm": [[0, 0, 0], [550, 0, -280], [780, 90, -520], [900, 100, -600]]},
+    "steering": {"centre_deg": 10, "offset_deg": 6},
+    "limits": {"equivalent_bend_deg": 30},
+    "states": {"names": ["high", "low"], "points_mm.0.z": [30, -30]},
+}
+LOOSE: dict[str, Any] = {
+    "driveline": {"points_mm": [[0, 0, 0], [300, 0, 0], [900, 300, 0], [1200, 500, 0]]},
+    "joints": {"arm_mm": 30, "play_mm": 0.02},
+    "limits": {"equivalent_bend_deg": 60, "lash_deg": 0.32},
+}
+
+
+def of_example(name: str) -> dict[str, Any]:
     scene = tomllib.loads(example(f"{name}.toml").read_text(encoding="utf-8"))
-    scene = {key: scene[key] for key in ("driveline", "load", "limits", "states") if key in scene}
+    return {key: scene[key] for key in ("driveline", "load", "limits", "states") if key in scene}
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *(of_example(f) for f in ("bearings", "ride_heights", "truck_heights", "truck_torsion")),
+        COLUMN,
+        LOOSE,
+    ],
+    ids=["bearings", "ride_heights", "truck_heights", "truck_torsion", "steering", "lash"],
+)
+def test_a_check_after_a_move_finds_what_it_says(scene: dict[str, Any], tmp_path: Path) -> None:
+    """A hundredth less does not suffice, so the move is the smallest of its kind."""
     path = tmp_path / "scene.toml"
     before = checked(scene, path)
     assert before["verdict"] == "beyond"
@@ -87,3 +111,23 @@ def test_a_turn_of_a_yoke_is_a_move(tmp_path: Path) -> None:
 
 def test_recorded_runs_have_no_moves() -> None:
     assert Answer(Scene.load(example("recorded_run.toml")))["moves"] == ()
+
+
+def test_what_the_search_leaves_out_is_named() -> None:
+    """Heat is judged as the mean over the duty cycle, which no change is tried for."""
+    text = """[driveline]
+    points_mm = [[0, 0, 0], [300, 0, 0], [900, 200, 0], [1200, 230, 0]]
+    [load]
+    output_torque_Nm = 500
+    speed_rpm = 1500
+    [joints]
+    friction = 0.05
+    pin_radius_mm = 10
+    arm_mm = 30
+    heat_W = 1
+    [limits]
+    bend_difference_deg = 0.1
+    """
+    moves = Answer(Scene.parse(text))["moves"]
+    assert moves
+    assert {move.untried for move in moves} == {"heat of joint 0, heat of joint 1"}

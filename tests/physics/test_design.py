@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import cardan
 from cardan import Driveline
@@ -154,6 +155,52 @@ def test_batches_and_degrees() -> None:
     assert found.quick.tolist() == [[True, True], [True, True], [False, False]]
     with pytest.raises(TypeError, match="centre"):
         lines.steering("a")
+
+
+def pin(line: Driveline, angle: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The driving pin of joint 0 at an angle of the drive, which counts from the first plane."""
+    along, normal = line.directions[0], line.normals[0]
+    return np.asarray(np.cos(angle) * np.cross(normal, along) + np.sin(angle) * normal)
+
+
+@pytest.mark.parametrize("move", [(0.0, 0.0, 0.12), (0.0, -0.2, 0.05), (0.1, 0.3, -0.3)])
+def test_a_column_that_tilts_carries_its_yoke_along(move: tuple[float, ...]) -> None:
+    """The pin of the drawing is rotated about the axis that is square to both columns."""
+    tilted = POINTS.copy()
+    tilted[0] += move
+    drawn, there = Driveline.from_points(POINTS), Driveline.from_points(tilted)
+    axis = np.cross(drawn.directions[0], there.directions[0])
+    angle = np.arctan2(np.linalg.norm(axis), drawn.directions[0] @ there.directions[0])
+    rotation = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis))
+    start = 0.3
+    carried = rotation.apply(pin(drawn, start))
+    centre = np.arctan2(
+        carried @ there.normals[0], carried @ np.cross(there.normals[0], there.directions[0])
+    )
+    np.testing.assert_allclose(pin(there, centre), carried, atol=1e-14)
+    found, same = there.steering(start, drawn=drawn), there.steering(centre)
+    np.testing.assert_allclose(found.offset, same.offset, atol=1e-13)
+    np.testing.assert_allclose(found.ratio, same.ratio, rtol=1e-13)
+    machine = cardan.Machine(there, drawn=drawn).with_steering(start)
+    (offset,) = (one.values for one in machine.figures() if one.kind.name == "steering_offset")
+    np.testing.assert_allclose(offset, [abs(found.noticed)], atol=1e-13)
+    assert abs(there.steering(start).offset - found.offset) > 1e-3
+
+
+def test_what_no_driver_notices() -> None:
+    """Below 0.1 % of difference from left to right, the offset does not count."""
+    for bend, counts in ((0.02, False), (0.04, True)):
+        found = Driveline.from_bends([bend]).steering(0.5)
+        assert (found.difference >= 1e-3) == counts
+        assert found.offset == pytest.approx(0.5)
+        assert found.noticed == (found.offset if counts else 0.0)
+
+
+def test_one_driveline_is_the_drawing() -> None:
+    line = Driveline.from_bends([[0.1], [0.2]])
+    for call in (lambda: line.steering(drawn=line), lambda: cardan.Machine(line, drawn=line)):
+        with pytest.raises(ValueError, match=r"drawn has shape \(2,\); it is one driveline"):
+            call()
 
 
 # --- tubes ---------------------------------------------------------------------------------------

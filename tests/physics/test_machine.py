@@ -66,12 +66,13 @@ def truck(
     drawn = Driveline.from_points(points(-0.18, moved))
     load = Load(output_torque=1500.0, speed_rpm=2200.0, inertias=inertias)
     duty = Load(**DUTY, inertias=inertias)
-    machine = Machine(lines, load, limits=limits).with_duty(lines[1:4], duty, SHARES)
+    machine = Machine(lines, load, limits=limits, drawn=drawn)
+    machine = machine.with_duty(lines[1:4], duty, SHARES)
     machine = machine.with_ratings(ratings).with_friction(**FRICTION)
     machine = machine.with_tubes([1, 2], 0.11, 0.004).with_steering(CENTRES)
     if has_play:
         machine = machine.with_play(0.02e-3, [0.03, 0.04, 0.05])
-    return machine.with_spline(2, drawn=drawn, **{**SPLINE, "engaged": engaged})
+    return machine.with_spline(2, **{**SPLINE, "engaged": engaged})
 
 
 def by_name(machine: Machine) -> dict[tuple[str, int | None], MachineFigure]:
@@ -137,7 +138,7 @@ def test_every_figure_is_that_of_the_library() -> None:
     ]
     near(found.pop(("spline_force", 2)), axial)
     steering = lines.steering(CENTRES)
-    near(found.pop(("steering_offset", None)), np.abs(steering.offset))
+    near(found.pop(("steering_offset", None)), np.abs(steering.noticed))
     near(found.pop(("steering_ratio", None)), steering.difference)
     turn = cardan.Sweep.revolutions(721 / 720, 720)
     lash = [np.max(line.lash(turn, 0.02e-3, [0.03, 0.04, 0.05])) for line in lines]
@@ -257,7 +258,7 @@ def test_a_spline_that_has_come_apart_or_bottoms_is_beyond() -> None:
     assert truck({}, engaged=0.09 - engaged - 1e-6).verdict() == "beyond"
     for room, verdict in ((0.0, "within"), (1e-6, "beyond")):
         lines = truck().states
-        spline = Machine(lines).with_spline(2, drawn=DRAWN, push_in=0.03 - push_in - room)
+        spline = Machine(lines, drawn=DRAWN).with_spline(2, push_in=0.03 - push_in - room)
         assert spline.verdict() == verdict
 
 

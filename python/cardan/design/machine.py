@@ -18,6 +18,7 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
+from cardan.geometry.parameters import has_lengths
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -51,7 +52,7 @@ class Kind:
 
 # What the core is told of a machine without parts.
 _NOTHING: Mapping[str, Any] = {
-    **dict.fromkeys(("shares", "ratings", "friction", "tubes", "centres", "play"), ()),
+    **dict.fromkeys(("shares", "ratings", "friction", "tubes", "centres", "drawn", "play"), ()),
     **dict.fromkeys(("steps", "spline")),
 }
 
@@ -147,6 +148,7 @@ class Machine:
         *,
         limits: Mapping[str, Bound | Mapping[int, Bound]] | None = None,
         speed: ArrayLike | None = None,
+        drawn: Driveline | None = None,
     ) -> None:
         """Make a machine without further parts.
 
@@ -157,6 +159,8 @@ class Machine:
             limits: by name of ``KINDS``: a number, or a limit and a maximum, or these by the number
                 of a shaft, joint or bearing.
             speed: of the drive in rad/s, by default that of the load; 0 is not known.
+            drawn: one driveline, for which engaged length and push-in of a spline and the angle
+                straight ahead of a steering column hold; by default that of the first state.
 
         Raises:
             TypeError: a load that is none, values that are not real numbers.
@@ -168,6 +172,12 @@ class Machine:
             each = bounds.items() if isinstance(bounds, Mapping) else [(None, bounds)]
             given += [(name, item, *_pair(name, bound)) for item, bound in each]
         parts = {**_NOTHING, "states": _cases(own, load, speed), "limits": given}
+        drawing = own[0] if drawn is None else drawn
+        if drawing.shape:
+            raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
+        if has_lengths(drawing):
+            spans = drawing.lengths().each[:, np.newaxis] * drawing.directions
+            parts["drawn"] = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)]).ravel().tolist()
         object.__setattr__(self, "states", own)
         object.__setattr__(self, "_parts", parts)
 
@@ -256,7 +266,6 @@ class Machine:
         self,
         shaft: int,
         *,
-        drawn: Driveline | None = None,
         engaged: float = math.nan,
         push_in: float = math.nan,
         friction: float = math.nan,
@@ -266,24 +275,24 @@ class Machine:
 
         Args:
             shaft: which one.
-            drawn: the driveline for which engaged length and push-in hold; by default that of the
-                first state.
-            engaged: engaged length in m; not known by default, like the following arguments.
-            push_in: how far it can be pushed in until it bottoms, in m.
+            engaged: engaged length in the drawing in m; not known by default, like the following
+                arguments.
+            push_in: how far it can be pushed in there until it bottoms, in m.
             friction: coefficient of friction.
             radius: pitch radius in m.
         """
         index = item_index("shaft", shaft, self.states.n_joints + 1)
-        drawing = self.states[0] if drawn is None else drawn
-        each = drawing.lengths().each
-        spans = each[:, np.newaxis] * drawing.directions
-        points = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)])
-        numbers = (float(each[index]), engaged, push_in, friction, radius)
-        return self._with(spline=(index, numbers, points.ravel().tolist()))
+        return self._with(spline=(index, (engaged, push_in, friction, radius)))
 
     def with_steering(self, centre: ArrayLike) -> Machine:
-        """Add the drive angle of a steering column straight ahead in rad, one or one per state."""
-        return self._with(centres=_spread("centre", as_float64("centre", centre), self.states.size))
+        """Add a steering column.
+
+        Args:
+            centre: drive angle straight ahead in rad: that of the drawing, from which the column
+                carries its yoke along, or one per state.
+        """
+        angles, count = np.atleast_1d(as_float64("centre", centre)), self.states.size
+        return self._with(centres=_spread("centre", angles, count)[: max(1, angles.size)])
 
     def with_play(self, radial: ArrayLike, arm: ArrayLike) -> Machine:
         """Add play of the pins, whose lash is then judged; arguments as of ``Driveline.lash``."""

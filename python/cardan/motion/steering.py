@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, threads
+from cardan.arrays.errors import ArgumentValueError
 from cardan.geometry.batch import broadcast
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class Steering:
         turn_to_slow: the same for the least ratio.
         difference: largest difference of the ratio between equal angles of the column to the left
             and to the right of straight ahead; 0 where they are symmetric.
+        noticed: the offset, or 0 where the difference is less than 0.1 %, which no driver feels.
     """
 
     ratio: FloatArray
@@ -47,14 +49,24 @@ class Steering:
     turn_to_quick: FloatArray
     turn_to_slow: FloatArray
     difference: FloatArray
+    noticed: FloatArray
 
 
-def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False) -> Steering:
+def steering(
+    line: Driveline,
+    centre: ArrayLike = 0.0,
+    *,
+    drawn: Driveline | None = None,
+    degrees: bool = False,
+) -> Steering:
     """Return what the driveline does as a steering column about straight ahead.
 
     Args:
         centre: angle of shaft 0 straight ahead, as drive angles count; broadcasts against the
             batch.
+        drawn: one other position of the column, in which the angle counts. A column that tilts
+            carries its yoke along by the smallest rotation. By default the angle counts in each
+            driveline of the batch.
         degrees: whether it is in degrees.
 
     Returns:
@@ -63,12 +75,14 @@ def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False)
 
     Raises:
         TypeError: angles that are not real numbers.
-        ValueError: shapes that do not broadcast.
+        ValueError: shapes that do not broadcast, several drawn drivelines.
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
     shape, numbers, (angles,) = broadcast(line, centre=angle)
-    flat = _core.steering(line._lines, numbers, angles, threads.at_most(None))
-    ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference = flat.reshape(7, *shape)
-    quickly = np.asarray(quick != 0.0)[()]
-    return Steering(ratio, slope, offset, quickly, turn_to_quick, turn_to_slow, difference)
+    if drawn is not None and drawn.shape:
+        raise ArgumentValueError("drawn", f"has shape {drawn.shape}; it is one driveline")
+    own = None if drawn is None else drawn._lines
+    flat = _core.steering(line._lines, numbers, angles, own, threads.at_most(None))
+    ratio, slope, offset, quick, *others = flat.reshape(8, *shape)
+    return Steering(ratio, slope, offset, np.asarray(quick != 0.0)[()], *others)

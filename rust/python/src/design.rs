@@ -36,24 +36,27 @@ pub(crate) fn excitations<'py>(
 }
 
 /// The fields of `cardan.Steering` of the drivelines with these numbers at these angles straight
-/// ahead.
+/// ahead. If another driveline is given, the angles are those on its column.
 #[pyfunction]
-#[pyo3(signature = (lines, numbers, centres, workers))]
+#[pyo3(signature = (lines, numbers, centres, drawn, workers))]
 pub(crate) fn steering<'py>(
     py: Python<'py>,
     lines: &Lines,
     numbers: PyReadonlyArray1<'py, i64>,
     centres: Input<'py>,
+    drawn: Option<&Lines>,
     workers: Option<usize>,
 ) -> PyResult<Columns<'py>> {
     lines.batch().check_ideal("steering is").or_raise()?;
     let joints = lines.batch().joints();
     let centres = slice("centres", &centres)?;
+    let of = |drawn: &Lines| drawn.with(py, |lines| Ok(lines.column(drawn.batch().joints(), 0)));
+    let drawn = drawn.map(of).transpose()?;
     lines.with(py, |lines| {
         let numbers = known(slice("numbers", &numbers)?, lines.bends.len() / joints)?;
         check_length("centres", centres.len(), numbers.len(), 1).or_raise()?;
         records(py, numbers.len(), Steering::COUNT, workers, &mut |out, execution| {
-            steering_of_batch(joints, &lines, &numbers, centres, out, execution);
+            steering_of_batch(joints, &lines, &numbers, (centres, drawn), out, execution);
         })
     })
 }

@@ -62,9 +62,8 @@ type LoadArrays<'py> = (PyBackedStr, Vec<f64>, Vec<f64>, Vec<(usize, Vec<f64>)>)
 /// Drivelines, the speed in each, and the load.
 type CaseArrays<'py> = (Bound<'py, Lines>, Vec<f64>, Option<LoadArrays<'py>>);
 
-/// A shaft; length in the drawing, engaged length, length left to push in, friction and radius; and
-/// the points of the drawing, flat.
-type SplineArrays = (usize, [f64; 5], Vec<f64>);
+/// A shaft; engaged length and length left to push in, both in the drawing, friction and radius.
+type SplineNumbers = (usize, [f64; 4]);
 
 /// Kind, item, values, ranks, limit, maximum and the place of the worst value.
 type FigureFields<'py> = (
@@ -88,8 +87,8 @@ pub(crate) struct NativeMachine(Machine);
 impl NativeMachine {
     /// A machine in its states and in the steps of its duty cycle with their shares of the time.
     /// What its joints have is empty or one for each: ratings, the four numbers of friction, play.
-    /// Tubes are pairs of a shaft and six dimensions, limits a kind, an item, a limit and a
-    /// maximum.
+    /// Tubes are pairs of a shaft and six dimensions, `drawn` the points of the drawing, flat,
+    /// limits a kind, an item, a limit and a maximum.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call")]
     fn new<'py>(
@@ -99,8 +98,9 @@ impl NativeMachine {
         ratings: Vec<f64>,
         friction: Vec<[f64; 4]>,
         tubes: Vec<(usize, [f64; 6])>,
-        spline: Option<SplineArrays>,
+        spline: Option<SplineNumbers>,
         centres: Vec<f64>,
+        drawn: Vec<f64>,
         play: Vec<f64>,
         limits: Vec<(PyBackedStr, Option<usize>, f64, f64)>,
     ) -> PyResult<Self> {
@@ -108,11 +108,9 @@ impl NativeMachine {
             let [diameter, wall, length, shear_modulus, elastic_modulus, density] = dimensions;
             (shaft, Round { diameter, wall, length, shear_modulus, elastic_modulus, density })
         };
-        let sliding =
-            |(shaft, [length, engaged, push_in, friction, radius], drawn): SplineArrays| {
-                let drawn = vectors(&drawn);
-                SlidingShaft { shaft, length, engaged, push_in, friction, radius, drawn }
-            };
+        let sliding = |(shaft, [engaged, push_in, friction, radius]): SplineNumbers| {
+            SlidingShaft { shaft, engaged, push_in, friction, radius }
+        };
         let parts = Parts {
             shares,
             ratings,
@@ -120,6 +118,7 @@ impl NativeMachine {
             tubes: tubes.into_iter().map(tube).collect(),
             spline: spline.map(sliding),
             centres,
+            drawn: vectors(&drawn),
             play,
         };
         let limit = |(name, item, limit, maximum): (PyBackedStr, _, _, _)| {

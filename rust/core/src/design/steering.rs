@@ -4,10 +4,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::design::records::fill_records;
 use crate::input::Drivelines;
+use crate::mechanics::geometry::Vector;
 use crate::mechanics::transmission::Ideal;
-use crate::number::elementary::asin;
+use crate::number::elementary::{asin, atan2};
 use crate::number::trig;
 use crate::run::execution::Execution;
+
+/// Where the ratio differs by less from left to right, no driver feels on which side of symmetry
+/// straight ahead is.
+const NOTICED: f64 = 1e-3;
 
 /// What a steering column does about straight ahead.
 ///
@@ -32,11 +37,13 @@ pub struct Steering {
     pub turn_to_slow: f64,
     /// Largest difference of the ratio after equal turns to the left and to the right.
     pub difference: f64,
+    /// The offset, or 0 where no driver notices it, as the difference is less than 0.1 %.
+    pub noticed: f64,
 }
 
 impl Steering {
     /// The number of fields.
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 8;
 
     /// From `n` bends, `n − 1` twists and `n − 1` phases, and the angle of the column straight
     /// ahead, in rad.
@@ -46,16 +53,33 @@ impl Steering {
         let at = centre + ideal.equivalent().angle_offset();
         let quarters = (at / FRAC_PI_2).round_ties_even();
         let within_quarter = |angle: f64| angle - PI * (angle / PI).round_ties_even();
+        let offset = at - FRAC_PI_2 * quarters;
+        let difference = difference(ideal.equivalent().joint.k, at);
         Self {
             ratio: motion.speed_ratio,
             slope: motion.acceleration_ratio,
-            offset: at - FRAC_PI_2 * quarters,
+            offset,
             quick: quarters % 2.0 == 0.0,
             turn_to_quick: within_quarter(-at),
             turn_to_slow: within_quarter(FRAC_PI_2 - at),
-            difference: difference(ideal.equivalent().joint.k, at),
+            difference,
+            noticed: if difference < NOTICED { 0.0 } else { offset },
         }
     }
+}
+
+/// The drive angle of a yoke on a column, where the yoke stands at `centre` on another one: each is
+/// the direction of shaft 0 and the normal of the first bend plane, from which drive angles count.
+///
+/// A column that tilts carries its yoke along by the smallest rotation from one direction to the
+/// other, `x − (a + b)·x (a + b)/(1 + a·b) + 2 a·x b`. The pin is square to `a`, so that the last
+/// term vanishes.
+pub fn carried([a, normal]: [Vector; 2], [b, normal_there]: [Vector; 2], centre: f64) -> f64 {
+    let (sine, cosine) = trig::sin_cos(centre);
+    let pin = cosine * normal.cross(&a) + sine * normal;
+    let both = a + b;
+    let there = pin - both.dot(&pin) / (1.0 + a.dot(&b)) * both;
+    atan2(there.dot(&normal_there), there.dot(&normal_there.cross(&b)))
 }
 
 /// The largest difference of the ratio after equal turns to the left and to the right of an input
@@ -89,18 +113,21 @@ pub fn steering_of_batch(
     joints: usize,
     lines: &Drivelines<'_>,
     numbers: &[usize],
-    centres: &[f64],
+    (centres, drawn): (&[f64], Option<[Vector; 2]>),
     out: &mut [f64],
     execution: Execution<'_>,
 ) {
     fill_records(Steering::COUNT, out, execution, |i, record| {
         let (bends, twists, phases) = lines.chain(joints, numbers[i]);
-        let found = Steering::of_chain(bends, twists, phases, centres[i]);
-        let Steering { ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference } =
-            found;
-        let quick = f64::from(u8::from(quick));
-        let fields = [ratio, slope, offset, quick, turn_to_quick, turn_to_slow, difference];
-        record.copy_from_slice(&fields);
+        let centre = drawn.map_or(centres[i], |drawn| {
+            carried(drawn, lines.column(joints, numbers[i]), centres[i])
+        });
+        let found = Steering::of_chain(bends, twists, phases, centre);
+        let quick = f64::from(u8::from(found.quick));
+        let Steering { ratio, slope, offset, turn_to_quick, turn_to_slow, .. } = found;
+        let fields = [ratio, slope, offset, quick, turn_to_quick, turn_to_slow];
+        record[..6].copy_from_slice(&fields);
+        record[6..].copy_from_slice(&[found.difference, found.noticed]);
     });
 }
 

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::input::batch::check_length;
 use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::exact::Chains;
+use crate::mechanics::geometry::Vector;
 
 /// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
 #[derive(Clone, Copy, Debug, Default)]
@@ -88,6 +89,15 @@ impl<'a> Drivelines<'a> {
         let part = |array: &'a [f64], each: usize| &array[line * each..][..each];
         let between = joints - 1;
         (part(self.bends, joints), part(self.twists, between), part(self.phases, between))
+    }
+
+    /// Direction of shaft 0 and normal of the first bend plane, from which drive angles count, of
+    /// the driveline with this number; all have `joints` joints.
+    pub fn column(&self, joints: usize, line: usize) -> [Vector; 2] {
+        let first = |array: &[f64], each: usize| {
+            Vector::from_column_slice(&array[3 * each * line..][..3])
+        };
+        [first(self.directions, joints + 1), first(self.normals, joints)]
     }
 
     /// The joints and intermediate shafts of the drivelines, `joints` each.

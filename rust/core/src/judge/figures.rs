@@ -1,11 +1,12 @@
 //! The figures of a machine that have limits, in every state and step.
 
 use crate::design::tube::Tube;
+use crate::design::steering::carried;
 use crate::design::{Excitations, Steering};
 use crate::error::Result;
 use crate::input::Drivelines;
 use crate::input::batch::check_bearings;
-use crate::judge::machine::{Arrays, Figured, LimitOf, Machine};
+use crate::judge::machine::{Arrays, Figured, LimitOf, Machine, SlidingShaft};
 use crate::judge::turned::{Group, joined};
 use crate::judge::{Kind, Limit, Look, Rank, Side, Stage};
 use crate::mechanics::geometry::{Geometry, Vector};
@@ -57,6 +58,9 @@ pub(crate) struct Variant {
     pub(crate) ratings: Vec<f64>,
     /// Length in the drawing and engaged length of the spline.
     pub(crate) drawn: [f64; 2],
+    /// Direction of shaft 0 and normal of the first bend plane in the drawing, if a steering column
+    /// has one.
+    column: Option<[Vector; 2]>,
     /// The stages that the change concerns.
     pub(crate) touched: &'static [Stage],
     pub(crate) values: Vec<f64>,
@@ -113,11 +117,13 @@ impl Machine {
 
     /// The machine as it is, nothing of which is computed.
     pub(crate) fn unchanged(&self) -> Variant {
-        let drawn = self.parts.spline.as_ref().map_or([0.0; 2], |one| [one.length, one.engaged]);
+        let drawn =
+            |spline: &SlidingShaft| [self.drawn_length(spline.shaft), spline.engaged];
         Variant {
             lines: self.cases.iter().map(|cases| cases.lines.clone()).collect(),
             ratings: self.parts.ratings.clone(),
-            drawn,
+            drawn: self.parts.spline.as_ref().map_or([0.0; 2], drawn),
+            column: self.column(&self.parts.drawn),
             touched: &Stage::ALL,
             values: vec![f64::NAN; self.values()],
         }
@@ -164,7 +170,7 @@ impl Machine {
     }
 
     fn closed(&self, variant: &mut Variant) {
-        let Variant { lines, drawn, values, .. } = variant;
+        let Variant { lines, drawn, column, values, .. } = variant;
         let longest = |shaft: usize| longest(&lines[0][5], self.joints, shaft);
         let critical: Vec<(usize, f64)> = self
             .parts
@@ -201,9 +207,16 @@ impl Machine {
                 put(Kind::InertiaDriving, &|_| square * found.inertia_driving);
                 put(Kind::InertiaCoasting, &|_| square * found.inertia_coasting);
                 put(Kind::BendDifference, &|_| (bends[0] - bends[1]).abs());
-                if let Some(&centre) = self.parts.centres.get(case) {
+                let centre = match self.parts.centres[..] {
+                    [centre] => {
+                        let drawn = column.unwrap_or_else(|| lines.column(self.joints, 0));
+                        Some(carried(drawn, lines.column(self.joints, case), centre))
+                    }
+                    _ => self.parts.centres.get(case).copied(),
+                };
+                if let Some(centre) = centre {
                     let steering = Steering::of_chain(bends, twists, phases, centre);
-                    put(Kind::SteeringOffset, &|_| steering.offset.abs());
+                    put(Kind::SteeringOffset, &|_| steering.noticed.abs());
                     put(Kind::SteeringRatio, &|_| steering.difference);
                 }
                 let Some(spline) = &self.parts.spline else { continue };
@@ -249,11 +262,13 @@ impl Machine {
                         self.move_point(arrays, self.cases[group].count, (point, axis, by))?;
                     }
                 }
-                if let Some(spline) = self.parts.spline.as_ref().filter(|one| !one.drawn.is_empty())
-                {
-                    let mut drawn = spline.drawn.clone();
-                    drawn[point][axis] += by;
-                    variant.drawn[0] = (drawn[spline.shaft + 1] - drawn[spline.shaft]).norm();
+                let mut drawn = self.parts.drawn.clone();
+                if let Some(moved) = drawn.get_mut(point) {
+                    moved[axis] += by;
+                    variant.column = self.column(&drawn);
+                    if let Some(spline) = &self.parts.spline {
+                        variant.drawn[0] = (drawn[spline.shaft + 1] - drawn[spline.shaft]).norm();
+                    }
                 }
             }
             Variable::Phase(shaft) => {
@@ -289,6 +304,15 @@ impl Machine {
             variant.values[figured.first..figured.first + figured.count].fill(f64::NAN);
         }
         Some(variant)
+    }
+
+    /// The column of a drawing; none if it is not known or not possible.
+    fn column(&self, drawn: &[Vector]) -> Option<[Vector; 2]> {
+        if self.parts.centres.len() != 1 || drawn.is_empty() {
+            return None;
+        }
+        let line = Geometry::from_points(drawn, &vec![0.0; self.joints - 1]).ok()?;
+        Some([line.directions[0], line.normals[0]])
     }
 
     /// Moves a point of every driveline along an axis; none if one of them cannot be so.

@@ -117,19 +117,14 @@ impl Cases {
 pub struct SlidingShaft {
     /// Which shaft.
     pub shaft: usize,
-    /// Its length in the drawing in m, to which the next two belong.
-    pub length: f64,
-    /// The engaged length in m.
+    /// The engaged length in the drawing in m.
     pub engaged: f64,
-    /// How far it can be pushed in until it bottoms, in m.
+    /// How far it can be pushed in there until it bottoms, in m.
     pub push_in: f64,
     /// Coefficient of friction under load.
     pub friction: f64,
     /// Pitch radius in m.
     pub radius: f64,
-    /// Ends and joint centres of the drawing in m, which move as those of the states do; empty if
-    /// they are not known.
-    pub drawn: Vec<Vector>,
 }
 
 /// What a machine consists of besides its drivelines. What it does not have is empty.
@@ -147,8 +142,12 @@ pub struct Parts {
     pub tubes: Vec<(usize, Round)>,
     /// The spline.
     pub spline: Option<SlidingShaft>,
-    /// The drive angle straight ahead of a steering column in each state, in rad.
+    /// The drive angle straight ahead of a steering column in rad: in each state, or that of the
+    /// drawing alone, from which the column carries its yoke along.
     pub centres: Vec<f64>,
+    /// Ends and joint centres of the drawing in m, which move as those of the states do; if they
+    /// are not known, the first state is the drawing.
+    pub drawn: Vec<Vector>,
     /// The play of the pins of each joint in their bearings over their arm, in rad.
     pub play: Vec<f64>,
 }
@@ -314,11 +313,16 @@ impl Machine {
         }
     }
 
+    /// The length of a shaft in the drawing.
+    pub(crate) fn drawn_length(&self, shaft: usize) -> f64 {
+        (self.parts.drawn[shaft + 1] - self.parts.drawn[shaft]).norm()
+    }
+
     /// The size of what is judged, of which rounding is a part where a limit is 0.
     fn size(&self, kind: Kind) -> f64 {
         match kind {
             Kind::SplineTravel | Kind::SplineEngaged | Kind::SplinePushIn => {
-                self.parts.spline.as_ref().map_or(0.0, |spline| spline.length)
+                self.parts.spline.as_ref().map_or(0.0, |one| self.drawn_length(one.shaft))
             }
             Kind::SteeringOffset => std::f64::consts::FRAC_PI_2,
             Kind::SteeringRatio => 1.0,
@@ -366,7 +370,12 @@ fn check_parts(joints: usize, cases: &[Cases], parts: &Parts) -> Result<()> {
     each("rating", parts.ratings.len(), joints)?;
     each("friction", parts.friction.len(), joints)?;
     each("play", parts.play.len(), joints)?;
-    each("centre", parts.centres.len(), cases[0].count)?;
+    if parts.centres.len() != 1 {
+        each("centre", parts.centres.len(), cases[0].count)?;
+    }
+    if !parts.drawn.is_empty() {
+        check_length("drawn", parts.drawn.len(), joints + 2, 1)?;
+    }
     check_length("shares", parts.shares.len(), cases.get(1).map_or(0, |steps| steps.count), 1)?;
     let all = |name, values: &[f64], rule: Rule, keeps: fn(f64) -> bool| {
         let broken = values.iter().position(|&x| !keeps(x));
@@ -386,7 +395,7 @@ fn check_parts(joints: usize, cases: &[Cases], parts: &Parts) -> Result<()> {
     }
     let spline = parts.spline.iter().map(|spline| spline.shaft);
     parts.tubes.iter().map(|tube| tube.0).chain(spline).try_for_each(|x| check_shaft(joints, x))?;
-    if parts.spline.is_some() && !cases[0].has_lengths() {
+    if parts.spline.is_some() && !(cases[0].has_lengths() && !parts.drawn.is_empty()) {
         return Err(Error::new("spline", &[], "needs the lengths of the shafts"));
     }
     Ok(())

@@ -17,8 +17,9 @@ from cardan.design.machine import Change, Machine
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-# Parts that the core does not judge, or with figures that a machine here is not told.
-_UNTRIED = ("tolerances", "torsion", "ball_joint", "steering", "backlash")
+# Parts and figures that a machine does not have. Its heat is that of each step, not the mean.
+_UNTRIED = ("tolerances", "torsion", "ball_joint")
+_UNTRIED_FIGURES = ("heat", "of_sizes")
 
 Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
 
@@ -53,7 +54,8 @@ def find(answer: Answer) -> tuple[Move, ...]:
     untried = [
         each.name
         for each in answer.judged
-        if each.part.name in _UNTRIED and each.value.limit is not None
+        if each.value.limit is not None
+        and (each.part.name in _UNTRIED or each.entry.path.rpartition(".")[2] in _UNTRIED_FIGURES)
     ]
     set_by_states = bool(scene.states and scene.states.set_phases)
     return tuple(
@@ -95,9 +97,11 @@ def machine_of(scene: Scene) -> Machine | None:
     if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
         return None
     lines, load, service = scene.drivelines(), scene.load_case, scene.service
+    play, column = service.play, scene.steering
     if scene.states:
         load = scene.states.loads(load)
-    machine = Machine(lines, load, limits=_limits(scene), speed=None if load else scene.speed)
+    speed = None if load else scene.speed
+    machine = Machine(lines, load, limits=_limits(scene), speed=speed, drawn=scene.line)
     sizes = service.joints.each if service.joints else ()
     ratings = [size.rating if size.wears and size.rating else np.nan for size in sizes]
     if duty := service.duty:
@@ -120,8 +124,10 @@ def machine_of(scene: Scene) -> Machine | None:
         lengths = {name: 1e-3 * value for name, value in drawn.items() if value is not None}
         if slip.friction is not None and slip.radius is not None:
             lengths |= {"friction": slip.friction, "radius": slip.radius}
-        machine = machine.with_spline(slip.shaft, drawn=scene.line, **lengths)
-    return machine
+        machine = machine.with_spline(slip.shaft, **lengths)
+    if column:
+        machine = machine.with_steering(np.radians(column.centre_deg))
+    return machine.with_play(play.radial, play.arm) if play else machine
 
 
 def _limits(scene: Scene) -> dict[str, Any]:
@@ -138,7 +144,13 @@ def _limits(scene: Scene) -> dict[str, Any]:
         if force := scene.part_limits.get(f"{key}_force_N"):
             pair = (force.limit, force.maximum)
             limits[f"{key}_force"] = dict.fromkeys(range(each), pair)
-    service, slip = scene.service, scene.slip
+    if (lash := scene.part_limits.get("lash_deg")) and scene.service.play:
+        limits["lash"] = (np.radians(lash.limit), np.radians(lash.maximum))
+    service, slip, column = scene.service, scene.slip, scene.steering
+    if column and column.offset_deg is not None:
+        limits["steering_offset"] = np.radians(column.offset_deg)
+    if column and column.ratio_percent is not None:
+        limits["steering_ratio"] = 1e-2 * column.ratio_percent
     for joint, size in enumerate(service.joints.each if service.joints else ()):
         if size.max_bend_deg is not None:
             limits.setdefault("bend", {})[joint] = np.radians(size.max_bend_deg)

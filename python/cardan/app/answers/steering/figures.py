@@ -11,11 +11,6 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import cases, over
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.arrays import FloatArray
-from cardan.driveline import Driveline
-
-_EVEN = 1e-3
-"""Where the ratio differs by less from left to right, no driver feels on which side of symmetry
-straight ahead is: the angle says nothing, and counts as 0."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +61,12 @@ def find(answer: Answer) -> SteeringFigures | None:
     if column is None:
         return None
     centre = float(np.radians(column.centre_deg))
-    each = [
-        lines[:, 0].steering(_carried(scene.line, lines[:, 0], centre)) for lines, _ in cases(scene)
-    ]
+    each = [lines[:, 0].steering(centre, drawn=scene.line) for lines, _ in cases(scene)]
 
     def values(name: str) -> FloatArray:
         return np.concatenate([getattr(found, name) for found in each])
 
-    difference, signed, quick = values("difference"), values("offset"), values("quick")
-    signed = np.where(difference < _EVEN, 0.0, signed)
+    signed, quick = values("noticed"), values("quick")
     sizes, permitted = np.abs(signed), column.offset_deg
     offset = over(scene, sizes, None if permitted is None else float(np.radians(permitted)))
     worst = int(np.argmax(sizes))
@@ -93,29 +85,10 @@ def find(answer: Answer) -> SteeringFigures | None:
         centre,
         there("ratio"),
         there("slope"),
-        over(scene, difference, column.ratio_percent and 1e-2 * column.ratio_percent),
+        over(scene, values("difference"), column.ratio_percent and 1e-2 * column.ratio_percent),
         offset,
         "quick" if quick[worst] else "slow",
         there("turn_to_quick"),
         there("turn_to_slow"),
         *best,
     )
-
-
-def _carried(drawn: Driveline, lines: Driveline, centre: float) -> FloatArray:
-    """The drive angle of each driveline with the yoke where it is straight ahead in [driveline].
-
-    Drive angles count from the plane of shafts 0 and 1, which a state may turn about the column.
-    A column that tilts carries its yoke along by the smallest rotation from one direction to the
-    other, ``x - (a + b)·x (a + b)/(1 + a·b) + 2 a·x b``.
-    """
-    a, b = drawn.directions[0], lines.directions[:, 0]
-    normal = drawn.normals[0]
-    pin = np.cos(centre) * np.cross(normal, a) + np.sin(centre) * normal
-    both = a + b
-    share = np.sum(both * pin, axis=-1) / (1.0 + np.sum(a * b, axis=-1))
-    # The pin is square to a, so the last term vanishes.
-    carried = pin - share[:, None] * both
-    normals = lines.normals[:, 0]
-    along = np.sum(carried * np.cross(normals, b), axis=-1)
-    return np.asarray(np.arctan2(np.sum(carried * normals, axis=-1), along))
