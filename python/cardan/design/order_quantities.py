@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
-from cardan.evaluation.order_sums import ComplexArray
+from cardan.arrays import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

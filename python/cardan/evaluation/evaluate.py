@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays.indices import Items, is_index, item_index
-from cardan.evaluation.composed_plans import PlanInDegrees, PlanOfReductions
-from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.composed_plans import (
+    PlanInDegrees,
+    PlanOfReductions,
+    planned,
+    remembered,
+)
 from cardan.evaluation.harmonics import Harmonics
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
-from cardan.evaluation.plan_cache import remembered
 from cardan.evaluation.request import AngleOf, Axes, Reduction, Request
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep

@@ -13,11 +13,17 @@ from cardan import _core
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.evaluation.derivatives import Derivatives, Gradient, derivatives, gradient
+from cardan.evaluation.derivatives import (
+    Derivatives,
+    Gradient,
+    derivatives,
+    gradient,
+    reduced_derivatives,
+    reduced_gradient,
+)
 from cardan.evaluation.harmonics import Harmonics, harmonics
 from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
-from cardan.evaluation.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep

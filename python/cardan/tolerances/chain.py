@@ -18,12 +18,9 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import ComplexArray, FloatArray
 from cardan.design.quantities import Amplitude
-
-ComplexArray = NDArray[np.complex128]
 
 ParameterPlace: TypeAlias = tuple[str, tuple[int, ...]]
 """One parameter: its group, such as ``"bends"``, and its place there."""

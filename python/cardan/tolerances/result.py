@@ -1,8 +1,14 @@
-"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares."""
+"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares.
+
+Random drivelines are drawn in chunks on several threads. Each chunk has its own stream of random
+numbers, spawned from the seed by the number of the chunk, so that the samples depend on neither the
+number of threads nor their order.
+"""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any, SupportsIndex
@@ -10,14 +16,13 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, scalar_or_array, threads
 from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
+from cardan.tolerances.box import Box
 from cardan.tolerances.case import Case, Quantity
-from cardan.tolerances.design import Design
-from cardan.tolerances.permitted import permitted_factor
-from cardan.tolerances.sampling import sample
+from cardan.tolerances.design import Design, permitted_factor
 
 
 def _in_degrees(name: str) -> Any:  # noqa: ANN401 - a property
@@ -39,6 +44,12 @@ def _share_up_to(values: FloatArray, limit: float) -> FloatArray:
 # Where a scene asks for no number, so many random drivelines are drawn, and these first. Of them so
 # few within the limit, or beyond it, mean less than 0.1 % of all (99 % confidence).
 _MOST, _FIRST, _SETTLED = 100_000, 16_384, 4
+
+# Doubles of one parameter at a time: the arrays of a chunk stay in the caches of a core.
+_CHUNK = 1 << 14
+
+# Pieces of work for a thread pool below which its start costs more than it saves.
+_FEWEST = 4
 
 
 class Tolerances:
@@ -429,7 +440,7 @@ class Tolerances:
             out: dict[Any, Any] = {name: values[i] for name, values in found.items()}
             within = {(name, j): np.empty(samples, bool) for name in counted for j in states}
             of = partial(design.sampled, self._quantities, self._limits if states else {})
-            sample(design.box, self.seed, self._workers, of, out | within)
+            _sample(design.box, self.seed, self._workers, of, out | within)
             for (name, j), each in within.items():
                 counted[name][i, j] = np.mean(each)
         self._passing_each = {
@@ -476,3 +487,34 @@ class Tolerances:
     def _named(self, found: Mapping[str, Any]) -> Any:  # noqa: ANN401
         """The only result, or all by name."""
         return found if self._several else found[self.of[0]]
+
+
+def _sample(
+    box: Box,
+    seed: int,
+    workers: int | None,
+    of: Callable[[FloatArray], Mapping[str, FloatArray]],
+    out: Mapping[str, FloatArray],
+) -> None:
+    """Fill arrays ``(samples,)`` with figures by name of random drivelines."""
+    samples = len(next(iter(out.values())))
+    firsts = range(0, samples, _CHUNK)
+
+    def fill(number: int) -> None:
+        first = firsts[number]
+        count = min(_CHUNK, samples - first)
+        random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+        for name, values in of(box.drawn(random, count)).items():
+            out[name][first : first + count] = values
+
+    limit = threads.at_most(workers)
+    many = min(limit or os.cpu_count() or 1, os.cpu_count() or 1)
+    if many == 1 or len(firsts) < _FEWEST:
+        for number in range(len(firsts)):
+            fill(number)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(many) as pool:
+        for _ in pool.map(fill, range(len(firsts))):
+            pass

@@ -14,13 +14,16 @@ from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
+from cardan.torsion.analyses import (
+    bend_rules,
+    modes,
+    side_by_side,
+    stability_map,
+    unstable_ranges,
+)
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
-from cardan.torsion.instability import stability_map, unstable_ranges
-from cardan.torsion.modes import bend_rules, modes
 from cardan.torsion.parameters import TorsionParameters, checked_tolerance
-from cardan.torsion.results import Coexisting, Orbit, Stability
-from cardan.torsion.side_by_side import side_by_side
-from cardan.torsion.steady_state import SteadyState
+from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
 
 _Records = Callable[..., tuple[FloatArray, NDArray[np.uint8]]]

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_joint
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.arrays.indices import checked_orders
-from cardan.motion.joint_axes import cross_axes, dot
+from cardan.wear.pin_loads import cross_axes, dot
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

@@ -27,8 +27,7 @@ from cardan.arrays import (
 )
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
-from cardan.motion.joint_axes import cross_axes, dot
-from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
+from cardan.wear.pin_loads import PinLoads, cross_axes, dot, means_over_turn, pins_at
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

@@ -1,9 +1,9 @@
-"""The pins of a joint in their bearings: moment and rates at an angle, and means over a turn."""
+"""The pins of a joint: their axes, moment and rates at an angle, and means over a turn."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -69,3 +69,38 @@ def means_over_turn(
     flat = _core.pin_means(line._lines, own, arrays, wear, threads.at_most(None))
     means = np.moveaxis(flat.reshape(*own, -1 if flat.size else 1), -1, 0)
     return means.reshape(len(means), *(1,) * (len(rows) - len(own)), *own)
+
+
+class CrossAxes(NamedTuple):
+    """Unit vectors of one joint at some drive angles, each ``(..., 3)``.
+
+    ``across`` is across both pins, along the moment of a positive torque; ``normal`` is that of the
+    bend plane.
+    """
+
+    driving: FloatArray
+    driven: FloatArray
+    driving_pin: FloatArray
+    driven_pin: FloatArray
+    across: FloatArray
+    normal: FloatArray
+
+
+def cross_axes(line: Driveline, joint: int, angle: ArrayLike) -> CrossAxes:
+    """Return the axes of a joint at drive angles in rad, which broadcast against the batch."""
+    pins = line.evaluate(angle, ("driving_pin", "driven_pin"), joints=joint)
+    p, q = pins.driving_pin, pins.driven_pin
+    driving, driven, normal = (
+        np.broadcast_to(axis, p.shape)
+        for axis in (
+            line.directions[..., joint, :],
+            line.directions[..., joint + 1, :],
+            line.normals[..., joint, :],
+        )
+    )
+    return CrossAxes(driving, driven, p, q, np.cross(p, q), normal)
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the scalar products of rows of vectors."""
+    return np.asarray(np.sum(one * other, axis=-1))
