@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, nearest
 from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
@@ -115,25 +115,25 @@ class DerivativeSamples:
     broadcast.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        angle: Any,  # noqa: ANN401 - angles or a sweep
-    ) -> None:
+    def __init__(self, plan: Plan, angle: ArrayLike | Sweep) -> None:
         """Broadcast the angles."""
-        _refuse_turning_forces(plan)
         line, request = plan.line, plan.request
+        forces = [name for name in plan.places if OUTPUTS[name].unit == "N"]
+        if request.axes == "shaft" and forces:
+            # They need the derivatives of the axes themselves, which only moments do without.
+            raise ArgumentValueError(
+                "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
+            )
         self._level = plan._level
         self.request, self.places, self.line = request, plan.places, line
         self._angle = angle if isinstance(angle, Sweep) else as_float64("angle", angle)
         load = request.load
         of_load = {} if load is None else load.shapes()
         self.shape = common_shape(driveline=line.shape, angle=self._angle.shape, **of_load)
-        if load is not None:
-            own = common_shape(driveline=line.shape, angle=self._angle.shape)
-            if self.shape != own:
-                # As for a call of the plan, whose results have the shape of driveline and angle.
-                raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
+        own = common_shape(driveline=line.shape, angle=self._angle.shape)
+        if self.shape != own:
+            # As for a call of the plan, whose results have the shape of driveline and angle.
+            raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
         padded = (1,) * (len(self.shape) - len(line.shape)) + line.shape
         self._lines = [axis for axis, length in enumerate(padded) if length != 1]
         rest = [axis for axis in range(len(self.shape)) if axis not in self._lines]
@@ -198,25 +198,12 @@ class DerivativeSamples:
         of_shafts = [(i, self.spread(np.asarray(x))) for i, x in enumerate(inertias)]
         return (load.end, *map(self.spread, arrays), of_shafts)
 
-    def plane_shape(self) -> tuple[int, ...]:
-        """Return the shape of a plane, with the axes of the drivelines first."""
-        return tuple(self.shape[axis] for axis in self._order)
-
     def in_order(self, array: NDArray[Any], before: int) -> NDArray[Any]:
         """Return an array with its axes of samples in their own order, after ``before`` others."""
         places = np.argsort(self._order)
         ndim = len(places)
         axes = [*range(before), *(before + places), *range(before + ndim, array.ndim)]
         return array.transpose(axes)
-
-
-def _refuse_turning_forces(plan: Plan) -> None:
-    """Refuse what needs the derivatives of the axes themselves, which only moments do without."""
-    forces = [name for name in plan.places if OUTPUTS[name].unit == "N"]
-    if plan.request.axes == "shaft" and forces:
-        raise ArgumentValueError(
-            "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
-        )
 
 
 def gradient(plan: Plan, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
@@ -258,7 +245,8 @@ def derivatives(plan: Plan, angle: ArrayLike | Sweep, by: str | Iterable[str]) -
     columns = [*_columns(names, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
-    block = samples.in_order(flat.reshape(planes, *samples.plane_shape(), width), 1)
+    plane = (samples.shape[axis] for axis in samples._order)
+    block = samples.in_order(flat.reshape(planes, *plane, width), 1)
     ndim = len(samples.shape)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}
     for output, place in places.items():
@@ -297,12 +285,7 @@ def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Ite
 def checked_weights(
     weights: Mapping[str, ArrayLike], places: Mapping[str, PlanePlace], shape: tuple[int, ...]
 ) -> dict[str, FloatArray]:
-    """Return the weights, each in the shape of its output for samples of this shape.
-
-    Raises:
-        TypeError: weights that are no mapping, or not real numbers.
-        ValueError: weights of something that is not an output, or of a wrong shape.
-    """
+    """Return the weights, each in the shape of its output for samples of this shape."""
     if not isinstance(weights, Mapping):
         raise ArgumentTypeError(
             "weights", f"is {type(weights).__name__}; it must map names of outputs to arrays"
@@ -321,24 +304,18 @@ def checked_weights(
             )
         array = as_float64("weights", given)
         wanted = places[name].shape(shape)
-        if array.shape == wanted:
-            full[name] = array
-            continue
         try:
             full[name] = np.broadcast_to(array, wanted)
         except ValueError:
-            raise ArgumentValueError(
-                "weights", f"has shape {array.shape}; it must be {wanted}", (name,)
-            ) from None
+            check_shape("weights", array, False, f"it must be {wanted}", (name,))
     return full
 
 
 def _check_load(load: Load | None, by: Iterable[str]) -> None:
+    known = () if load is None else ("inertias", f"{load.end}_torque")
+    has = "no load" if load is None else f"a load with {load.end}_torque"
     for i, name in enumerate(by):
-        if name == "inertias" and load is None:
-            raise ArgumentValueError("by", "is 'inertias'; the plan has no load", (i,))
-        if name.endswith("_torque") and (load is None or name != f"{load.end}_torque"):
-            has = "no load" if load is None else f"a load with {load.end}_torque"
+        if (name == "inertias" or name.endswith("_torque")) and name not in known:
             raise ArgumentValueError("by", f"is {name!r}; the plan has {has}", (i,))
 
 
@@ -346,7 +323,7 @@ def reduced_gradient(
     whole: Plan,
     reduce: str,
     places: Mapping[str, PlanePlace],
-    angle: Any,  # noqa: ANN401 - angles or a sweep
+    angle: ArrayLike | Sweep,
     weights: Mapping[str, ArrayLike],
 ) -> Gradient:
     """Return a weighted sum of reduced outputs and its derivatives, from a plan of the samples."""
@@ -359,15 +336,11 @@ def reduced_gradient(
         if vector and reduce == "peak":
             weight = weight[..., np.newaxis]
         of_samples[name] = np.expand_dims(weight, -2 if vector else -1) * slopes[name]
-    found: Gradient = whole.gradient(angle, of_samples)
-    return found
+    return whole.gradient(angle, of_samples)
 
 
 def reduced_derivatives(
-    whole: Plan,
-    reduce: str,
-    angle: Any,  # noqa: ANN401 - angles or a sweep
-    by: str | Iterable[str],
+    whole: Plan, reduce: str, angle: ArrayLike | Sweep, by: str | Iterable[str]
 ) -> Derivatives:
     """Return the derivatives of reduced outputs, with the arguments of ``reduced_gradient``."""
     by = by if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
@@ -391,11 +364,7 @@ def reduced_derivatives(
     return Derivatives(found)
 
 
-def _slopes(
-    whole: Plan,
-    reduce: str,
-    angle: Any,  # noqa: ANN401 - angles or a sweep
-) -> dict[str, FloatArray]:
+def _slopes(whole: Plan, reduce: str, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
     """The derivatives of the reduced outputs by the samples, in the shape of the samples."""
     result = whole(angle)
     return {
