@@ -99,12 +99,10 @@ def check_elements(
     raise ArgumentValueError(argument, problem, place, value, unit.strip(), words)
 
 
-def check_shape(
-    argument: str, array: NDArray[Any], right: bool, rule: str, place: Place = ()
-) -> None:
-    """Raise the error for an array of a wrong shape; the rule says what it must be."""
+def check_shape(argument: str, of: Any, right: bool, rule: str, place: Place = ()) -> None:  # noqa: ANN401
+    """Raise the error for an array or a batch of a wrong shape; the rule says what it must be."""
     if not right:
-        raise ArgumentValueError(argument, f"has shape {array.shape}; {rule}", place)
+        raise ArgumentValueError(argument, f"has shape {of.shape}; {rule}", place)
 
 
 def exclusive(**given: object) -> None:

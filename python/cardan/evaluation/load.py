@@ -60,19 +60,18 @@ class Load:
         """Check the values and keep copies of their arrays."""
         exclusive(drive_torque=drive_torque, output_torque=output_torque)
         exclusive(speed=speed, speed_rpm=speed_rpm)
-        if inertias is not None and speed is speed_rpm is acceleration is None:
-            raise ArgumentValueError(
-                "inertias",
-                "are given without a speed or an acceleration; inertias need one of them",
-            )
         end = "output" if drive_torque is None else "drive"
         torque = output_torque if drive_torque is None else drive_torque
+        given_motion = (speed, speed_rpm, acceleration)
         if speed_rpm is not None:
             speed = as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM
         given = {"speed": speed, "acceleration": acceleration}
         values = {name: as_float64(name, x) for name, x in given.items() if x is not None}
         values["torque"] = as_float64(f"{end}_torque", 0.0 if torque is None else torque)
         inertial = None if inertias is None else _checked_inertias(inertias)
+        if inertial is not None and not any(x is not None for x in given_motion):
+            problem = "are given without a speed or an acceleration; inertias need one of them"
+            raise ArgumentValueError("inertias", problem)
         zero = np.zeros(())
         self.__setstate__(
             {"end": end, "inertias": inertial, "speed": zero, "acceleration": zero, **values}

@@ -43,16 +43,13 @@ _BLOCK = 2048
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One driveline as drawn, the box of its tolerances, and what else its figures depend on.
-
-    These are the shaft and the speed of the drive in rad/s, for outputs the load and the threads.
-    """
+    """One driveline as drawn, the box of its tolerances, and what else its figures depend on."""
 
     box: Box
     line: Driveline
     shaft: int
-    speed: float
-    load: Load | None
+    speed: float  # of the drive, in rad/s
+    load: Load | None  # of outputs, like the threads
     workers: int | None
 
     @property
@@ -167,12 +164,13 @@ class Case:
         if isinstance(quantity, OrderQuantity):
             modulus = zonotope_radius(*self._order_vectors(quantity))
             return float(quantity.at(modulus, self.speed))
-        return self._figure(quantity, max(map(self._linear_modulus, quantity.amplitudes)))
+        largest = max(map(self._linear_modulus, quantity.amplitudes))
+        return float(quantity.at(largest, self.speed))
 
     def guaranteed(self, quantity: MotionQuantity) -> float:
         """Return a bound of the figure over the box."""
         moduli = (largest_modulus(kind, self.box, self.shaft) for kind in quantity.amplitudes)
-        return self._figure(quantity, max(moduli))
+        return float(quantity.at(max(moduli), self.speed))
 
     def shares(self, quantity: Quantity) -> FloatArray:
         """Return the share of each parameter in the scatter, ``(parameters,)``.
@@ -237,9 +235,6 @@ class Case:
         modulus = zonotope_radius(centre, self._vectors(kind))
         # Large tolerances leave the linear range; a joint has |q| < 1.
         return min(modulus, float(np.nextafter(1.0, 0.0))) if kind == "last" else modulus
-
-    def _figure(self, quantity: MotionQuantity, modulus: float) -> float:
-        return float(quantity.at(modulus, self.speed))
 
     def _acting(self, quantity: Quantity) -> NDArray[np.intp]:
         """Numbers of the parameters on which a figure depends: those of ``q`` on the layout."""

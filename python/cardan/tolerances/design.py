@@ -26,30 +26,18 @@ class Design:
 
     Its figures are those of the state in which they are largest. The tolerances are the same in all
     states, and so are the deviations of one driveline from its drawing.
-
-    Attributes:
-        cases: the driveline in each state.
     """
 
-    cases: tuple[Case, ...]
+    cases: tuple[Case, ...]  # the driveline in each state
 
     @property
     def box(self) -> Box:
         """The tolerances; the parameters as drawn are those of the first state."""
         return self.cases[0].box
 
-    def in_state(self, state: int) -> Design:
-        """Return the driveline in one state alone."""
-        return Design((self.cases[state],))
-
     def scaled(self, group: str, factor: float) -> Design:
         """Return the design with the tolerances of one group multiplied."""
         return replace(self, cases=tuple(case.scaled(group, factor) for case in self.cases))
-
-    def check(self) -> None:
-        """Check each state as ``Box.check`` does."""
-        for case in self.cases:
-            case.box.check()
 
     def sampled(
         self,
@@ -81,13 +69,9 @@ class Design:
         """Return the number of the state with the worst figure."""
         return int(np.argmax([case.worst(quantity) for case in self.cases]))
 
-    def worst_at(self, quantity: Quantity) -> FloatArray:
-        """Return the deviations of the worst driveline, ``(parameters,)``."""
-        return self.cases[self.worst_state(quantity)].worst_at(quantity)
-
-    def shares(self, quantity: Quantity) -> FloatArray:
-        """Return the share of each parameter in the scatter in that state, ``(parameters,)``."""
-        return self.cases[self.worst_state(quantity)].shares(quantity)
+    def worst_case(self, quantity: Quantity) -> Case:
+        """Return the driveline in that state."""
+        return self.cases[self.worst_state(quantity)]
 
 
 def permitted_factor(
@@ -103,7 +87,8 @@ def permitted_factor(
     def excess(factor: float) -> float:
         scaled = design.scaled(group, factor)
         try:
-            scaled.check()
+            for case in scaled.cases:
+                case.box.check()
         except ValueError:
             return math.inf
         return scaled.largest(getattr(Case, bound), quantity) / limit - 1.0

@@ -118,32 +118,27 @@ class Tolerances:
         """
         index = item_index("state", state, self.n_states or 0)
         if index not in self._in_states:
-            self._in_states[index] = self._alone(index)
+            self._in_states[index] = Tolerances(
+                [Design((design.cases[index],)) for design in self._designs],
+                self.shape,
+                self._quantities,
+                several=self._several,
+                limits=self._limits,
+                samples=self._asked,
+                seed=self.seed,
+                distribution=self.distribution,
+                workers=self._workers,
+            )
         return self._in_states[index]
-
-    def _alone(self, index: int) -> Tolerances:
-        return Tolerances(
-            [design.in_state(index) for design in self._designs],
-            self.shape,
-            self._quantities,
-            several=self._several,
-            limits=self._limits,
-            samples=self._asked,
-            seed=self.seed,
-            distribution=self.distribution,
-            workers=self._workers,
-        )
 
     @cached_property
     def worst_state(self) -> Any:  # noqa: ANN401
         """Number of the state with the worst figure, counted from 0."""
-        found = {
-            name: [design.worst_state(quantity) for design in self._designs]
-            for name, quantity in self._quantities.items()
-        }
-        return self._named(
-            {name: np.reshape(states, self.shape)[()] for name, states in found.items()}
-        )
+        found = {}
+        for name, quantity in self._quantities.items():
+            states = [design.worst_state(quantity) for design in self._designs]
+            found[name] = np.reshape(states, self.shape)[()]
+        return self._named(found)
 
     @property
     def given(self) -> dict[str, FloatArray]:
@@ -188,12 +183,9 @@ class Tolerances:
         too many parameters for that, as ``linear`` has it. Of a reduced output it is not less than
         at the corners to which the slopes point.
         """
-        return self._named(
-            {
-                name: "box" if self._searched(quantity) else "linear"
-                for name, quantity in self._quantities.items()
-            }
-        )
+        kinds = {True: "box", False: "linear"}
+        found = {name: kinds[self._searched(own)] for name, own in self._quantities.items()}
+        return self._named(found)
 
     @cached_property
     def worst_at(self) -> Any:  # noqa: ANN401
@@ -204,7 +196,7 @@ class Tolerances:
         """
         if not all(map(self._searched, self._quantities.values())):
             raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
-        return self._grouped(Design.worst_at)
+        return self._grouped(Case.worst_at)
 
     @cached_property
     def linear(self) -> Any:  # noqa: ANN401
@@ -225,7 +217,7 @@ class Tolerances:
             ValueError: the only figure is an order or a reduced output, of which no bound is known.
         """
         found = {
-            name: self._batch([d.largest(Case.guaranteed, quantity) for d in self._designs])
+            name: self._largest(Case.guaranteed, quantity)
             for name, quantity in self._quantities.items()
             if isinstance(quantity, MotionQuantity)
         }
@@ -299,7 +291,7 @@ class Tolerances:
         ``"phases"`` and ``"twists"``: ``(..., n - 1)``, ``"points"``: ``(..., n + 2, 3)``.
         """
 
-        return self._grouped(Design.shares)
+        return self._grouped(Case.shares)
 
     @property
     def passing(self) -> Any:  # noqa: ANN401
@@ -388,11 +380,7 @@ class Tolerances:
     """``limit`` in degrees."""
 
     def quantile_deg(self, share: ArrayLike) -> Any:  # noqa: ANN401
-        """Return ``quantile`` in degrees, with its arguments and errors.
-
-        Raises:
-            ValueError: a figure that is not an angle.
-        """
+        """Return ``quantile`` in degrees; a ``ValueError`` for a figure that is not an angle."""
         return self._degrees(self.quantile(share))
 
     def unit(self, name: str) -> str:
@@ -454,24 +442,20 @@ class Tolerances:
 
     def _each(self, of: Callable[[Case, Any], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
-        return self._named(
-            {
-                name: self._batch([design.largest(of, quantity) for design in self._designs])
-                for name, quantity in self._quantities.items()
-            }
-        )
+        return self._named({name: self._largest(of, own) for name, own in self._quantities.items()})
 
-    def _batch(self, values: Sequence[float]) -> Any:  # noqa: ANN401
+    def _largest(self, of: Callable[[Case, Any], float], quantity: Quantity) -> Any:  # noqa: ANN401
+        values = [design.largest(of, quantity) for design in self._designs]
         return scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
 
-    def _grouped(self, of: Callable[[Design, Quantity], FloatArray]) -> Any:  # noqa: ANN401
-        """One number per parameter as arrays by group, in the shape of the batch."""
-        return self._named(
-            {
-                name: self._by_group([of(design, quantity) for design in self._designs])
-                for name, quantity in self._quantities.items()
-            }
-        )
+    def _grouped(self, of: Callable[[Case, Any], FloatArray]) -> Any:  # noqa: ANN401
+        """One number per parameter of the worst state as arrays by group, shape: the batch."""
+
+        def rows(quantity: Quantity) -> list[FloatArray]:
+            return [of(design.worst_case(quantity), quantity) for design in self._designs]
+
+        found = {name: self._by_group(rows(own)) for name, own in self._quantities.items()}
+        return self._named(found)
 
     def _by_group(self, rows: Sequence[FloatArray]) -> dict[str, FloatArray]:
         """Numbers per parameter of each driveline as arrays by group."""

@@ -182,12 +182,11 @@ class SteadyState(Searched):
         Args:
             samples: number of equally spaced drive angles over half a turn, at least 1.
             outputs: names from ``cardan.OUTPUTS`` that need a load, tilts or pins.
-            shafts: shafts for the outputs per shaft: an index, a slice or a list; default: the last
-                shaft.
-            joints: joints for the outputs per joint; default: all.
-            reduce: as of ``Driveline.evaluate``, over the samples.
+            shafts: as of ``Driveline.evaluate``, like the following arguments.
+            joints: for the outputs per joint.
+            reduce: of the samples.
             workers: largest number of threads.
-            axes: axes of vectors, as of ``Driveline.evaluate``.
+            axes: of vectors.
 
         Returns:
             each output as ``([items,] ..., samples [, 3])``; NaN where there is no orbit.
