@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import cardan
 import tiers
 from cardan import Driveline, Load, Sweep
-from cardan.tolerances import deviating
+from cardan.tolerances import case
 from cardan.tolerances.box import Sizes, boxes
 from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
 from cardan.tolerances.guaranteed import _displacement, bound_parts
@@ -774,7 +774,7 @@ def test_corners_are_followed_to_the_last() -> None:
 def test_blocks_of_outputs_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     found = []
     for block in (2048, 100):
-        monkeypatch.setattr(deviating, "_BLOCK", block)
+        monkeypatch.setattr(case, "_BLOCK", block)
         asked = three().tolerances(
             bends=0.01, of="torque_2_peak", load=Load(drive_torque=9.0), samples=250, seed=1
         )

@@ -1,6 +1,7 @@
 """Arrays as arguments: their coercion, and the libraries beside NumPy that make them."""
 
 from cardan.arrays.coercion import (
+    ComplexArray,
     FloatArray,
     as_float64,
     common_shape,
@@ -16,6 +17,7 @@ from cardan.arrays.coercion import (
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
 
 __all__ = [
+    "ComplexArray",
     "FloatArray",
     "adapter",
     "array_namespace_of",

@@ -8,23 +8,26 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_elements,
+    check_shape,
+)
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
 
 
 def as_float64(name: str, value: ArrayLike) -> FloatArray:
     """Return the argument as a contiguous array of doubles, without a copy where it is one.
 
-    Raises:
-        TypeError: complex numbers, objects, text or anything else that is not a real number; arrays
-            that carry what would be lost, as a mask or a unit; arrays of another library.
-        MemoryError: more numbers than can be counted in bytes.
+    Arrays of another library are refused, and those that carry what would be lost, as a mask.
     """
     if type(value) is not np.ndarray:
         _refuse_more_than_numbers(name, value)
@@ -51,9 +54,8 @@ def finite(name: str, value: ArrayLike) -> FloatArray:
 def positive(name: str, value: ArrayLike) -> FloatArray:
     """Return an argument as an array whose elements are positive and finite."""
     array = as_float64(name, value)
-    check_elements(
-        name, array, (array > 0.0) & (array < np.inf), "; it must be positive and finite"
-    )
+    right = (array > 0.0) & (array < np.inf)
+    check_elements(name, array, right, "; it must be positive and finite")
     return array
 
 
@@ -70,10 +72,8 @@ def shares_of(weights: ArrayLike | None, states: int) -> FloatArray:
     if weights is None:
         return np.full(states, 1.0 / states)
     array = not_negative("weights", weights)
-    if array.shape != (states,):
-        raise ArgumentValueError(
-            "weights", f"has shape {array.shape}; it must be ({states},), one per state"
-        )
+    rule = f"it must be ({states},), one per state"
+    check_shape("weights", array, array.shape == (states,), rule)
     if not np.any(array):
         raise ArgumentValueError("weights", "are all 0; at least one must be positive")
     return np.asarray(array / np.sum(array))
@@ -81,19 +81,15 @@ def shares_of(weights: ArrayLike | None, states: int) -> FloatArray:
 
 def per_joint(name: str, array: FloatArray, n: int) -> FloatArray:
     """Return one number for all joints, or one for each on the last axis, as ``(..., n)``."""
-    if array.ndim and array.shape[-1] not in (1, n):
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
-        )
+    rule = f"it is one number or one per joint, (..., {n})"
+    check_shape(name, array, not array.ndim or array.shape[-1] in (1, n), rule)
     return np.broadcast_to(array, (*array.shape[:-1], n))
 
 
 def per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
     """Return the array, which must have one number for each shaft on the last axis."""
-    if array.shape[-1:] != (shafts,):
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; {shafts} shafts need (..., {shafts})"
-        )
+    right = array.shape[-1:] == (shafts,)
+    check_shape(name, array, right, f"{shafts} shafts need (..., {shafts})")
     return array
 
 
@@ -129,11 +125,7 @@ def scalar_or_array(array: FloatArray) -> Any:  # noqa: ANN401 - as NumPy's own 
 
 
 def common_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the shape to which the named shapes broadcast.
-
-    Raises:
-        ValueError: they do not.
-    """
+    """Return the shape to which the named shapes broadcast."""
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:
@@ -146,8 +138,7 @@ def together(
 ) -> tuple[tuple[int, ...], list[FloatArray]]:
     """Broadcast arrays, of each of which so many last axes belong to one element of a batch.
 
-    Returns:
-        the shape of the batch, to which other shapes broadcast as well, and the arrays.
+    Returned are the shape of the batch, to which other shapes broadcast as well, and the arrays.
     """
     batches = {name: array.shape[: array.ndim - own] for name, (array, own) in arrays.items()}
     shape = common_shape(**others, **batches)

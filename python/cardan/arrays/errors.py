@@ -99,6 +99,19 @@ def check_elements(
     raise ArgumentValueError(argument, problem, place, value, unit.strip(), words)
 
 
+def check_shape(argument: str, of: Any, right: bool, rule: str, place: Place = ()) -> None:  # noqa: ANN401
+    """Raise the error for an array or a batch of a wrong shape; the rule says what it must be."""
+    if not right:
+        raise ArgumentValueError(argument, f"has shape {of.shape}; {rule}", place)
+
+
+def exclusive(**given: object) -> None:
+    """Raise an error if both of two arguments are given."""
+    (one, value), (other, beside) = given.items()
+    if value is not None and beside is not None:
+        raise ArgumentValueError(one, f"and {other} are both given; give one of them")
+
+
 def check_choice(argument: str, value: object, known: Sequence[str]) -> None:
     """Raise an ``ArgumentValueError`` unless a value is one of some words."""
     if not isinstance(value, str) or value not in known:

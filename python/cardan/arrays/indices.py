@@ -14,6 +14,7 @@ from cardan.arrays.errors import (
     ArgumentValueError,
     Place,
     check_elements,
+    check_shape,
     located,
 )
 
@@ -52,8 +53,7 @@ def checked_orders(orders: ArrayLike, highest: int | None = None) -> NDArray[np.
     order = np.asarray(orders)
     if order.size and order.dtype.kind not in "iu":
         raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
-    if order.ndim > 1:
-        raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")
+    check_shape("orders", order, order.ndim <= 1, "it must be a list")
     rule = "at least 1" if highest is None else f"an integer from 1 to {highest}"
     right = (order >= 1) & (order <= (highest or np.inf))
     check_elements("orders", order, right, f"; an order is {rule}")

@@ -21,27 +21,19 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Library:
-    """An array library.
+    """An array library."""
 
-    Attributes:
-        module: the module that defines its arrays.
-        array: name of their class there.
-        adapter: the module that evaluates at them.
-        deferred: whether its arrays are computed later.
-        wraps: the attribute by which its arrays hold one of another library, or "".
-    """
-
-    module: str
-    array: str
-    adapter: str
-    deferred: bool = False
-    wraps: str = ""
+    module: str  # that defines its arrays
+    array: str  # the name of their class there
+    adapter: str  # the module that evaluates at them
+    deferred: bool = False  # whether they are computed later
+    wraps: str = ""  # the attribute by which they hold an array of another library
 
 
 LIBRARIES: Mapping[str, Library] = MappingProxyType(
     {
         "xarray": Library("xarray", "DataArray", "cardan.interop.labelled", wraps="data"),
-        "pandas": Library("pandas", "Series", "cardan.interop.series", wraps="values"),
+        "pandas": Library("pandas", "Series", "cardan.interop.labelled", wraps="values"),
         "dask": Library("dask.array", "Array", "cardan.interop.lazy", deferred=True),
     }
 )
@@ -75,11 +67,7 @@ def draw(picture: str, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401 
 
 
 def import_optional(name: str, extra: str) -> Any:  # noqa: ANN401 - a module
-    """Import an optional module, or say which extra brings it.
-
-    Raises:
-        ImportError: it is missing.
-    """
+    """Import an optional module, or say which extra brings it."""
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError:
@@ -88,13 +76,10 @@ def import_optional(name: str, extra: str) -> Any:  # noqa: ANN401 - a module
 
 
 def deferring(ends: int, **whole: int) -> Callable[[_Function], _Function]:
-    """Let a constructor of drivelines take arrays that are computed later.
+    """Let a constructor take arrays that are computed later, of which the adapter makes drivelines.
 
-    It then returns what the adapter of their library makes of them.
-
-    Args:
-        ends: how many entries the first of its arrays has beyond one per joint.
-        whole: its arrays in order, and how many axes of each belong to one driveline.
+    The first of its arrays has ``ends`` entries beyond one per joint; ``whole`` names all in order,
+    with how many axes of each belong to one driveline.
     """
 
     def decorate(constructor: _Function) -> _Function:

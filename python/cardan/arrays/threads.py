@@ -25,12 +25,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def at_most(workers: SupportsIndex | None) -> int | None:
-    """Return the number of threads as the native module counts them; ``None`` leaves it to it.
-
-    Raises:
-        TypeError: not an integer.
-        ValueError: not positive and not -1.
-    """
+    """Return the number of threads as the native module counts them; ``None`` leaves it to it."""
     if workers is None:
         return 1 if _forked else None
     count = integer("workers", workers)

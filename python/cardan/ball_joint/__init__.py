@@ -35,7 +35,8 @@ class BallJoint:
     Everything broadcasts, as NumPy's own functions do: the values of the joint against each other
     and against loads and angles. NaN in a load, an angle or a vector gives NaN at that place alone.
     All methods refuse values that are not real numbers with a ``TypeError``; a negative load or
-    friction and shapes that do not broadcast with a ``ValueError``.
+    friction, values out of the range that they name and shapes that do not broadcast with a
+    ``ValueError``.
 
     Args:
         radius: radius of the ball in m.
@@ -81,25 +82,15 @@ class BallJoint:
         that angle unless the seat ends before. All methods take this into account.
 
         Args:
-            clearance: radius of the seat less that of the ball, in m; 0 is a perfect fit.
-            compliance: approach per peak pressure in m³/N, Marcus's ``alpha_1 + alpha_2``.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a clearance that is negative or not finite, a compliance that is not
-                positive and finite, shapes that do not broadcast.
+            clearance: radius of the seat less that of the ball, in m, finite; 0 is a perfect fit.
+            compliance: approach per peak pressure in m³/N, positive, Marcus's ``alpha_1 +
+                alpha_2``.
         """
         gap = as_float64("clearance", clearance)
         rule = " m; a clearance must be finite and not negative"
         check_elements("clearance", gap, (gap >= 0.0) & (gap < np.inf), rule)
-        joint = object.__new__(type(self))
-        joint._set(
-            as_float64("radius", self.radius),
-            as_float64("half_angle", self.half_angle),
-            gap,
-            positive("compliance", compliance),
-        )
-        return joint
+        yielding = positive("compliance", compliance)
+        return self._of(self.radius, self.half_angle, gap, yielding)
 
     @classmethod
     def sized_for(
@@ -117,17 +108,11 @@ class BallJoint:
         radius follows from it in closed form.
 
         Args:
-            load: in N.
-            allowable_pressure: what the peak pressure may reach, in Pa; Marcus's ``K``.
+            load: in N, positive.
+            allowable_pressure: what the peak pressure may reach, in Pa, positive; Marcus's ``K``.
             half_angle: angle from the middle of the seat to its edge in rad, in (0, pi/2].
             clearance: radius of the seat less that of the ball, in m, as of ``with_clearance``.
             compliance: approach per peak pressure in m³/N; a joint with clearance needs it.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a load or pressure that is not positive and finite, a half-angle or
-                clearance out of its range, a clearance without a compliance, shapes that do not
-                broadcast.
         """
         force = positive("load", load)
         pressure = positive("allowable_pressure", allowable_pressure)
@@ -181,11 +166,7 @@ class BallJoint:
         """Return the load in N at which the peak pressure reaches what is allowable.
 
         Args:
-            allowable_pressure: in Pa, Marcus's ``K``.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a pressure that is not positive and finite, shapes that do not broadcast.
+            allowable_pressure: in Pa, positive, Marcus's ``K``.
         """
         pressure = positive("allowable_pressure", allowable_pressure)
         common_shape(joint=self.shape, allowable_pressure=pressure.shape)
@@ -219,11 +200,7 @@ class BallJoint:
 
         Args:
             directions: from the centre of the ball to the points, ``(..., 3)``, of any length.
-            load_vector: force of the ball on its seat in N, ``(..., 3)``.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a vector that is zero or infinite, shapes that do not fit.
+            load_vector: force of the ball on its seat in N, ``(..., 3)``, neither 0 nor infinite.
         """
         normal, _ = _unit("directions", directions)
         axis, force = _unit("load_vector", load_vector)
@@ -239,13 +216,8 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
-            compliance: approach per peak pressure in m³/N; leave it out if ``with_clearance`` has
-                set it.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: a compliance missing, given twice or not positive, a negative load, shapes
-                that do not broadcast.
+            compliance: approach per peak pressure in m³/N, positive; leave it out if
+                ``with_clearance`` has set it.
         """
         if (compliance is None) == (self.compliance is None):
             how = "missing" if compliance is None else "given, but with_clearance has set it"
@@ -325,34 +297,27 @@ class BallJoint:
         common_shape(joint=self.shape, load=force.shape)
         return force
 
+    @classmethod
+    def _of(cls, *values: Any) -> Self:  # noqa: ANN401 - of ``_set``
+        joint = object.__new__(cls)
+        joint._set(*values)
+        return joint
+
     def _set(
-        self, radius: FloatArray, angle: FloatArray, gap: FloatArray, compliance: FloatArray | None
+        self, radius: ArrayLike, angle: ArrayLike, gap: ArrayLike, compliance: ArrayLike | None
     ) -> None:
         values = {"radius": radius, "half_angle": angle, "clearance": gap, "compliance": compliance}
-        common_shape(**{name: a.shape for name, a in values.items() if a is not None})
-        for name, array in values.items():
-            if array is not None:
-                array = array.copy()
+        common_shape(**{name: np.shape(x) for name, x in values.items() if x is not None})
+        for name, value in values.items():
+            if value is not None:
+                array = np.array(value)
                 array.flags.writeable = False
-            object.__setattr__(self, name, None if array is None else scalar_or_array(array))
+                value = scalar_or_array(array)
+            object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the four values, so that copies are read-only too."""
-        values = (self.radius, self.half_angle, self.clearance, self.compliance)
-        return (_restored, (type(self), *values))
-
-
-def _restored(
-    cls: type[BallJoint],
-    radius: FloatArray,
-    half_angle: FloatArray,
-    clearance: FloatArray,
-    compliance: FloatArray | None,
-) -> BallJoint:
-    joint = cls(radius, half_angle)
-    if compliance is None:
-        return joint
-    return joint.with_clearance(clearance, compliance=compliance)
+        return (self._of, (self.radius, self.half_angle, self.clearance, self.compliance))
 
 
 # --- arguments -------------------------------------------------------------------------------

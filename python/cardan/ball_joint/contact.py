@@ -31,16 +31,13 @@ from cardan.arrays.errors import check_elements
 class Contact:
     """Where a ball touches, and how the pressure falls off from its peak.
 
-    Attributes:
-        angle: from the load to the edge of the contact.
-        free: from the load to where the pressure would be zero; beyond ``angle`` if the seat ends
-            before. None stands for a right angle.
-        share: ``3 D/(pi r² N_0)``.
+    Without clearance, the pressure would be zero at a right angle, which None stands for. It is
+    beyond the edge of the contact if the seat ends before.
     """
 
-    angle: FloatArray
-    free: FloatArray | None
-    share: FloatArray
+    angle: FloatArray  # from the load to the edge of the contact
+    free: FloatArray | None  # from the load to where the pressure would be zero
+    share: FloatArray  # 3 D/(pi r² N_0)
 
     def peak(self, load: FloatArray, radius: FloatArray) -> FloatArray:
         """Return the pressure in line with the load."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,15 +47,12 @@ class Check:
     @property
     def catalogue(self) -> Check:
         """The part that the catalogues of driveshafts judge: the equivalent bend."""
-        return self._part("catalogue")
+        return Check(tuple(f for f in self.findings if f.group == "catalogue"), self.limits)
 
     @property
     def practice(self) -> Check:
         """The part that practice judges: excitations, and the difference of two bends."""
-        return self._part("practice")
-
-    def _part(self, group: Literal["catalogue", "practice"]) -> Check:
-        return Check(tuple(f for f in self.findings if f.group == group), self.limits)
+        return Check(tuple(f for f in self.findings if f.group == "practice"), self.limits)
 
     @property
     def ranks(self) -> NDArray[np.int_]:
@@ -78,11 +75,7 @@ class Check:
         return np.asarray(self.ranks <= VERDICTS.index("tolerable"))
 
     def __bool__(self) -> bool:
-        """Return whether it passes.
-
-        Raises:
-            ValueError: a check of a batch.
-        """
+        """Return whether it passes; a ``ValueError`` for a check of a batch."""
         passes = self.passes
         if passes.shape:
             raise ValueError(
@@ -170,16 +163,9 @@ def check(
     found = found.reshape(4, *line.shape) if line.shape else found
     equivalent, torsional, driving, coasting = found
     bend = MOTION_QUANTITIES["equivalent_bend"]
-    findings = [
-        Finding(
-            bend.name,
-            bend.label,
-            "catalogue",
-            np.degrees(equivalent),
-            "deg",
-            allowed.figures[bend.limit],
-        )
-    ]
+    permitted = allowed.figures[bend.limit]
+    degrees = np.degrees(equivalent)
+    findings = [Finding(bend.name, bend.label, "catalogue", degrees, "deg", permitted)]
     difference = allowed.figures.get("bend_difference_deg")
     if difference and line.n_joints == 2:
         bends = line._geometry.bends

@@ -39,17 +39,10 @@ def ranked(
     most: bool = True,
     size: float = 0.0,
 ) -> NDArray[np.int_]:
-    """Return how figures stand to their limits, but for rounding; the core has the rule.
+    """Return how figures stand to their limits, in ``VERDICTS``; the core has the rule.
 
-    Args:
-        value: the figures.
-        limit: what they should keep; NaN where there is none.
-        maximum: what they must keep; the limit by default.
-        most: whether both are the most that a figure may be, or the least.
-        size: of what is judged, for limits near 0.
-
-    Returns:
-        positions in ``VERDICTS``, in the shape to which the arrays broadcast.
+    A limit of NaN is none, the maximum is by default the limit. Both are the most that a figure may
+    be, or the least. The size of what is judged counts for limits near 0.
     """
     given = (value, limit, limit if maximum is None else maximum)
     spread = np.broadcast_arrays(*(as_float64("value", x) for x in given))
@@ -145,10 +138,7 @@ class Finding:
 
     @property
     def tolerable_up_to(self) -> FloatArray:
-        """Speed of the drive in rad/s up to which the figure is not beyond its maximum.
-
-        It is infinite and NaN where ``within_up_to`` is.
-        """
+        """The same for its maximum."""
         return self._speed_at(math.nan if self.limit is None else self.limit.maximum)
 
     def _speed_at(self, bound: float) -> FloatArray:

@@ -163,18 +163,11 @@ def unknown_preset(name: object) -> str:
 
 
 def limits_of(limits: str | Limits | None) -> Limits:
-    """Return limits given as such, by the name of a preset, or not at all.
-
-    Raises:
-        TypeError: something else.
-        ValueError: an unknown preset.
-    """
-    if isinstance(limits, str):
-        if limits not in PRESETS:
+    """Return limits given as such, by the name of a preset, or not at all."""
+    if limits is None or isinstance(limits, str):
+        if limits is not None and limits not in PRESETS:
             raise ArgumentValueError("limits", unknown_preset(limits))
         return _of_preset(limits)
-    if limits is None:
-        return _of_preset(None)
     if not isinstance(limits, Limits):
         raise ArgumentTypeError(
             "limits", f"is a {type(limits).__name__}; it must be a cardan.Limits or its preset"
@@ -195,9 +188,6 @@ def _own(key: str, given: Bound, source: str) -> Limit:
     rising = len(values) in (1, 2) and values[0] <= values[-1]
     if not (rising and values[0] > 0.0 and values[-1] < FIGURES[key]):
         below = f" below {FIGURES[key]:g}" if math.isfinite(FIGURES[key]) else ""
-        raise ArgumentValueError(
-            key,
-            f"is {given!r}; it must be a positive number{below} or a limit and a maximum not below "
-            "it",
-        )
+        rule = f"it must be a positive number{below} or a limit and a maximum not below it"
+        raise ArgumentValueError(key, f"is {given!r}; {rule}")
     return Limit.given(given, source)

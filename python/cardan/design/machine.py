@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
@@ -359,9 +359,8 @@ class Machine:
 
 
 def _states_of(name: str, line: Driveline) -> Driveline:
-    if len(line.shape) > 1:
-        problem = f"has shape {line.shape}; it is one driveline or a batch of one axis"
-        raise ArgumentValueError(name, problem)
+    right = len(line.shape) <= 1
+    check_shape(name, line, right, "it is one driveline or a batch of one axis")
     return line.reshape(-1)
 
 
@@ -385,8 +384,8 @@ def _cases(line: Driveline, load: Load | None, speed: ArrayLike | None) -> tuple
 
 def _spread(name: str, array: FloatArray, count: int) -> list[float]:
     """One number, or one for each of so many."""
-    if array.shape not in ((), (1,), (count,)):
-        raise ArgumentValueError(name, f"has shape {array.shape}; it must be one or ({count},)")
+    right = array.shape in ((), (1,), (count,))
+    check_shape(name, array, right, f"it must be one or ({count},)")
     found: list[float] = np.broadcast_to(array, count).tolist()
     return found
 

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
-from cardan.evaluation.order_sums import ComplexArray
+from cardan.arrays import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
 
-ORDERED = ("angle_error", "acceleration")
+Ordered: TypeAlias = Literal["angle_error", "acceleration"]
+ORDERED: tuple[Ordered, ...] = get_args(Ordered)
 """What has orders as quantities."""
 
 PATTERN = f"({'|'.join(ORDERED)})_order_([1-9][0-9]?)"
@@ -32,15 +31,10 @@ FIRST = tuple(f"{of}_order_1" for of in ORDERED)
 
 @dataclass(frozen=True)
 class OrderQuantity:
-    """The amplitude of one order of the motion of a shaft.
+    """The amplitude of one order of the motion of a shaft, of angles in rad."""
 
-    Attributes:
-        of: ``"angle_error"`` in rad, or ``"acceleration"`` in rad/s² at the speed of the drive.
-        order: of the drive's rotation.
-    """
-
-    of: Literal["angle_error", "acceleration"]
-    order: int
+    of: Ordered  # the second in rad/s² at the speed of the drive
+    order: int  # of the drive's rotation
 
     @property
     def unit(self) -> str:
@@ -71,9 +65,7 @@ def order_quantity(name: str) -> OrderQuantity | None:
     found = re.fullmatch(PATTERN, name)
     if found is None:
         return None
-    of: Literal["angle_error", "acceleration"] = (
-        "angle_error" if found[1] == "angle_error" else "acceleration"
-    )
+    of = next(known for known in ORDERED if known == found[1])
     return OrderQuantity(of, int(found[2]))
 
 
@@ -100,5 +92,4 @@ def farthest_signs(middle: complex, vectors: ComplexArray) -> FloatArray:
     between = turned + 0.5 * (np.roll(turned, -1) - turned + np.pi * (turned == turned[-1]))
     directions = np.exp(1j * np.concatenate([between, between + np.pi]))
     signs = np.where(np.outer(directions.conj(), vectors).real < 0.0, -1.0, 1.0)
-    best: NDArray[np.float64] = signs[np.argmax(np.abs(middle + signs @ vectors))]
-    return best
+    return np.asarray(signs[np.argmax(np.abs(middle + signs @ vectors))])

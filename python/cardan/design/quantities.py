@@ -25,25 +25,15 @@ Amplitude: TypeAlias = Literal["last", "driving", "coasting"]
 
 @dataclass(frozen=True)
 class MotionQuantity:
-    """A quantity of the motion, which grows with the magnitude of an amplitude.
+    """A quantity of the motion, which grows with the magnitude of an amplitude."""
 
-    Attributes:
-        name: by which to request it.
-        label: what to call it in words.
-        unit: its SI unit; ``"1"`` for a ratio.
-        amplitudes: the complex numbers of which it is a function; the largest magnitude counts.
-        ratio: the function; of an excitation at a drive speed of 1 rad/s.
-        limit: the key of ``Limits.figures`` that limits it.
-        largest: what it stays below.
-    """
-
-    name: str
-    label: str
-    unit: str
-    amplitudes: tuple[Amplitude, ...]
-    ratio: Callable[[Any], Any]
-    limit: str
-    largest: float = math.inf
+    name: str  # by which to request it
+    label: str  # what to call it in words
+    unit: str  # SI; "1" for a ratio
+    amplitudes: tuple[Amplitude, ...]  # of which it is a function; the largest magnitude counts
+    ratio: Callable[[Any], Any]  # the function; of an excitation at a drive speed of 1 rad/s
+    limit: str  # the key of ``Limits.figures`` that limits it
+    largest: float = math.inf  # what it stays below
 
     @property
     def needs_speed(self) -> bool:

@@ -29,11 +29,9 @@ _SAMPLES_PER_TURN = 360
 class ReducedQuantity:
     """An output over a turn of the drive, reduced to one number.
 
-    Attributes:
-        output: what is evaluated.
-        items: of which shafts or joints, as ``Driveline.evaluate`` takes them, or the index of a
-            bearing; the largest value counts. ``None``: the last shaft, all joints or bearings.
-        reduction: of the samples; of a vector, the length of what it makes of the components.
+    The items are shafts or joints as ``Driveline.evaluate`` takes them, or the index of a bearing;
+    the largest value counts. ``None`` is the last shaft, all joints or bearings. Of a vector, the
+    length of what the reduction makes of the components counts.
     """
 
     output: Output
@@ -52,11 +50,7 @@ class ReducedQuantity:
         return f"{self.output.label}{of}, {self.reduction}"
 
     def check_item(self, line: Driveline) -> None:
-        """Check that a driveline has the shaft, joint or bearing that the quantity names.
-
-        Raises:
-            IndexError: it has none.
-        """
+        """Check that a driveline has the shaft, joint or bearing that the quantity names."""
         per = self.output.per
         counts = {"shaft": line.n_joints + 1, "joint": line.n_joints, "bearing": line.n_bearings}
         if isinstance(self.items, int):

@@ -4,6 +4,10 @@ All motion of a shaft depends on the drive angle and on one complex number ``q``
 (``cardan.Transmission``), whose derivatives by the parameters are a small matrix per driveline. The
 native module sums ``weight * d output / d q`` and its like over the samples in the pass that
 evaluates, and multiplies by that matrix at the end.
+
+Of reduced samples an extreme changes as the sample at which it is. Mean, root mean square and peak
+change as their formulas say. All of them are sums of samples with weights that depend on the
+outputs, so that the derivatives are those of the samples, weighted and summed.
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, nearest
 from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
@@ -111,25 +115,25 @@ class DerivativeSamples:
     broadcast.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        angle: Any,  # noqa: ANN401 - angles or a sweep
-    ) -> None:
+    def __init__(self, plan: Plan, angle: ArrayLike | Sweep) -> None:
         """Broadcast the angles."""
-        _refuse_turning_forces(plan)
         line, request = plan.line, plan.request
+        forces = [name for name in plan.places if OUTPUTS[name].unit == "N"]
+        if request.axes == "shaft" and forces:
+            # They need the derivatives of the axes themselves, which only moments do without.
+            raise ArgumentValueError(
+                "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
+            )
         self._level = plan._level
         self.request, self.places, self.line = request, plan.places, line
         self._angle = angle if isinstance(angle, Sweep) else as_float64("angle", angle)
         load = request.load
         of_load = {} if load is None else load.shapes()
         self.shape = common_shape(driveline=line.shape, angle=self._angle.shape, **of_load)
-        if load is not None:
-            own = common_shape(driveline=line.shape, angle=self._angle.shape)
-            if self.shape != own:
-                # As for a call of the plan, whose results have the shape of driveline and angle.
-                raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
+        own = common_shape(driveline=line.shape, angle=self._angle.shape)
+        if self.shape != own:
+            # As for a call of the plan, whose results have the shape of driveline and angle.
+            raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
         padded = (1,) * (len(self.shape) - len(line.shape)) + line.shape
         self._lines = [axis for axis, length in enumerate(padded) if length != 1]
         rest = [axis for axis in range(len(self.shape)) if axis not in self._lines]
@@ -194,25 +198,12 @@ class DerivativeSamples:
         of_shafts = [(i, self.spread(np.asarray(x))) for i, x in enumerate(inertias)]
         return (load.end, *map(self.spread, arrays), of_shafts)
 
-    def plane_shape(self) -> tuple[int, ...]:
-        """Return the shape of a plane, with the axes of the drivelines first."""
-        return tuple(self.shape[axis] for axis in self._order)
-
     def in_order(self, array: NDArray[Any], before: int) -> NDArray[Any]:
         """Return an array with its axes of samples in their own order, after ``before`` others."""
         places = np.argsort(self._order)
         ndim = len(places)
         axes = [*range(before), *(before + places), *range(before + ndim, array.ndim)]
         return array.transpose(axes)
-
-
-def _refuse_turning_forces(plan: Plan) -> None:
-    """Refuse what needs the derivatives of the axes themselves, which only moments do without."""
-    forces = [name for name in plan.places if OUTPUTS[name].unit == "N"]
-    if plan.request.axes == "shaft" and forces:
-        raise ArgumentValueError(
-            "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
-        )
 
 
 def gradient(plan: Plan, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
@@ -254,7 +245,8 @@ def derivatives(plan: Plan, angle: ArrayLike | Sweep, by: str | Iterable[str]) -
     columns = [*_columns(names, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
-    block = samples.in_order(flat.reshape(planes, *samples.plane_shape(), width), 1)
+    plane = (samples.shape[axis] for axis in samples._order)
+    block = samples.in_order(flat.reshape(planes, *plane, width), 1)
     ndim = len(samples.shape)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}
     for output, place in places.items():
@@ -293,12 +285,7 @@ def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Ite
 def checked_weights(
     weights: Mapping[str, ArrayLike], places: Mapping[str, PlanePlace], shape: tuple[int, ...]
 ) -> dict[str, FloatArray]:
-    """Return the weights, each in the shape of its output for samples of this shape.
-
-    Raises:
-        TypeError: weights that are no mapping, or not real numbers.
-        ValueError: weights of something that is not an output, or of a wrong shape.
-    """
+    """Return the weights, each in the shape of its output for samples of this shape."""
     if not isinstance(weights, Mapping):
         raise ArgumentTypeError(
             "weights", f"is {type(weights).__name__}; it must map names of outputs to arrays"
@@ -317,22 +304,98 @@ def checked_weights(
             )
         array = as_float64("weights", given)
         wanted = places[name].shape(shape)
-        if array.shape == wanted:
-            full[name] = array
-            continue
         try:
             full[name] = np.broadcast_to(array, wanted)
         except ValueError:
-            raise ArgumentValueError(
-                "weights", f"has shape {array.shape}; it must be {wanted}", (name,)
-            ) from None
+            check_shape("weights", array, False, f"it must be {wanted}", (name,))
     return full
 
 
 def _check_load(load: Load | None, by: Iterable[str]) -> None:
+    known = () if load is None else ("inertias", f"{load.end}_torque")
+    has = "no load" if load is None else f"a load with {load.end}_torque"
     for i, name in enumerate(by):
-        if name == "inertias" and load is None:
-            raise ArgumentValueError("by", "is 'inertias'; the plan has no load", (i,))
-        if name.endswith("_torque") and (load is None or name != f"{load.end}_torque"):
-            has = "no load" if load is None else f"a load with {load.end}_torque"
+        if (name == "inertias" or name.endswith("_torque")) and name not in known:
             raise ArgumentValueError("by", f"is {name!r}; the plan has {has}", (i,))
+
+
+def reduced_gradient(
+    whole: Plan,
+    reduce: str,
+    places: Mapping[str, PlanePlace],
+    angle: ArrayLike | Sweep,
+    weights: Mapping[str, ArrayLike],
+) -> Gradient:
+    """Return a weighted sum of reduced outputs and its derivatives, from a plan of the samples."""
+    rows = whole._rows(whole._sample_shape(np.shape(angle)))
+    full = checked_weights(weights, places, rows)
+    slopes = _slopes(whole, reduce, angle)
+    of_samples = {}
+    for name, weight in full.items():
+        vector = whole.places[name][2]
+        if vector and reduce == "peak":
+            weight = weight[..., np.newaxis]
+        of_samples[name] = np.expand_dims(weight, -2 if vector else -1) * slopes[name]
+    return whole.gradient(angle, of_samples)
+
+
+def reduced_derivatives(
+    whole: Plan, reduce: str, angle: ArrayLike | Sweep, by: str | Iterable[str]
+) -> Derivatives:
+    """Return the derivatives of reduced outputs, with the arguments of ``reduced_gradient``."""
+    by = by if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
+    if by == "angle" or "angle" in by:
+        raise ArgumentValueError(
+            "by", "has 'angle', of which a reduced output has many; a plan with reduce=None has it"
+        )
+    whole._rows(whole._sample_shape(np.shape(angle)))
+    slopes = _slopes(whole, reduce, angle)
+    found: dict[str, dict[str, NDArray[np.float64]]] = {}
+    for name, of_samples in whole.derivatives(angle, by).items():
+        slope = slopes[name]
+        axis = slope.ndim - (2 if whole.places[name][2] else 1)
+        found[name] = {}
+        for kind, array in of_samples.items():
+            weighted = slope.reshape(slope.shape + (1,) * (array.ndim - slope.ndim)) * array
+            summed = weighted.sum(axis=axis)
+            if reduce == "peak" and whole.places[name][2]:
+                summed = summed.sum(axis=axis)
+            found[name][kind] = summed
+    return Derivatives(found)
+
+
+def _slopes(whole: Plan, reduce: str, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
+    """The derivatives of the reduced outputs by the samples, in the shape of the samples."""
+    result = whole(angle)
+    return {
+        name: _slope(reduce, np.asarray(result[name], np.float64), whole.places[name][2])
+        for name in result
+    }
+
+
+def _slope(reduce: str, samples: FloatArray, vector: bool) -> FloatArray:
+    axis = samples.ndim - (2 if vector else 1)
+    count = samples.shape[axis]
+    if reduce == "mean":
+        return np.full_like(samples, 1.0 / count)
+    if reduce == "rms":
+        root = np.sqrt(np.mean(samples**2, axis=axis, keepdims=True))
+        return _ratio(samples, count * root)
+    if reduce == "peak":
+        size = np.linalg.norm(samples, axis=-1) if vector else np.abs(samples)
+        at = np.argmax(size, axis=axis, keepdims=True)
+        direction = _ratio(samples, size[..., np.newaxis] if vector else size)
+        return direction * _only(at[..., np.newaxis] if vector else at, samples.shape, axis)
+    find = np.argmin if reduce == "min" else np.argmax
+    return _only(find(samples, axis=axis, keepdims=True), samples.shape, axis)
+
+
+def _only(at: NDArray[np.intp], shape: tuple[int, ...], axis: int) -> FloatArray:
+    """Return 1 at one index along an axis, and 0 elsewhere."""
+    along = np.arange(shape[axis]).reshape(-1, *(1,) * (len(shape) - axis - 1))
+    return np.where(along == at, 1.0, 0.0)
+
+
+def _ratio(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the ratio, 0 where both vanish: a magnitude has no derivative there."""
+    return np.divide(x, y, out=np.zeros(np.broadcast_shapes(x.shape, y.shape)), where=y != 0.0)

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays.indices import Items, is_index, item_index
-from cardan.evaluation.composed_plans import PlanInDegrees, PlanOfReductions
-from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.composed_plans import (
+    PlanInDegrees,
+    PlanOfReductions,
+    planned,
+    remembered,
+)
 from cardan.evaluation.harmonics import Harmonics
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
-from cardan.evaluation.plan_cache import remembered
 from cardan.evaluation.request import AngleOf, Axes, Reduction, Request
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
@@ -138,26 +141,17 @@ def plan(
     The plan decides once which steps the outputs need; ``print(plan.explain())`` shows them.
 
     Args:
-        outputs: names from ``cardan.OUTPUTS``.
-        shafts: as for ``evaluate``, like the following arguments.
-        joints: for the outputs per joint.
-        load: for the outputs that need one.
-        reduce: of the last axis of the samples.
-        dtype: of the results.
-        tolerance: permitted error.
-        workers: largest number of threads.
-        axes: of vectors.
-        angle_of: the shaft whose angle is given.
+        outputs: names from ``cardan.OUTPUTS``; they and all other arguments as for ``evaluate``.
 
     Returns:
         the plan; calling it gives the result of ``evaluate``.
 
     Raises:
         IndexError: a shaft or joint that does not exist.
-        TypeError: outputs that are not names, indices that are not integers, a
-            tolerance that is not a number.
-        ValueError: an unknown output, reduction or dtype, a load that is missing or has not
-            one inertia per shaft, a tolerance or number of threads out of range.
+        TypeError: outputs that are not names, indices that are not integers, a tolerance that is
+            not a number.
+        ValueError: an unknown output, reduction or dtype, a load that is missing or has not one
+            inertia per shaft, a tolerance or number of threads out of range.
     """
     request = Request(
         outputs, shafts, joints, load, reduce, dtype, tolerance, workers, axes, angle_of
@@ -180,25 +174,19 @@ def harmonics(
     At order ``2 n`` the amplitudes are ``k**n / n`` of the angle error and ``2 k**n`` of the
     speed ratio, with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4). With
     deviations there are odd orders as well, and everything is summed over a turn.
+    ``Plan.harmonics`` has the details and the errors.
 
     Args:
         orders: positive integers, ``(m,)`` or one; odd orders of the motion of ideal joints
             have amplitude 0. By default the first four even orders.
         shaft: shaft for the outputs per shaft, by default the last; also a slice or a list.
         outputs: names from ``cardan.OUTPUTS``, except ``angle``.
-        joints: joints for the outputs per joint; default: all.
-        load: for the outputs that need one; constant over the turn.
-        axes: of vectors, as for ``evaluate``.
+        joints: as for ``evaluate``, like the following arguments.
+        load: constant over the turn.
+        axes: of vectors.
 
     Returns:
-        mean, amplitudes and phases, with the orders on the last axis. ``Plan.harmonics`` has
-        the details.
-
-    Raises:
-        IndexError: a shaft or joint that does not exist.
-        TypeError: orders that are not integers.
-        ValueError: an order below 1, an unknown output, the output ``angle``, a load that is
-            missing or does not fit.
+        mean, amplitudes and phases, with the orders on the last axis.
     """
     if is_index(shaft):
         shaft = item_index("shaft", shaft, line.n_joints + 1)  # type: ignore[arg-type]

@@ -1,27 +1,39 @@
 """Harmonics: the mean and the orders of any output over a turn.
 
-The motion of a shaft has its series in closed form. Every other output is summed over samples.
+The motion of a shaft has its series in closed form. The core sums every other output over samples.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, common_shape
-from cardan.arrays.errors import ArgumentValueError
+from cardan import _core
+from cardan.arrays import ComplexArray, FloatArray, common_shape, threads
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.arrays.indices import checked_orders, item_indices
 from cardan.evaluation.layout import PlanePlace
-from cardan.evaluation.order_sums import ComplexArray, OrderSums, order_sums
+from cardan.evaluation.load import Load
+from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
     from cardan.evaluation.plan import Plan
 
+# Complex amplitudes with the orders last, mean, and bound on the error of both.
+_OrderSums: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
+
 _EPSILON = float(np.finfo(np.float64).eps)
+
+# Outputs have errors of some ulp, and chains amplify those of their constants.
+_ROUNDING = 32.0 * _EPSILON
+
+# Samples of a turn that show the size of an output.
+_SIZED = Sweep.revolutions(1, 64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +120,7 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
         if request.angle_of == "drive" and closed:
             found[name] = _closed(plan, place, name, rows, order)
         else:
-            found[name] = order_sums(plan, name, rows, order)
+            found[name] = _summed(plan, name, rows, order)
     return Harmonics(
         order,
         {name: amplitudes for name, (amplitudes, _, _) in found.items()},
@@ -128,7 +140,7 @@ _CLOSED = {
 
 def _closed(
     plan: Plan, place: PlanePlace, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
-) -> OrderSums:
+) -> _OrderSums:
     """The series of a shaft's motion.
 
     With the equivalent joint's ``k`` and offset ``f`` the angle error is ``arg(1 - k exp(-2 i (a +
@@ -162,3 +174,46 @@ def _closed(
 def _after_items(array: NDArray[Any], own: int) -> NDArray[Any]:
     """Let what follows the axis of items broadcast to ``own`` axes."""
     return array.reshape(array.shape[0], *(1,) * (own + 1 - array.ndim), *array.shape[1:])
+
+
+def _summed(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.int64]) -> _OrderSums:
+    """The orders of one output for drivelines and loads of the shape ``rows``."""
+    highest = _core.Plan.HIGHEST_ORDER
+    check_elements("orders", order, order <= highest, f"; an order of {name} is at most {highest}")
+    request = plan.request._replace(names=name, dtype=None)
+    own = plan._again(plan.line, request)
+    place = own.places[name]
+    planes = (1 if place.items is None else place.items, 3 if place.vector else 1)
+    mean, error, flat = own._core.orders(
+        rows,
+        order.tolist(),
+        request.angle_of == "driven",
+        request.tolerance or 0.0,
+        threads.at_most(request.workers),
+    )
+    load = request.load
+    if load is not None and load.inertias is not None and OUTPUTS[name].needs_load:
+        size = _size_without_inertias(plan, name, load, rows)
+        error = error.reshape(*rows, *planes) + _ROUNDING * size.reshape(*rows, planes[0], 1)
+
+    def shaped(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
+        """Items before the rows, the components of a vector behind them."""
+        whole = np.moveaxis(array.reshape(*rows, *planes, *last), len(rows), 0)
+        return whole.reshape((*place.shape(rows), *last))
+
+    return shaped(flat.view(np.complex128), len(order)), shaped(mean), shaped(error)
+
+
+def _size_without_inertias(plan: Plan, name: str, load: Load, rows: tuple[int, ...]) -> FloatArray:
+    """The largest magnitudes of an output under the largest torque in any shaft, without inertias.
+
+    Where the torque of an inertia nearly cancels another one, the output has the rounding of both.
+    """
+    line = plan.line._of(plan.line._geometry.batched(rows)).reshape(*rows, 1)
+    request = plan.request._replace(dtype=None, reduce="peak", angle_of="drive")
+    of_torque = request._replace(names="torque", shafts=slice(None), load=load.at_any_angle())
+    torques = plan._again(line, of_torque)(_SIZED)["torque"]
+    largest = np.maximum(np.max(torques, axis=0), np.abs(load.torque))
+    alone = request._replace(names=name, load=Load(drive_torque=largest[..., np.newaxis]))
+    sizes = plan._again(line, alone)(_SIZED)[name]
+    return sizes if sizes.ndim == len(rows) else np.moveaxis(sizes, 0, -1)

@@ -22,16 +22,10 @@ _LONGEST = 64
 
 
 class PlanePlace(NamedTuple):
-    """Where an output lies among the planes of a result.
+    """Where an output lies among the planes of a result."""
 
-    Attributes:
-        first: its first plane.
-        items: how many items it has; ``None`` for one without an axis for it.
-        vector: whether it is a vector.
-    """
-
-    first: int
-    items: int | None
+    first: int  # its first plane
+    items: int | None  # how many it has; ``None`` for one without an axis for it
     vector: bool
 
     @property
@@ -47,26 +41,15 @@ class PlanePlace(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What a plan knows of its result before it knows the driveline.
-
-    Attributes:
-        names: the outputs.
-        shafts: the shafts of the outputs per shaft.
-        joints: the joints of the outputs per joint.
-        shown: the same as asked for, an index or a list.
-        places: where each output lies among the planes.
-        planes: the number of planes.
-        shapes: the number of items of each output, if it has an axis for them, and whether it is a
-            vector.
-    """
+    """What a plan knows of its result before it knows the driveline."""
 
     names: tuple[str, ...]
-    shafts: list[int]
-    joints: list[int]
-    shown: tuple[int | list[int], int | list[int]]
+    shafts: list[int]  # of the outputs per shaft
+    joints: list[int]  # of the outputs per joint
+    shown: tuple[int | list[int], int | list[int]]  # the same as asked for, an index or a list
     places: Mapping[str, PlanePlace]
-    planes: int
-    shapes: list[tuple[int | None, bool]]
+    planes: int  # their number
+    shapes: list[tuple[int | None, bool]]  # items of each output, and whether it is a vector
 
 
 def layout_of(
@@ -77,13 +60,7 @@ def layout_of(
     reduce: Reduction | None,
     bearings: int,
 ) -> Layout:
-    """Return the layout of outputs of a driveline with ``n`` joints, as ``Plan`` reads them.
-
-    Raises:
-        IndexError: a shaft or joint that does not exist.
-        TypeError: names or indices of another type.
-        ValueError: an unknown or repeated name, an unknown reduction.
-    """
+    """Return the layout of outputs of a driveline with ``n`` joints, as ``Plan`` reads them."""
     names = names if isinstance(names, str) else tuple(names)
     # Of plain arguments only those are equal that mean the same; 1.0 is no index.
     one_shaft = shafts is None or type(shafts) is int

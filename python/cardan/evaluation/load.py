@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, per_shaft
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, exclusive
 
 _RAD_S_PER_RPM = np.pi / 30.0
 
@@ -58,40 +58,27 @@ class Load:
         speed_rpm: ArrayLike | None = None,
     ) -> None:
         """Check the values and keep copies of their arrays."""
-        if drive_torque is not None and output_torque is not None:
-            raise ArgumentValueError(
-                "drive_torque", "and output_torque are both given; give one of them"
-            )
-        if speed is not None and speed_rpm is not None:
-            raise ArgumentValueError("speed", "and speed_rpm are both given; give one of them")
+        exclusive(drive_torque=drive_torque, output_torque=output_torque)
+        exclusive(speed=speed, speed_rpm=speed_rpm)
         end = "output" if drive_torque is None else "drive"
         torque = output_torque if drive_torque is None else drive_torque
-        values = {
-            "end": end,
-            "torque": as_float64(f"{end}_torque", 0.0 if torque is None else torque),
-            "speed": as_float64("speed", 0.0 if speed is None else speed)
-            if speed_rpm is None
-            else np.asarray(as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM),
-            "acceleration": as_float64(
-                "acceleration", 0.0 if acceleration is None else acceleration
-            ),
-            "inertias": None if inertias is None else _checked_inertias(inertias),
-        }
-        if inertias is not None and speed is speed_rpm is acceleration is None:
-            raise ArgumentValueError(
-                "inertias",
-                "are given without a speed or an acceleration; inertias need one of them",
-            )
-        for name, value in values.items():
-            kept = value.copy() if isinstance(value, np.ndarray) else value
-            object.__setattr__(self, name, kept)
+        given_motion = (speed, speed_rpm, acceleration)
+        if speed_rpm is not None:
+            speed = as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM
+        given = {"speed": speed, "acceleration": acceleration}
+        values = {name: as_float64(name, x) for name, x in given.items() if x is not None}
+        values["torque"] = as_float64(f"{end}_torque", 0.0 if torque is None else torque)
+        inertial = None if inertias is None else _checked_inertias(inertias)
+        if inertial is not None and not any(x is not None for x in given_motion):
+            problem = "are given without a speed or an acceleration; inertias need one of them"
+            raise ArgumentValueError("inertias", problem)
+        zero = np.zeros(())
+        self.__setstate__(
+            {"end": end, "inertias": inertial, "speed": zero, "acceleration": zero, **values}
+        )
 
     def inertias_by_shaft(self, joints: int) -> dict[int, FloatArray]:
-        """Return the inertia of each shaft that has one, as a contiguous array.
-
-        Raises:
-            ValueError: inertias of another number of shafts.
-        """
+        """Return the inertia of each shaft that has one, as a contiguous array."""
         if self.inertias is None:
             return {}
         per_shaft("inertias", self.inertias, joints + 1)
@@ -117,18 +104,14 @@ class Load:
         return self.changed(lambda x, own: np.expand_dims(x, -1 - own) if x.ndim > own else x)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Unpickle, with copied arrays: what came in a message lies anywhere in it."""
+        """Keep copies of the arrays: what came in a message lies anywhere in it."""
         for name, value in state.items():
             kept = np.array(value) if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)
 
 
 def require_load(load: object) -> None:
-    """Raise an error unless ``load`` is a ``Load``.
-
-    Raises:
-        ArgumentTypeError: anything else.
-    """
+    """Raise an error unless ``load`` is a ``Load``."""
     if not isinstance(load, Load):
         raise ArgumentTypeError(
             "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"

@@ -179,12 +179,7 @@ OUTPUTS: Mapping[str, Output] = _Outputs(_rows())
 
 
 def checked(names: str | Iterable[str]) -> tuple[str, ...]:
-    """Return the output names as a tuple.
-
-    Raises:
-        TypeError: something that is not a name.
-        ValueError: an unknown or repeated name, with the nearest known one.
-    """
+    """Return the names of outputs as a tuple, each known and once."""
     listed = (names,) if isinstance(names, str) else tuple(names)
     for i, name in enumerate(listed):
         if not isinstance(name, str):

@@ -12,12 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.evaluation.derivatives import Derivatives, Gradient, derivatives, gradient
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.evaluation.derivatives import (
+    Derivatives,
+    Gradient,
+    derivatives,
+    gradient,
+    reduced_derivatives,
+    reduced_gradient,
+)
 from cardan.evaluation.harmonics import Harmonics, harmonics
 from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
-from cardan.evaluation.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
@@ -69,9 +75,8 @@ class Plan:
         # Read at every call.
         self._load = () if load is None else (load.torque, load.speed, load.acceleration)
         # Nothing but the angles changes from sample to sample.
-        self._only_angle_varies = not shape and not (
-            load and _changes(*self._load, *inertias.values())
-        )
+        of_load = (*self._load, *inertias.values())
+        self._only_angle_varies = not shape and not any(array.ndim for array in of_load)
         self._single_row = self._only_angle_varies and not reduce
         self._workers = workers
         self._level = level
@@ -257,10 +262,8 @@ class Plan:
         array([0.622508])
         """
         if self._reduce:
-            whole = self._again(self.line, self.request._replace(reduce=None, dtype=None))
-            return reduced_derivatives(whole, self._reduce, angle, by)
-        at_drive = self._drive_angles(angle)
-        return derivatives(self, at_drive, by)
+            return reduced_derivatives(self._of_samples(), self._reduce, angle, by)
+        return derivatives(self, self._drive_angles(angle), by)
 
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
         """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
@@ -292,10 +295,9 @@ class Plan:
         array([ 0.0322, -0.02  ])
         """
         if self._reduce:
-            whole = self._again(self.line, self.request._replace(reduce=None, dtype=None))
+            whole = self._of_samples()
             return reduced_gradient(whole, self._reduce, self.places, angle, weights)
-        at_drive = self._drive_angles(angle)
-        return gradient(self, at_drive, weights)
+        return gradient(self, self._drive_angles(angle), weights)
 
     def _drive_angles(self, angle: ArrayLike | Sweep) -> ArrayLike | Sweep:
         """Return the drive angles of a call."""
@@ -304,6 +306,10 @@ class Plan:
     def _again(self, line: Driveline, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
         return Plan(line, request)
+
+    def _of_samples(self) -> Plan:
+        """Return the plan that reduces nothing."""
+        return self._again(self.line, self.request._replace(reduce=None, dtype=None))
 
     def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
         """Return the steps, the steps skipped and why, and the bytes per sample.
@@ -380,10 +386,7 @@ class Plan:
                     "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
                 )
             wanted = self.places[name].shape(rows)
-            if array.shape != wanted:
-                raise ArgumentValueError(
-                    "out", f"has shape {array.shape}; it must be {wanted}", (name,)
-                )
+            check_shape("out", array, array.shape == wanted, f"it must be {wanted}", (name,))
             if not array.flags.writeable:
                 raise ArgumentValueError("out", "is read-only; it must be writeable", (name,))
             for other, earlier in checked.items():
@@ -426,10 +429,6 @@ class Plan:
                     target[...] = array
             arrays[name] = array if target is None else target
         return arrays
-
-
-def _changes(*arrays: FloatArray) -> bool:
-    return any(array.ndim for array in arrays)
 
 
 def _broadcast(*shapes: tuple[int, ...]) -> tuple[int, ...] | None:

@@ -66,11 +66,7 @@ class Result(Mapping[str, NDArray[Any]]):
         self._planes = planes
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the array of one output.
-
-        Raises:
-            KeyError: no such output.
-        """
+        """Return the array of one output; a ``KeyError`` lists those that there are."""
         try:
             array: NDArray[Any] | None = self._made.get(name)
             if array is None:
@@ -163,7 +159,7 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: xarray is missing.
             ValueError: a result that does not come from an evaluation.
         """
-        made: xarray.Dataset = _labels().dataset(self)
+        made: xarray.Dataset = adapter("xarray").dataset(self)
         return made
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -176,19 +172,16 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: pandas is missing.
             ValueError: a result that does not come from an evaluation.
         """
-        made: pandas.DataFrame = _labels().frame(self)
+        # Frames and tables have the same labels.
+        made: pandas.DataFrame = adapter("xarray").frame(self)
         return made
 
     def to_arrow(self) -> pyarrow.Table:
         """Return the samples as rows of a table, driveline and drive angle first.
 
-        Columns as of ``to_pandas``; every field has ``units`` and ``long_name`` as metadata.
-
-        Raises:
-            ImportError: pyarrow is missing.
-            ValueError: a result that does not come from an evaluation.
+        Columns and errors as of ``to_pandas``; fields have ``units`` and ``long_name`` as metadata.
         """
-        made: pyarrow.Table = _labels().table(self)
+        made: pyarrow.Table = adapter("xarray").table(self)
         return made
 
     def plot(self) -> Figure:
@@ -245,8 +238,3 @@ def _same(one: Any, other: Any) -> bool:  # noqa: ANN401 - arrays of any library
     if any(hasattr(array, "__dask_graph__") for array in (one, other)):
         return False
     return np.array_equal(one, other, equal_nan=True)
-
-
-def _labels() -> Any:  # noqa: ANN401 - a module
-    """The adapter of labelled arrays; frames and tables have the same labels."""
-    return adapter("xarray")

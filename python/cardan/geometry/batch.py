@@ -51,20 +51,15 @@ def concatenate(
     along %= len(shape)
     for i, part in enumerate(parts):
         first, own = ((len(s), *s[:along], *s[along + 1 :]) for s in (shape, part.shape))
+        problem = ""
         if own != first:
-            raise ArgumentValueError(
-                "lines",
-                f"has shape {part.shape} and lines[0] {shape}; "
-                f"they may differ along axis {along} only",
-                (i,),
-            )
-        if part.bearings != bearings:
-            raise ArgumentValueError(
-                "lines",
-                f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
-                "they must be the same",
-                (i,),
-            )
+            problem = f"has shape {part.shape} and lines[0] {shape}; they may differ along axis "
+            problem += f"{along} only"
+        elif part.bearings != bearings:
+            problem = f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
+            problem += "they must be the same"
+        if problem:
+            raise ArgumentValueError("lines", problem, (i,))
     if not all(part.lengths.shape[-1] for part in parts):
         # Lengths that some lack are of no use to all.
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
@@ -191,11 +186,7 @@ def reversed(line: Driveline) -> Driveline:
 def broadcast(
     line: Driveline, **arrays: FloatArray
 ) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
-    """Broadcast arrays against the batch.
-
-    Returns:
-        the common shape, and flat, the number of the driveline and each array.
-    """
+    """Return the common shape of batch and arrays, and flat the drivelines' numbers and arrays."""
     shapes = {name: array.shape for name, array in arrays.items()}
     shape = common_shape(driveline=line.shape, **shapes)
     numbers = np.arange(math.prod(line.shape)).reshape(line.shape)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, deferring, together
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements, check_shape
 from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
 
 if TYPE_CHECKING:
@@ -221,9 +221,8 @@ def _lengths(points: FloatArray) -> FloatArray:
 
 def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
     array = as_float64(name, value)
-    if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
-        wanted = f"(..., {fewest} or more, 3)"
-        raise ArgumentValueError(name, f"has shape {array.shape}; it must be {wanted}")
+    right = array.ndim >= 2 and array.shape[-1] == 3 and array.shape[-2] >= fewest
+    check_shape(name, array, right, f"it must be (..., {fewest} or more, 3)")
     return array
 
 
@@ -238,8 +237,7 @@ def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> 
 def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) -> FloatArray:
     """Slopes of three shafts from the two bends between them, the shaft of reference level."""
     bend = _slopes(name, value, degrees, "projected bend")
-    if bend.shape[-1] != 2:
-        raise ArgumentValueError(name, f"has shape {bend.shape}; two joints need (..., 2)")
+    check_shape(name, bend, bend.shape[-1] == 2, "two joints need (..., 2)")
     first, second = np.moveaxis(bend, -1, 0)
     level = np.zeros_like(first)
     slopes = {

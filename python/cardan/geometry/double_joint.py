@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive
-from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_elements, exclusive
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -60,20 +60,7 @@ def from_double_joint(
     array([[ 9.6705, 10.3295],
            [17.5   , 17.5   ]])
     """
-    bends = double_joint_bends(total, length, pivot, synchronous, degrees)
-    return cls.from_bends(bends)
-
-
-def double_joint_bends(
-    total: ArrayLike,
-    length: ArrayLike,
-    pivot: ArrayLike | None,
-    synchronous: ArrayLike | None,
-    degrees: bool,
-) -> FloatArray:
-    """Return the bends of both joints in rad, ``(..., 2)``, as ``from_double_joint`` has them."""
-    if pivot is not None and synchronous is not None:
-        raise ArgumentValueError("pivot", "and synchronous are both given; give one of them")
+    exclusive(pivot=pivot, synchronous=synchronous)
     bend, apart = as_float64("total", total), positive("length", length)
     turn = 180.0 if degrees else np.pi
     unit = " deg; it must lie in [0, 180) deg" if degrees else " rad; it must lie in [0, pi) rad"
@@ -84,16 +71,15 @@ def double_joint_bends(
     driven = np.arcsin(share * np.sin(angle))
     bends = np.stack([angle - driven, driven], axis=-1)
     if np.any(bends >= 0.5 * np.pi):
-        place = tuple(int(i) for i in np.argwhere(bends >= 0.5 * np.pi)[0])
-        given = np.broadcast_to(bend, shape)[place[:-1]]
-        at = place[:-1] if bend.ndim else ()
+        *place, joint = (int(i) for i in np.argwhere(bends >= 0.5 * np.pi)[0])
+        given = np.broadcast_to(bend, shape)[*place]
         raise ArgumentValueError(
             "total",
-            f"is {given}{' deg' if degrees else ' rad'}, which bends joint {place[-1]} by "
-            f"{np.degrees(bends[place]):.6g} deg; a bend must lie in [0, 90) deg",
-            at,
+            f"is {given}{' deg' if degrees else ' rad'}, which bends joint {joint} by "
+            f"{np.degrees(bends[*place, joint]):.6g} deg; a bend must lie in [0, 90) deg",
+            tuple(place) if bend.ndim else (),
         )
-    return bends
+    return cls.from_bends(bends)
 
 
 def _share(

@@ -9,38 +9,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, Place, check_elements
+from cardan.arrays import FloatArray, as_float64, finite
+from cardan.arrays.errors import ArgumentValueError, Place, check_shape
 
 
 class Geometry(NamedTuple):
-    """What makes a batch of drivelines: angles in rad and unit vectors, as ``Driveline`` has them.
-
-    Attributes:
-        bends: ``(..., n)``.
-        twists: ``(..., n - 1)``.
-        phases: ``(..., n - 1)``.
-        directions: ``(..., n + 1, 3)``.
-        normals: ``(..., n, 3)``.
-        lengths: length of each shaft, ``(..., n + 1)``; ``(..., 0)`` if unknown.
-        positions: position of each bearing along its shaft, in the unit of the lengths,
-            ``(..., m)``.
-        deviations: of driving yoke, cross and driven yoke of each joint, ``(..., n, 3)``;
-            ``(..., 0, 3)`` if all joints are ideal.
-        bearings: the shaft of each bearing, ``m`` in number.
-        has_points: whether they were made from points, with these lengths between them.
-    """
+    """What makes a batch of drivelines: angles in rad and unit vectors, as of ``Driveline``."""
 
     bends: FloatArray
     twists: FloatArray
     phases: FloatArray
     directions: FloatArray
     normals: FloatArray
-    lengths: FloatArray
-    positions: FloatArray
-    deviations: FloatArray
-    bearings: tuple[int, ...] = ()
-    has_points: bool = False
+    lengths: FloatArray  # (..., n + 1), or (..., 0) if unknown
+    positions: FloatArray  # of each bearing along its shaft, (..., m), in the lengths' unit
+    deviations: FloatArray  # (..., n, 3), or (..., 0, 3) if all joints are ideal
+    bearings: tuple[int, ...] = ()  # the shaft of each
+    has_points: bool = False  # whether they were made from points, with these lengths between them
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -124,7 +109,6 @@ def between_joints(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatA
     between = max(n - 1, 0)
     if array.ndim == 0:
         array = np.full(between, array)
-    if array.shape[-1] != between:
-        raise ArgumentValueError(name, f"has shape {array.shape}; {n} joints need (..., {between})")
-    check_elements(name, array, np.isfinite(array), "; it must be finite")
+    check_shape(name, array, array.shape[-1] == between, f"{n} joints need (..., {between})")
+    finite(name, array)
     return np.radians(array) if degrees else array

@@ -36,12 +36,7 @@ _Kind = TypeVar("_Kind", bound=str)
 
 
 def checked_kind(line: Driveline, by: str, kinds: tuple[_Kind, ...]) -> _Kind:
-    """Return one of some kinds of variables, which the driveline must have.
-
-    Raises:
-        ArgumentTypeError: something that is not a name.
-        ArgumentValueError: an unknown name, something that the driveline does not have.
-    """
+    """Return one of some kinds of variables, which the driveline must have."""
     name = _known(line, by, kinds, ())
     return next(known for known in kinds if known == name)
 

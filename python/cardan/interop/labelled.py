@@ -1,4 +1,7 @@
-"""Results with labels: Datasets of xarray, frames of pandas, tables of Arrow."""
+"""Results with labels: Datasets of xarray, frames of pandas, tables of Arrow.
+
+Angles with labels of xarray or with an index of pandas give results that keep them.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import import_optional
+from cardan.arrays import array_namespace_of, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.evaluation.composed_plans import PlanInDegrees
 from cardan.evaluation.outputs import OUTPUTS, Output
@@ -40,19 +43,17 @@ _DRIVE_ANGLE = {
 
 
 def evaluate(
-    plan: Plan | PlanInDegrees, angle: xarray.DataArray, out: Mapping[str, NDArray[Any]] | None
-) -> xarray.Dataset:
-    """Evaluate a plan at angles with labels, which the Dataset returned keeps.
-
-    Raises:
-        TypeError: arrays to fill, which have no labels.
-        ValueError: angles in another unit than the plan's; a name of theirs that is also an
-            output's.
-    """
+    plan: Plan | PlanInDegrees,
+    angle: Any,  # noqa: ANN401 - an array of xarray or pandas
+    out: Mapping[str, NDArray[Any]] | None,
+) -> xarray.Dataset | pandas.DataFrame:
+    """Evaluate a plan at angles with labels, which the Dataset or DataFrame returned keeps."""
+    of_pandas = array_namespace_of(angle) == "pandas"
     if out is not None:
-        raise ArgumentTypeError(
-            "out", "does not go with an angle that is a DataArray; give its values"
-        )
+        what = "Series; give its to_numpy()" if of_pandas else "DataArray; give its values"
+        raise ArgumentTypeError("out", f"does not go with an angle that is a {what}")
+    if of_pandas:
+        return _with_index(plan(angle.to_numpy()), angle)
     wanted, hint = ("deg", "") if isinstance(plan, PlanInDegrees) else ("rad", _HINT)
     units = angle.attrs.get("units", wanted)
     if units not in _UNITS[wanted]:
@@ -256,3 +257,26 @@ def _parts(
                 yield f"{name}_{axis}", values[..., i]
         else:
             yield name, values
+
+
+def _with_index(result: Result, angle: pandas.Series) -> pandas.DataFrame:
+    """The columns of ``Result.to_pandas`` with the index of the angles.
+
+    Rows of a batch have the number of the driveline in front of it.
+    """
+    library = import_optional("pandas", "xarray")
+    index, figures = columns_of(result)
+    made: pandas.DataFrame = library.DataFrame({c.name: c.values for c in figures})
+    made.attrs["units"] = {column.name: column.unit for column in figures}
+    levels = [library.Index(c.values, name=c.name) for c in index if c.name != "drive_angle"]
+    if len(levels) == len(index):
+        # The angles are reduced.
+        return made.set_index(levels) if levels else made
+    if not levels:
+        made.index = angle.index
+        return made
+    # Samples next to each other differ in the angle.
+    own = angle.index[np.arange(len(made)) % max(1, len(angle))]
+    levels += [own.get_level_values(level) for level in range(own.nlevels)]
+    made.index = library.MultiIndex.from_arrays(levels)
+    return made

@@ -18,8 +18,7 @@ from cardan.arrays import array_namespace_of, as_float64, common_shape, import_o
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.evaluation.composed_plans import PlanInDegrees
-from cardan.evaluation.driven_angle import planned
+from cardan.evaluation.composed_plans import PlanInDegrees, planned
 from cardan.evaluation.layout import components_first, view
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan

@@ -149,10 +149,6 @@ class Transmission:
             angle: in rad, any shape; broadcasts against the batch. NaN and infinite angles give
                 NaN.
 
-        Returns:
-            angle error in rad, speed ratio, acceleration ratio and jerk ratio, each of the
-            broadcast shape.
-
         Raises:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
@@ -160,16 +156,12 @@ class Transmission:
         return self._columns(self._core.motion, angle)
 
     def gradient(self, angle: ArrayLike) -> Motion:
-        """Return the derivatives of the motion by ``q``.
+        """Return the complex derivatives of the motion by ``q``.
 
         A change ``dq`` changes each quantity by ``(derivative * dq).real``.
 
         Args:
             angle: as of ``motion``, like the errors.
-
-        Returns:
-            complex derivatives of angle error, speed ratio, acceleration ratio and jerk ratio, each
-            of the broadcast shape.
         """
         return self._columns(self._core.gradient, angle)
 

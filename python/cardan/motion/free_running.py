@@ -62,7 +62,7 @@ class FreeRunning:
             angle: drive angle in rad; broadcasts against batch and inertias.
 
         Raises:
-            TypeError: angles that are not real numbers.
+            TypeError: values that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return scalar_or_array(self._root / np.sqrt(self._felt(angle, acceleration=1.0)))
@@ -81,11 +81,7 @@ class FreeRunning:
 
         Args:
             speed: speed of the drive in rad/s at the drive angle.
-            angle: drive angle in rad.
-
-        Raises:
-            TypeError: values that are not real numbers.
-            ValueError: shapes that do not broadcast.
+            angle: as for ``speed_ratio``, like the errors.
         """
         mean = as_float64("speed", speed) / self.speed_ratio(angle)
         return scalar_or_array(np.asarray(math.tau / mean))
@@ -97,11 +93,8 @@ class FreeRunning:
 
         Args:
             variation: peak-to-peak variation of the drive's speed over its mean; broadcasts
-                against batch and inertias.
-
-        Raises:
-            TypeError: a variation that is not a real number.
-            ValueError: a variation that is not positive, shapes that do not broadcast.
+                against batch and inertias. It must be positive, other errors are as for
+                ``speed_ratio``.
         """
         wanted = as_float64("variation", variation)
         check_elements("variation", wanted, wanted > 0.0, "; it must be positive")

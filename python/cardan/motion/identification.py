@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_shape
 
 _ORDERS = 8
 _STEPS = 20
@@ -145,9 +145,6 @@ def identify(
         speed_ratio: or: speed of the driven shaft over that of the drive, ``(samples,)``.
         degrees: whether the angles are in degrees.
 
-    Returns:
-        the joint in rad, with its uncertainty.
-
     Raises:
         TypeError: values that are not real numbers.
         ValueError: neither or both of ``angle`` and ``speed_ratio``, arrays of other shapes, less
@@ -214,8 +211,7 @@ def identify_two_joints(
 
 def _column(name: str, values: ArrayLike) -> FloatArray:
     column = as_float64(name, values)
-    if column.ndim != 1:
-        raise ArgumentValueError(name, f"has shape {column.shape}; it must be (samples,)")
+    check_shape(name, column, column.ndim == 1, "it must be (samples,)")
     return column
 
 

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, as_float64, shares_of
-from cardan.arrays.errors import ArgumentValueError, Place, check_choice, check_elements
+from cardan.arrays import FloatArray, as_float64, finite, shares_of
+from cardan.arrays.errors import ArgumentValueError, Place, check_choice, check_shape
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -196,11 +196,9 @@ def optimise(
     1.92 -> 1.21 deg
     """
     first = as_float64("start", start)
-    if first.ndim != 1 or not first.size:
-        raise ArgumentValueError(
-            "start", f"has shape {first.shape}; it must be one number per variable"
-        )
-    check_elements("start", first, np.isfinite(first), "; it must be finite")
+    right = first.ndim == 1 and first.size > 0
+    check_shape("start", first, right, "it must be one number per variable")
+    finite("start", first)
     low, high = checked_bounds(bounds, first)
     half_turn = 180.0 if degrees else math.pi
     numbers = checked_phases(phases, len(first))
@@ -299,9 +297,7 @@ def _message(active: Sequence[ActiveLimit], names: Sequence[str]) -> str:
         else:
             side = "lower" if found.kind == "low" else "upper"
             parts.append(f"x[{found.variable}] is at its {side} bound of {found.limit:.6g}")
-    if not parts:
-        return "no bound and no limit is reached"
-    return "; ".join(parts)
+    return "; ".join(parts) or "no bound and no limit is reached"
 
 
 def _not_kept(problem: Problem, best: Candidate) -> NotKeptError:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_elements, check_shape
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -24,10 +24,9 @@ def checked_bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatAr
     if bounds is None:
         return np.full(start.shape, -np.inf), np.full(start.shape, np.inf)
     array = as_float64("bounds", bounds)
-    if array.shape != (len(start), 2):
-        raise ArgumentValueError(
-            "bounds", f"has shape {array.shape}; it must be {(len(start), 2)}, a pair per variable"
-        )
+    wanted = (len(start), 2)
+    rule = f"it must be {wanted}, a pair per variable"
+    check_shape("bounds", array, array.shape == wanted, rule)
     for i, (low, high) in enumerate(array):
         if not low < high:
             raise ArgumentValueError(
@@ -119,8 +118,8 @@ def speeds_of(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
     if speed is None:
         return None
     array = as_float64("speed", speed)
-    if array.shape not in ((), (n_states,)):
-        raise ArgumentValueError("speed", f"has shape {array.shape}; there are {n_states} states")
+    right = array.shape in ((), (n_states,))
+    check_shape("speed", array, right, f"there are {n_states} states")
     right = (array != 0.0) & np.isfinite(array)
     check_elements("speed", array, right, "; it must be finite and not 0")
     return array

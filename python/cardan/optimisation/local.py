@@ -30,11 +30,8 @@ _Rows = list[FloatArray]
 class _Program:
     """A problem around a start, in changes of the free variables over their scale.
 
-    Its unknowns ``y`` are these changes and, if values are to be bounded, ``t``.
-
-    Attributes:
-        bounded: the measures whose squared lengths ``t`` bounds.
-        limited: those that stay below 1.
+    Its unknowns ``y`` are these changes and, if values are to be bounded, ``t``. This bounds the
+    squared lengths of the measures ``bounded``; those of ``limited`` stay below 1.
     """
 
     def __init__(

@@ -35,28 +35,18 @@ class Measure:
     """A quantity whose figure grows with the length of a vector that is smooth.
 
     The equivalent bend goes as the root of ``|q|`` and has an infinite slope at constant velocity.
-    Its vector is ``q``, so that ``|q|**2`` is smooth everywhere.
-
-    Attributes:
-        name: the quantity.
-        unit: SI unit of its figure; ``"1"`` for a ratio, ``""`` if unknown.
-        vectors: of a batch of drivelines: ``(*batch, r)``, the largest of which counts.
-        figure: from the length of a vector.
-        length: of a vector, from the figure.
-        derivatives: of the vectors by each of some kinds of parameters of the drivelines,
-            ``(*batch, r, *parameters)``; ``None`` if they are not known.
-        of_q: whether the vector is ``q`` of the last shaft.
-        largest: what a limit must be below.
+    Its vector is ``q``, so that ``|q|**2`` is smooth everywhere. Derivatives of the vectors by some
+    kinds of parameters of the drivelines are ``(*batch, r, *parameters)``.
     """
 
     name: str
-    unit: str
-    vectors: Callable[[Driveline], Vectors]
-    figure: Callable[[Any], Any]
-    length: Callable[[float], float]
+    unit: str  # SI, of its figure; "1" for a ratio, "" if unknown
+    vectors: Callable[[Driveline], Vectors]  # (*batch, r), the largest of which counts
+    figure: Callable[[Any], Any]  # from the length of a vector
+    length: Callable[[float], float]  # of a vector, from the figure
     derivatives: Callable[[Driveline, Collection[LayoutVariables]], VectorsBy] | None = None
-    of_q: bool = False
-    largest: float = math.inf
+    of_q: bool = False  # whether the vector is ``q`` of the last shaft
+    largest: float = math.inf  # what a limit must be below
 
     def per_state(self, vectors: Vectors) -> FloatArray:
         """Return the figure of each state, ``(states,)``."""
@@ -82,11 +72,6 @@ def measure_of(
 
     It is a name of ``MOTION_QUANTITIES`` or of a reduced output, or a function of a driveline.
     Without a speed of the drive, one or ``(states,)``, excitations are over its square.
-
-    Raises:
-        TypeError: something else.
-        ValueError: an unknown name, a load that is missing, an excitation of one joint or one that
-            needs the same speed in all states.
     """
     if callable(quantity):
         return _of_function(argument, quantity)

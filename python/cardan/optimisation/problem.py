@@ -22,51 +22,29 @@ _STEP = 6e-6
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a variable changes: parameters of the driveline, in every state alike.
-
-    Attributes:
-        kind: bends, twists, phases, points, lengths or positions of bearings.
-        place: which of them, an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``.
-        factor: by how much each changes per unit of the variable.
-    """
+    """What a variable changes: parameters of the driveline, in every state alike."""
 
     kind: LayoutVariables
-    place: tuple[Any, ...]
-    factor: float = 1.0
+    place: tuple[Any, ...]  # an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``
+    factor: float = 1.0  # by how much each changes per unit of the variable
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What to minimise over which variables.
+    """What to minimise over which ``m`` variables."""
 
-    Attributes:
-        lines_of: the driveline of the variables ``(m,)``; its batch is the states.
-        low: lower bounds, ``(m,)``; ``-inf`` where there is none.
-        high: upper bounds.
-        scale: what counts as a large change of each variable, ``(m,)``.
-        goal: the quantity to minimise.
-        keep: quantities with limits.
-        lengths: the largest length that each of them permits.
-        rms: whether to minimise the root mean square over the states and not the largest.
-        weights: of the states in the mean, ``(states,)``, with sum 1.
-        jac: derivatives of ``q`` of the last shaft, if known.
-        parameters: of which parameters the variables are changes, if that is known.
-        vectorised: whether ``lines_of`` takes points ``(p, m)`` and returns a batch ``(p,
-            states)``.
-    """
-
-    lines_of: Callable[[FloatArray], Driveline]
-    low: FloatArray
+    lines_of: Callable[[FloatArray], Driveline]  # its batch is the states
+    low: FloatArray  # lower bounds, (m,); -inf where there is none
     high: FloatArray
-    scale: FloatArray
+    scale: FloatArray  # what counts as a large change of each variable, (m,)
     goal: Measure
-    keep: tuple[Measure, ...]
-    lengths: FloatArray
-    rms: bool
-    weights: FloatArray
-    jac: Callable[[FloatArray], NDArray[np.complex128]] | None
-    vectorised: bool
-    parameters: tuple[Parameter, ...] = ()
+    keep: tuple[Measure, ...]  # with limits
+    lengths: FloatArray  # the largest that each of them permits
+    rms: bool  # whether to minimise the root mean square over the states and not the largest
+    weights: FloatArray  # of the states in the mean, (states,), with sum 1
+    jac: Callable[[FloatArray], NDArray[np.complex128]] | None  # of ``q`` of the last shaft
+    vectorised: bool  # whether ``lines_of`` takes points (p, m) and returns a batch (p, states)
+    parameters: tuple[Parameter, ...] = ()  # of which the variables are changes, if known
 
     @property
     def measures(self) -> tuple[Measure, ...]:

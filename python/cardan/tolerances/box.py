@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, together
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements, check_shape
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.geometry import Geometry
 from cardan.geometry.parameters import PARAMETERS, parameter_shape
@@ -34,20 +34,15 @@ _FARTHEST = {"uniform": 1.0, "normal": 2.0}
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """One driveline and the tolerances of its parameters.
+    """One driveline as drawn and the tolerances of its parameters, in rad or the points' unit.
 
-    Attributes:
-        nominal: the driveline as drawn.
-        halves: tolerance of each parameter that has one, by group and place: radians, for points
-            their unit. With teeth the tolerance of a phase includes half a tooth.
-        teeth: the half tooth of each phase that is set by teeth, in rad.
-        normal: whether tolerances are three standard deviations of a normal distribution. The half
-            tooth is uniform nevertheless.
+    With teeth the tolerance of a phase includes half a tooth. That is uniform even if tolerances
+    are three standard deviations of a normal distribution.
     """
 
     nominal: Nominal
-    halves: Mapping[ParameterPlace, float]
-    teeth: Mapping[ParameterPlace, float]
+    halves: Mapping[ParameterPlace, float]  # of each parameter that has one, by group and place
+    teeth: Mapping[ParameterPlace, float]  # the half tooth of each phase that is set by teeth
     normal: bool
 
     @cached_property
@@ -136,11 +131,7 @@ class Box:
         return self.cones[1:] + self.cones[:-1] + self.by_group(self.sizes).get("bends", 0.0)
 
     def check(self) -> None:
-        """Check that no driveline within the box has a bend of 90° or a joint that cannot turn.
-
-        Raises:
-            ValueError: one has, or points change the direction of a shaft by 90° or more.
-        """
+        """Check that no driveline within the box has a bend of 90° or a joint that cannot turn."""
         times = _FARTHEST["normal" if self.normal else "uniform"]
         halves = {place: times * half for place, half in self.halves.items()}
         wide = self if times == 1.0 else Box(self.nominal, halves, {}, self.normal)
@@ -223,12 +214,9 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
     each = []
     for i, nominal in enumerate(nominals):
         tooth = _positive("phases", spread["teeth"][i]) if "teeth" in spread else {}
-        halves = {
-            place: half
-            for group in GROUPS
-            if group in spread
-            for place, half in _positive(group, spread[group][i]).items()
-        }
+        halves: dict[ParameterPlace, float] = {}
+        for group in GROUPS:
+            halves |= _positive(group, spread[group][i]) if group in spread else {}
         halves |= {place: halves.get(place, 0.0) + half for place, half in tooth.items()}
         box = Box(nominal, halves, tooth, sizes.distribution == "normal")
         box.check()
@@ -263,11 +251,9 @@ def _of_each(name: str, array: FloatArray, own: tuple[int, ...]) -> FloatArray:
     """One number for all parameters of a group, or one for each on the last axes."""
     if array.ndim == 0:
         return np.full(own, array)
-    if array.shape[-len(own) :] != own:
-        wanted = ", ".join(map(str, own))
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; it must be one number or (..., {wanted})"
-        )
+    wanted = ", ".join(map(str, own))
+    right = array.shape[-len(own) :] == own
+    check_shape(name, array, right, f"it must be one number or (..., {wanted})")
     return array
 
 

@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import ComplexArray, FloatArray
 from cardan.design.order_quantities import OrderQuantity, farthest_signs, order_amplitude
 from cardan.design.quantities import Amplitude, MotionQuantity
 from cardan.design.reduced_quantities import ReducedQuantity
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.box import JOINT_GROUPS, Box
-from cardan.tolerances.chain import ComplexArray, Deviations, amplitude
-from cardan.tolerances.deviating import as_drawn, in_blocks
+from cardan.tolerances.chain import Deviations, Nominal, amplitude
 from cardan.tolerances.guaranteed import largest_modulus
 from cardan.tolerances.worst import (
     MOST_CORNERS,
@@ -38,19 +37,19 @@ _STEP = 1e-4
 # Every trial of an order or a reduced output is an evaluation over a turn.
 _MOST_OVER_A_TURN = 10
 
+# Deviating drivelines at a time: each has its geometry with directions and normals.
+_BLOCK = 2048
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One driveline as drawn, the box of its tolerances, and what else its figures depend on.
-
-    These are the shaft and the speed of the drive in rad/s, for outputs the load and the threads.
-    """
+    """One driveline as drawn, the box of its tolerances, and what else its figures depend on."""
 
     box: Box
     line: Driveline
     shaft: int
-    speed: float
-    load: Load | None
+    speed: float  # of the drive, in rad/s
+    load: Load | None  # of outputs, like the threads
     workers: int | None
 
     @property
@@ -96,7 +95,7 @@ class Case:
     ) -> FloatArray:
         """A reduced output of each sample."""
         of = partial(quantity.of, load=self.load, workers=self.workers)
-        return in_blocks(of, self.line, self.box.nominal, deviations, samples)
+        return _in_blocks(of, self.line, self.box.nominal, deviations, samples)
 
     def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
         """The complex amplitude of an order of each sample, with drive angles as drawn.
@@ -116,7 +115,7 @@ class Case:
             )
             return np.asarray(amplitudes * np.exp(-1j * order * turned))
 
-        found = in_blocks(of, line, nominal, deviations, samples, np.complex128)
+        found = _in_blocks(of, line, nominal, deviations, samples, np.complex128)
         bend = deviations.get(("bends", (0,)))
         if bend is not None and order % 2:
             # Beyond straight the plane has turned by half a turn.
@@ -165,12 +164,13 @@ class Case:
         if isinstance(quantity, OrderQuantity):
             modulus = zonotope_radius(*self._order_vectors(quantity))
             return float(quantity.at(modulus, self.speed))
-        return self._figure(quantity, max(map(self._linear_modulus, quantity.amplitudes)))
+        largest = max(map(self._linear_modulus, quantity.amplitudes))
+        return float(quantity.at(largest, self.speed))
 
     def guaranteed(self, quantity: MotionQuantity) -> float:
         """Return a bound of the figure over the box."""
         moduli = (largest_modulus(kind, self.box, self.shaft) for kind in quantity.amplitudes)
-        return self._figure(quantity, max(moduli))
+        return float(quantity.at(max(moduli), self.speed))
 
     def shares(self, quantity: Quantity) -> FloatArray:
         """Return the share of each parameter in the scatter, ``(parameters,)``.
@@ -217,7 +217,7 @@ class Case:
             # Outputs of joints as built have no derivatives by points.
             changes = self._differences(partial(self._outputs, quantity))
             return np.asarray(changes / self.box.sizes)
-        line = as_drawn(self.line, self.box.nominal, joints=joints)
+        line = _as_drawn(self.line, self.box.nominal, joints=joints)
         wanted: list[LayoutVariables | Literal["deviations"]] = [
             group for group in PARAMETERS if group in used
         ]
@@ -235,9 +235,6 @@ class Case:
         modulus = zonotope_radius(centre, self._vectors(kind))
         # Large tolerances leave the linear range; a joint has |q| < 1.
         return min(modulus, float(np.nextafter(1.0, 0.0))) if kind == "last" else modulus
-
-    def _figure(self, quantity: MotionQuantity, modulus: float) -> float:
-        return float(quantity.at(modulus, self.speed))
 
     def _acting(self, quantity: Quantity) -> NDArray[np.intp]:
         """Numbers of the parameters on which a figure depends: those of ``q`` on the layout."""
@@ -274,3 +271,63 @@ class Case:
     @cached_property
     def _searches(self) -> dict[Any, FloatArray]:
         return {}
+
+
+def _in_blocks(
+    of: Callable[[Driveline], Any],
+    line: Driveline,
+    nominal: Nominal,
+    deviations: Deviations,
+    samples: int,
+    dtype: type = np.float64,
+) -> NDArray[Any]:
+    """Return one number for each sample, found of batches of deviating drivelines."""
+    found: NDArray[Any] = np.empty(samples, dtype)
+    for first in range(0, samples, _BLOCK):
+        some = slice(first, min(first + _BLOCK, samples))
+        part = {place: values[some] for place, values in deviations.items()}
+        found[some] = of(_deviating(line, nominal, part, some.stop - first))
+    return found
+
+
+def _as_drawn(line: Driveline, nominal: Nominal, *, joints: bool) -> Driveline:
+    """Return a batch of one driveline as drawn; from points if they have tolerances.
+
+    With ``joints`` it has deviations, which may be 0.
+    """
+    made = _deviating(line, nominal, {}, 1)
+    return line._of(made._geometry.as_built()) if joints else made
+
+
+def _deviating(
+    line: Driveline, nominal: Nominal, deviations: Deviations, samples: int
+) -> Driveline:
+    """The drivelines of the samples, with the bearings of the one as drawn."""
+
+    def deviated(group: str, array: FloatArray) -> FloatArray:
+        values = np.repeat(array[np.newaxis], samples, axis=0)
+        for (name, place), deviation in deviations.items():
+            if name == group:
+                np.moveaxis(values, 0, -1)[place] += deviation
+        return values
+
+    own, phases = line._geometry, deviated("phases", nominal.phases)
+    if nominal.points is not None:
+        made = line.from_points(deviated("points", nominal.points), phases)._geometry
+        lengths = made.lengths
+    else:
+        bends, twists = deviated("bends", nominal.bends), deviated("twists", nominal.twists)
+        # Beyond straight a joint bends to the other side: its plane has turned by half a turn.
+        flipped = bends < 0.0
+        twists += np.pi * (flipped[:, 1:].astype(float) - flipped[:, :-1])
+        made = line.from_bends(np.abs(bends), twists, phases)._geometry
+        lengths = np.repeat(own.lengths[np.newaxis], samples, axis=0)
+    positions = np.repeat(own.positions[np.newaxis], samples, axis=0)
+    joints = [place for place in deviations if place[0] in JOINT_GROUPS]
+    if joints or own.is_as_built:
+        built = np.repeat(own.as_built().deviations[np.newaxis], samples, axis=0)
+        for group, (joint,) in joints:
+            built[:, joint, JOINT_GROUPS.index(group)] += deviations[group, (joint,)]
+        made = made._replace(deviations=built)
+    made = made._replace(lengths=lengths, positions=positions, bearings=own.bearings)
+    return line._of(made)

@@ -18,12 +18,9 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import ComplexArray, FloatArray
 from cardan.design.quantities import Amplitude
-
-ComplexArray = NDArray[np.complex128]
 
 ParameterPlace: TypeAlias = tuple[str, tuple[int, ...]]
 """One parameter: its group, such as ``"bends"``, and its place there."""
@@ -34,22 +31,13 @@ _Values: TypeAlias = Any
 
 @dataclass(frozen=True, eq=False)
 class Nominal:
-    """One driveline as drawn.
-
-    Attributes:
-        bends: ``(n,)`` in rad.
-        twists: ``(n - 1,)``.
-        phases: ``(n - 1,)``.
-        points: ``(n + 2, 3)``, ``None`` if bends and twists are what deviates.
-        deviations: of the joints as built, ``(n, 3)``; ``None`` of ideal ones. ``q`` is that of
-            ideal joints.
-    """
+    """One driveline as drawn, with angles in rad; ``q`` is that of ideal joints."""
 
     bends: FloatArray
     twists: FloatArray
     phases: FloatArray
-    points: FloatArray | None = None
-    deviations: FloatArray | None = None
+    points: FloatArray | None = None  # (n + 2, 3), if they and not bends and twists deviate
+    deviations: FloatArray | None = None  # of the joints as built, (n, 3)
 
     @property
     def n_joints(self) -> int:

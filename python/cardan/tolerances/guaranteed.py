@@ -71,11 +71,10 @@ def _displacement(nominal: Nominal, shaft: int, *parts: FloatArray) -> float:
 
 
 def bound_parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the sides at their longest, their changes, and half of the turns in rad.
+    """Return each side ``(n,)`` at its longest, its change ``(n,)``, and half of the turns in rad.
 
-    Returns:
-        length of each side ``(n,)``, its change ``(n,)``, half the turn of each corner ``(n - 1,)``
-        by phases and twists, and of the polygon behind each joint ``(n,)`` by points.
+    These are of each corner ``(n - 1,)`` by phases and twists, and of the polygon behind each joint
+    ``(n,)`` by points.
     """
     bends, sizes = box.nominal.bends, box.by_group(box.sizes)
     least = _length(bends)

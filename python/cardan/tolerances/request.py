@@ -160,12 +160,7 @@ def tolerances(
 
 @dataclass(frozen=True, eq=False)
 class Figures:
-    """The figures that are asked for, as the arguments of ``tolerances`` have them.
-
-    Attributes:
-        motion_as_drawn: whether figures of the motion are those of ideal joints, and are not
-            refused where the joints deviate or have tolerances.
-    """
+    """The figures that are asked for, as the arguments of ``tolerances`` have them."""
 
     of: str | Iterable[str] = "equivalent_bend"
     limit: ArrayLike | Mapping[str, ArrayLike] | None = None
@@ -176,6 +171,7 @@ class Figures:
     shaft: SupportsIndex = -1
     shafts: Items = None
     joints: Items = None
+    # Whether figures of the motion are those of ideal joints, and not refused for joints as built.
     motion_as_drawn: bool = False
 
 
@@ -192,11 +188,7 @@ class Drawn:
 
 
 def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) -> Tolerances:
-    """Check what ``tolerances`` is asked and return its result.
-
-    Raises:
-        IndexError, TypeError, ValueError: as there.
-    """
+    """Check what ``tolerances`` is asked and return its result."""
     names, several = _names(figures.of)
     index = item_index("shaft", figures.shaft, line.n_joints + 1)
     if index == 0:

@@ -1,8 +1,14 @@
-"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares."""
+"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares.
+
+Random drivelines are drawn in chunks on several threads. Each chunk has its own stream of random
+numbers, spawned from the seed by the number of the chunk, so that the samples depend on neither the
+number of threads nor their order.
+"""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any, SupportsIndex
@@ -10,14 +16,13 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, scalar_or_array, threads
 from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
+from cardan.tolerances.box import Box
 from cardan.tolerances.case import Case, Quantity
-from cardan.tolerances.design import Design
-from cardan.tolerances.permitted import permitted_factor
-from cardan.tolerances.sampling import sample
+from cardan.tolerances.design import Design, permitted_factor
 
 
 def _in_degrees(name: str) -> Any:  # noqa: ANN401 - a property
@@ -39,6 +44,12 @@ def _share_up_to(values: FloatArray, limit: float) -> FloatArray:
 # Where a scene asks for no number, so many random drivelines are drawn, and these first. Of them so
 # few within the limit, or beyond it, mean less than 0.1 % of all (99 % confidence).
 _MOST, _FIRST, _SETTLED = 100_000, 16_384, 4
+
+# Doubles of one parameter at a time: the arrays of a chunk stay in the caches of a core.
+_CHUNK = 1 << 14
+
+# Pieces of work for a thread pool below which its start costs more than it saves.
+_FEWEST = 4
 
 
 class Tolerances:
@@ -107,32 +118,27 @@ class Tolerances:
         """
         index = item_index("state", state, self.n_states or 0)
         if index not in self._in_states:
-            self._in_states[index] = self._alone(index)
+            self._in_states[index] = Tolerances(
+                [Design((design.cases[index],)) for design in self._designs],
+                self.shape,
+                self._quantities,
+                several=self._several,
+                limits=self._limits,
+                samples=self._asked,
+                seed=self.seed,
+                distribution=self.distribution,
+                workers=self._workers,
+            )
         return self._in_states[index]
-
-    def _alone(self, index: int) -> Tolerances:
-        return Tolerances(
-            [design.in_state(index) for design in self._designs],
-            self.shape,
-            self._quantities,
-            several=self._several,
-            limits=self._limits,
-            samples=self._asked,
-            seed=self.seed,
-            distribution=self.distribution,
-            workers=self._workers,
-        )
 
     @cached_property
     def worst_state(self) -> Any:  # noqa: ANN401
         """Number of the state with the worst figure, counted from 0."""
-        found = {
-            name: [design.worst_state(quantity) for design in self._designs]
-            for name, quantity in self._quantities.items()
-        }
-        return self._named(
-            {name: np.reshape(states, self.shape)[()] for name, states in found.items()}
-        )
+        found = {}
+        for name, quantity in self._quantities.items():
+            states = [design.worst_state(quantity) for design in self._designs]
+            found[name] = np.reshape(states, self.shape)[()]
+        return self._named(found)
 
     @property
     def given(self) -> dict[str, FloatArray]:
@@ -177,12 +183,9 @@ class Tolerances:
         too many parameters for that, as ``linear`` has it. Of a reduced output it is not less than
         at the corners to which the slopes point.
         """
-        return self._named(
-            {
-                name: "box" if self._searched(quantity) else "linear"
-                for name, quantity in self._quantities.items()
-            }
-        )
+        kinds = {True: "box", False: "linear"}
+        found = {name: kinds[self._searched(own)] for name, own in self._quantities.items()}
+        return self._named(found)
 
     @cached_property
     def worst_at(self) -> Any:  # noqa: ANN401
@@ -193,7 +196,7 @@ class Tolerances:
         """
         if not all(map(self._searched, self._quantities.values())):
             raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
-        return self._grouped(Design.worst_at)
+        return self._grouped(Case.worst_at)
 
     @cached_property
     def linear(self) -> Any:  # noqa: ANN401
@@ -214,7 +217,7 @@ class Tolerances:
             ValueError: the only figure is an order or a reduced output, of which no bound is known.
         """
         found = {
-            name: self._batch([d.largest(Case.guaranteed, quantity) for d in self._designs])
+            name: self._largest(Case.guaranteed, quantity)
             for name, quantity in self._quantities.items()
             if isinstance(quantity, MotionQuantity)
         }
@@ -288,7 +291,7 @@ class Tolerances:
         ``"phases"`` and ``"twists"``: ``(..., n - 1)``, ``"points"``: ``(..., n + 2, 3)``.
         """
 
-        return self._grouped(Design.shares)
+        return self._grouped(Case.shares)
 
     @property
     def passing(self) -> Any:  # noqa: ANN401
@@ -377,11 +380,7 @@ class Tolerances:
     """``limit`` in degrees."""
 
     def quantile_deg(self, share: ArrayLike) -> Any:  # noqa: ANN401
-        """Return ``quantile`` in degrees, with its arguments and errors.
-
-        Raises:
-            ValueError: a figure that is not an angle.
-        """
+        """Return ``quantile`` in degrees; a ``ValueError`` for a figure that is not an angle."""
         return self._degrees(self.quantile(share))
 
     def unit(self, name: str) -> str:
@@ -429,7 +428,7 @@ class Tolerances:
             out: dict[Any, Any] = {name: values[i] for name, values in found.items()}
             within = {(name, j): np.empty(samples, bool) for name in counted for j in states}
             of = partial(design.sampled, self._quantities, self._limits if states else {})
-            sample(design.box, self.seed, self._workers, of, out | within)
+            _sample(design.box, self.seed, self._workers, of, out | within)
             for (name, j), each in within.items():
                 counted[name][i, j] = np.mean(each)
         self._passing_each = {
@@ -443,24 +442,20 @@ class Tolerances:
 
     def _each(self, of: Callable[[Case, Any], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
-        return self._named(
-            {
-                name: self._batch([design.largest(of, quantity) for design in self._designs])
-                for name, quantity in self._quantities.items()
-            }
-        )
+        return self._named({name: self._largest(of, own) for name, own in self._quantities.items()})
 
-    def _batch(self, values: Sequence[float]) -> Any:  # noqa: ANN401
+    def _largest(self, of: Callable[[Case, Any], float], quantity: Quantity) -> Any:  # noqa: ANN401
+        values = [design.largest(of, quantity) for design in self._designs]
         return scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
 
-    def _grouped(self, of: Callable[[Design, Quantity], FloatArray]) -> Any:  # noqa: ANN401
-        """One number per parameter as arrays by group, in the shape of the batch."""
-        return self._named(
-            {
-                name: self._by_group([of(design, quantity) for design in self._designs])
-                for name, quantity in self._quantities.items()
-            }
-        )
+    def _grouped(self, of: Callable[[Case, Any], FloatArray]) -> Any:  # noqa: ANN401
+        """One number per parameter of the worst state as arrays by group, shape: the batch."""
+
+        def rows(quantity: Quantity) -> list[FloatArray]:
+            return [of(design.worst_case(quantity), quantity) for design in self._designs]
+
+        found = {name: self._by_group(rows(own)) for name, own in self._quantities.items()}
+        return self._named(found)
 
     def _by_group(self, rows: Sequence[FloatArray]) -> dict[str, FloatArray]:
         """Numbers per parameter of each driveline as arrays by group."""
@@ -476,3 +471,34 @@ class Tolerances:
     def _named(self, found: Mapping[str, Any]) -> Any:  # noqa: ANN401
         """The only result, or all by name."""
         return found if self._several else found[self.of[0]]
+
+
+def _sample(
+    box: Box,
+    seed: int,
+    workers: int | None,
+    of: Callable[[FloatArray], Mapping[str, FloatArray]],
+    out: Mapping[str, FloatArray],
+) -> None:
+    """Fill arrays ``(samples,)`` with figures by name of random drivelines."""
+    samples = len(next(iter(out.values())))
+    firsts = range(0, samples, _CHUNK)
+
+    def fill(number: int) -> None:
+        first = firsts[number]
+        count = min(_CHUNK, samples - first)
+        random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+        for name, values in of(box.drawn(random, count)).items():
+            out[name][first : first + count] = values
+
+    limit = threads.at_most(workers)
+    many = min(limit or os.cpu_count() or 1, os.cpu_count() or 1)
+    if many == 1 or len(firsts) < _FEWEST:
+        for number in range(len(firsts)):
+            fill(number)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(many) as pool:
+        for _ in pool.map(fill, range(len(firsts))):
+            pass

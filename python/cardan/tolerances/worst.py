@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.arrays import FloatArray
-from cardan.tolerances.chain import ComplexArray
+from cardan.arrays import ComplexArray, FloatArray
 
 Value: TypeAlias = Callable[[FloatArray], FloatArray]
 """From deviations in units of the tolerances, ``(parameters, samples)``, to a figure."""

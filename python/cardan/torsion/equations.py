@@ -133,11 +133,7 @@ class Equations:
         return np.concatenate([[0.0, speed][: self.first], ends])
 
     def steady(self, time: float) -> FloatArray:
-        """Return the state on the periodic orbit.
-
-        Raises:
-            ValueError: there is no orbit.
-        """
+        """Return the state on the periodic orbit, which must exist."""
         speed = self.speed(time)
         orbit = self.system.orbit(speed, 1)
         if not orbit.found:

@@ -17,25 +17,16 @@ from cardan.arrays import (
     per_shaft,
     together,
 )
-from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.errors import ArgumentValueError, check_elements, check_shape
 from cardan.driveline import Driveline
 
 
 @dataclass(frozen=True, eq=False)
 class TorsionParameters:
-    """What the shafts of a batch of systems have, all broadcast to the shape of the batch.
-
-    Attributes:
-        shape: of the batch.
-        inertias: ``(..., n + 1, 2)``.
-        stiffnesses: ``(..., n + 1)``.
-        dampings: ``(..., n + 1)``.
-        load_torque: ``(...)``.
-        load_damping: ``(...)``.
-    """
+    """What the shafts of a batch of systems have, all broadcast to the shape of the batch."""
 
     shape: tuple[int, ...]
-    inertias: FloatArray
+    inertias: FloatArray  # (..., n + 1, 2)
     stiffnesses: FloatArray
     dampings: FloatArray
     load_torque: FloatArray
@@ -116,13 +107,9 @@ def checked_tolerance(tolerance: float) -> float:
 def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
     if inertias.shape[-2:] == (shafts, 2):
         return inertias
-    if inertias.shape[-1:] == (shafts,):
-        return np.repeat(0.5 * inertias[..., np.newaxis], 2, axis=-1)
-    raise ArgumentValueError(
-        "inertias",
-        f"has shape {inertias.shape}; it needs one per shaft, (..., {shafts}), or one per end, "
-        f"(..., {shafts}, 2)",
-    )
+    rule = f"it needs one per shaft, (..., {shafts}), or one per end, (..., {shafts}, 2)"
+    check_shape("inertias", inertias, inertias.shape[-1:] == (shafts,), rule)
+    return np.repeat(0.5 * inertias[..., np.newaxis], 2, axis=-1)
 
 
 def _per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:

@@ -1,15 +1,36 @@
-"""Results of torsional systems: what a search found, orbit and stability."""
+"""Results of torsional systems: what a search found, orbit, steady state and stability.
+
+Moments and forces of joints and bearings follow from the torques of the periodic motion. At each
+instant the joints are in the position of a rigid driveline whose phases contain the twists of the
+compliant shafts. The balance of torques along the shafts, from the load to the drive, gives the
+torque that enters each shaft: the dynamic torque. What a shaft takes of it, its inertias accelerate
+and its spring stores. The rigid driveline is evaluated under these torques, so moments and forces
+are those of the same equations as without vibration.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import ComplexArray, FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.indices import Items
+from cardan.evaluation.load import absorbing
+from cardan.evaluation.outputs import OUTPUTS, checked
+from cardan.evaluation.request import Axes, Reduction
+from cardan.evaluation.result import Result
+from cardan.torsion.parameters import TorsionParameters
 
-ComplexArray = NDArray[np.complex128]
+if TYPE_CHECKING:
+    from cardan.torsion.system import TorsionalSystem
+
+# The position of the crosses is that of rigid shafts with these twists; their rates are not.
+_POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")
 
 # The numbers by which the native module counts failures.
 _REASONS = (
@@ -108,3 +129,138 @@ class Coexisting(Searched):
     def stable(self) -> NDArray[np.bool_]:
         """Whether no multiplier is larger than 1 + 1e-9, ``(..., orbits)``; false where missing."""
         return small(self.multipliers)
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState(Searched):
+    """The periodic motion at constant drive speed, over one period, half a turn of the drive.
+
+    A quantity is ``mean + Re(sum(orders * exp(1j * m * angle)))`` with the drive angle and the
+    order ``m``, so the modulus of an order is its peak amplitude. Odd orders are 0.
+
+    Attributes:
+        torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ...)``.
+        torque_min: least torque, the true extremum between samples.
+        torque_max: largest torque.
+        torque_orders: orders of the torque, ``(compliant, ..., orders)``.
+        angle_orders: orders of the angle of every shaft end in rad, input end before output end,
+            ``(n + 1, 2, ..., orders)``.
+        speed_orders: orders of its speed in rad/s.
+        orders: the orders, ``(orders,)``.
+        compliant: the compliant shafts.
+    """
+
+    torque_mean: FloatArray
+    torque_min: FloatArray
+    torque_max: FloatArray
+    torque_orders: ComplexArray
+    angle_orders: ComplexArray
+    speed_orders: ComplexArray
+    orders: NDArray[np.int64]
+    compliant: tuple[int, ...]
+    _system: TorsionalSystem = field(repr=False)
+    _speed: FloatArray = field(repr=False)
+    _tolerance: float = field(repr=False)
+
+    def evaluate(
+        self,
+        samples: SupportsIndex,
+        outputs: str | Iterable[str] = ("torque", "support_moment"),
+        *,
+        shafts: Items = None,
+        joints: Items = None,
+        reduce: Reduction | None = None,
+        workers: SupportsIndex | None = None,
+        axes: Axes = "space",
+    ) -> Result:
+        """Evaluate moments and forces of joints and bearings under the dynamic torque.
+
+        The torques are those of the periodic motion, with all inertias, springs and dampings, so
+        supports and bearings show the resonances. The joints are in the positions of this motion.
+        The ``torque`` of a shaft is that behind the joint before it.
+
+        Args:
+            samples: number of equally spaced drive angles over half a turn, at least 1.
+            outputs: names from ``cardan.OUTPUTS`` that need a load, tilts or pins.
+            shafts: as of ``Driveline.evaluate``, like the following arguments.
+            joints: for the outputs per joint.
+            reduce: of the samples.
+            workers: largest number of threads.
+            axes: of vectors.
+
+        Returns:
+            each output as ``([items,] ..., samples [, 3])``; NaN where there is no orbit.
+
+        Raises:
+            IndexError: a shaft or joint that does not exist.
+            TypeError: samples or indices that are not integers.
+            ValueError: no samples, an unknown output or one of motion, forces of a driveline that
+                is not determinate.
+
+        >>> import cardan
+        >>> system = cardan.TorsionalSystem(
+        ...     cardan.Driveline.from_bends([20], degrees=True),
+        ...     inertias=[[0, 0], [0, 0.05]],
+        ...     stiffnesses=[float("inf"), 8000],
+        ...     damping_ratios=0.02,
+        ... )
+        >>> steady = system.steady([50.0, 200.0])
+        >>> steady.evaluate(256, "bending_driven", reduce="max").bending_driven.round(1)
+        array([[   4.8, 2264.7]])
+        """
+        system = self._system
+        names = checked(outputs)
+        for i, name in enumerate(names):
+            if not (OUTPUTS[name].needs_load or name in _POSITIONS):
+                has = "orbit() has that of compliant shafts"
+                problem = f"is {name!r}, a motion of rigid shafts; {has}"
+                raise ArgumentValueError("outputs", problem, (i,))
+        orbit = system.orbit(self._speed, samples, tolerance=self._tolerance, workers=workers)
+        options: dict[str, Any] = {"workers": workers}
+        line, n = system.line, system.line.n_joints
+        found = orbit.found[..., np.newaxis]
+        error = np.where(found, orbit.angle_error, 0.0)
+        twists = np.moveaxis(error[1:n, 1] - error[1:n, 0], 0, -1)
+        batch = line.reshape(*line.shape, 1) if line.shape else line
+        rigid = batch.with_phases(batch.phases + twists)
+        angle = orbit.drive_angle + error[0, 1]
+        motion = rigid.evaluate(angle, "speed_ratio", shafts=slice(None), **options)
+        ratios = np.moveaxis(motion.speed_ratio, 0, -1)
+        entering, absorbed = _torques(system._parameters, orbit, ratios)
+        result = rigid.evaluate(
+            np.where(found, angle, np.nan),
+            names,
+            shafts=shafts,
+            joints=joints,
+            load=absorbing(entering, absorbed, ratios),
+            reduce=reduce,
+            axes=axes,
+            **options,
+        )
+        assert result._labels is not None, "an evaluation has labels"
+        own = found.shape if orbit.found.ndim else ()
+        labels = (*result._labels[:2], own, reduce, result._labels[4])
+        return Result(dict(result), labels, orbit.drive_angle)
+
+
+def _torques(
+    parameters: TorsionParameters, orbit: Orbit, ratios: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the torque that enters shaft 0, and what each shaft absorbs, ``(..., n + 1)``."""
+    last = ratios.shape[-1] - 1
+    # Dimensions of batch and samples, to which the parameters broadcast.
+    inertias = parameters.inertias[..., np.newaxis, :, :]
+    inertial = np.moveaxis(orbit.acceleration, (0, 1), (-2, -1)) * inertias
+    of_springs = dict(zip(orbit.compliant, orbit.torque, strict=True))
+    loss = parameters.load_damping[..., np.newaxis] * orbit.speed[last, 1]
+    entering = leaving = parameters.load_torque[..., np.newaxis] + loss
+    absorbed = np.empty(inertial.shape[:-1])
+    for shaft in range(last, -1, -1):
+        if shaft in of_springs:
+            entering = of_springs[shaft] + inertial[..., shaft, 0]
+        else:
+            entering = leaving + inertial[..., shaft, :].sum(axis=-1)
+        absorbed[..., shaft] = entering - leaving
+        if shaft:
+            leaving = entering * ratios[..., shaft] / ratios[..., shaft - 1]
+    return entering, absorbed

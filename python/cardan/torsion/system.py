@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
@@ -11,19 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, exclusive
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
+from cardan.torsion.analyses import (
+    bend_rules,
+    modes,
+    side_by_side,
+    stability_map,
+    unstable_ranges,
+)
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
-from cardan.torsion.instability import stability_map, unstable_ranges
-from cardan.torsion.modes import bend_rules, modes
 from cardan.torsion.parameters import TorsionParameters, checked_tolerance
-from cardan.torsion.results import Coexisting, Orbit, Stability
-from cardan.torsion.side_by_side import side_by_side
-from cardan.torsion.steady_state import SteadyState
+from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
-
-_Records = Callable[..., tuple[FloatArray, NDArray[np.uint8]]]
 
 
 class TorsionalSystem:
@@ -84,10 +85,7 @@ class TorsionalSystem:
         """Check the arguments and pass them to the native module."""
         if not isinstance(line, Driveline):
             raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
-        if dampings is not None and damping_ratios is not None:
-            raise ArgumentValueError(
-                "dampings", "and damping_ratios are both given; give one of them"
-            )
+        exclusive(dampings=dampings, damping_ratios=damping_ratios)
         line._geometry.check_ideal("torsional systems are computed")
         self._line = line
         self._parameters = TorsionParameters.checked(
@@ -164,14 +162,11 @@ class TorsionalSystem:
     ) -> TorsionalSystem:
         """Return the system with another driveline or other stiffnesses, or a batch of them.
 
-        Dampings in N m s/rad, inertias and loads stay.
+        Dampings in N m s/rad, inertias and loads stay. Errors are as of ``TorsionalSystem``.
 
         Args:
             line: the driveline; by default the same.
             stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
-
-        Raises:
-            TypeError, ValueError: as of ``TorsionalSystem``.
         """
         return TorsionalSystem(
             self.line if line is None else line,
@@ -194,15 +189,10 @@ class TorsionalSystem:
     def critical_speeds(self, orders: ArrayLike = (2, 4)) -> FloatArray:
         """Return the drive speeds in rad/s at which an order meets a natural frequency.
 
+        They are ``natural frequency / order``, ``(..., compliant, m)``.
+
         Args:
-            orders: positive integers, ``(m,)`` or one; joints excite even orders.
-
-        Returns:
-            ``natural frequency / order``, ``(..., compliant, m)``.
-
-        Raises:
-            TypeError: orders that are not integers.
-            ValueError: an order that is not positive.
+            orders: as of ``steady``, like the errors; joints excite even orders.
         """
         return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
 
@@ -237,11 +227,9 @@ class TorsionalSystem:
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
         wanted = _orders(orders)
-        listed = [int(order) for order in wanted]
-        m, ends, count = len(self.compliant), self._line.n_joints + 1, len(listed)
-        options = (listed, checked_tolerance(tolerance), threads.at_most(workers))
-        each = 3 * m + 2 * count * (m + 2 * ends)
-        shape, speeds, records, failures = self._run(self._core.steady, each, speed, *options)
+        m, ends, count = len(self.compliant), self._line.n_joints + 1, len(wanted)
+        of, each = (self._core.steady, wanted.tolist()), 3 * m + 2 * count * (m + 2 * ends)
+        shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
         sizes = np.cumsum([m, m, m, 2 * m * count])
         mean, least, most, torques, angles = np.split(records, sizes, axis=-1)
         angle_orders = _moved(_complex(angles).reshape(*shape, ends, 2, count), 2, len(shape))
@@ -275,18 +263,13 @@ class TorsionalSystem:
         Args:
             speed: of the drive in rad/s; broadcasts against the batch.
             samples: number of equally spaced drive angles, at least 1.
-            tolerance: as of ``steady``, like ``workers``.
+            tolerance: as of ``steady``, like ``workers`` and the errors.
             workers: largest number of threads.
-
-        Raises:
-            TypeError: speeds that are not real numbers, samples that are not an integer.
-            ValueError: no samples, a tolerance out of range, shapes that do not broadcast.
         """
         count = integer("samples", samples, 1)
         m, ends = len(self.compliant), self._line.n_joints + 1
-        options = (count, checked_tolerance(tolerance), threads.at_most(workers))
-        each = count * (6 * ends + m + 1)
-        shape, _, records, failures = self._run(self._core.orbits, each, speed, *options)
+        of, each = (self._core.orbits, count), count * (6 * ends + m + 1)
+        shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         *motion, torques, of_drive = np.split(
             records, np.cumsum([*3 * [2 * ends * count], m * count]), axis=-1
         )
@@ -316,18 +299,12 @@ class TorsionalSystem:
 
         Args:
             speed: of the drive in rad/s; broadcasts against the batch.
-            tolerance: as of ``steady``, like ``workers``.
+            tolerance: as of ``steady``, like ``workers`` and the errors.
             workers: largest number of threads.
-
-        Raises:
-            TypeError: speeds that are not real numbers.
-            ValueError: a tolerance out of range, shapes that do not broadcast.
         """
-        options = (checked_tolerance(tolerance), threads.at_most(workers))
-        each = 4 * len(self.compliant)
-        _, _, records, failures = self._run(self._core.multipliers, each, speed, *options)
-        multipliers = _complex(records)
-        return Stability(found=failures == 0, _failures=failures, multipliers=multipliers)
+        of, each = (self._core.multipliers,), 4 * len(self.compliant)
+        _, _, records, failures = self._run(of, each, speed, tolerance, workers)
+        return Stability(failures == 0, failures, _complex(records))
 
     def coexisting(
         self,
@@ -347,20 +324,13 @@ class TorsionalSystem:
 
         Args:
             speed: of the drive in rad/s; broadcasts against the batch.
-            most: number of orbits that are returned.
-            tolerance: as of ``steady``, like ``workers``.
+            most: number of orbits that are returned, at least 1.
+            tolerance: as of ``steady``, like ``workers`` and the errors.
             workers: largest number of threads.
-
-        Raises:
-            TypeError: speeds that are not real numbers, a number that is not an integer.
-            ValueError: a number that is not positive, a tolerance out of range, shapes that do not
-                broadcast.
         """
-        orbits = integer("most", most, 1)
-        m = len(self.compliant)
-        options = (orbits, checked_tolerance(tolerance), threads.at_most(workers))
-        each = 1 + 7 * m * orbits
-        shape, _, records, failures = self._run(self._core.coexisting, each, speed, *options)
+        orbits, m = integer("most", most, 1), len(self.compliant)
+        of, each = (self._core.coexisting, orbits), 1 + 7 * m * orbits
+        shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         of_orbits = records[..., 1:].reshape(*shape, orbits, 7 * m)
         mean, least, largest, multipliers = np.split(of_orbits, [m, 2 * m, 3 * m], axis=-1)
         return Coexisting(
@@ -444,17 +414,22 @@ class TorsionalSystem:
 
     def _run(
         self,
-        of: _Records,
+        of: tuple[Any, ...],
         each: int,
         speed: ArrayLike,
-        *options: Any,  # noqa: ANN401 - the arguments of the native function
+        tolerance: float,
+        workers: SupportsIndex | None,
     ) -> tuple[tuple[int, ...], FloatArray, FloatArray, NDArray[np.uint8]]:
-        """Return shape, speeds, records of the given size and failures of all samples."""
+        """Return shape, speeds, records of the given size and failures of all samples.
+
+        They are those of a function of the native module, which its own arguments follow.
+        """
+        options = (*of[1:], checked_tolerance(tolerance), threads.at_most(workers))
         speeds = as_float64("speed", speed)
         shape = common_shape(system=self.shape, speed=speeds.shape)
         numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
         systems, full = np.broadcast_to(numbers, shape).ravel(), np.broadcast_to(speeds, shape)
-        records, failures = of(systems, full.ravel(), *options)
+        records, failures = of[0](systems, full.ravel(), *options)
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 

@@ -94,10 +94,8 @@ def integrated(
     """Return the motion from the first to the last time, as ``TorsionalSystem.transient`` does."""
     times = _times(time)
     check_choice("method", method, METHODS)
-    watched = [
-        _Watched(equations, event, i)
-        for i, event in enumerate([events] if callable(events) else events)
-    ]
+    listed = [events] if callable(events) else events
+    watched = [_Watched(equations, event, i) for i, event in enumerate(listed)]
     solve = import_optional("scipy.integrate", "optimise").solve_ivp
     state = _start(equations, start, times[0])
     natural = float(equations.system.natural_frequencies()[0])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array, together
 from cardan.arrays.errors import check_elements
 
 
@@ -78,16 +78,17 @@ def tube(
     (82123.4, 57.937)
     """
     diameter = positive("outer_diameter", outer_diameter)
-    thickness = 0.5 * diameter if wall is None else positive("wall", wall)
-    span, shear = positive("length", length), positive("shear_modulus", shear_modulus)
-    elastic, rho = positive("elastic_modulus", elastic_modulus), positive("density", density)
-    dimensions = (diameter, thickness, span, shear, elastic, rho)
-    names = ("outer_diameter", "wall", "length", "shear_modulus", "elastic_modulus", "density")
-    shapes = (array.shape for array in dimensions)
-    shape = common_shape(**dict(zip(names, shapes, strict=True)))
-    thick = np.broadcast_to(thickness, np.broadcast_shapes(thickness.shape, diameter.shape))
+    given = {
+        "outer_diameter": diameter,
+        "wall": 0.5 * diameter if wall is None else wall,
+        "length": length,
+        "shear_modulus": shear_modulus,
+        "elastic_modulus": elastic_modulus,
+        "density": density,
+    }
+    shape, full = together({name: (positive(name, x), 0) for name, x in given.items()})
     rule = " m; a wall is at most half the outer diameter"
-    check_elements("wall", thick, thick <= 0.5 * diameter, rule)
-    flat = _core.tubes([np.broadcast_to(array, shape).ravel() for array in dimensions])
+    check_elements("wall", full[1], full[1] <= 0.5 * full[0], rule)
+    flat = _core.tubes([array.ravel() for array in full])
     stiffness, inertia, mass, speed, shear_per_torque = flat.reshape(5, *shape)
     return Tube(stiffness, inertia, mass, speed, np.asarray(shear_per_torque))

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_joint
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.arrays.indices import checked_orders
-from cardan.motion.joint_axes import cross_axes, dot
+from cardan.wear.pin_loads import cross_axes, dot
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -46,7 +46,7 @@ class Slides:
     """
 
     _line: Driveline = field(repr=False)
-    _offsets: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(repr=False)
+    _offsets: tuple[FloatArray, ...] = field(repr=False)
 
     def at(self, angle: ArrayLike, of: SlideName = "shaft") -> FloatArray:
         """Return how far a shaft or a pin slides at an angle, ``(n, ...)``.
@@ -60,21 +60,17 @@ class Slides:
             TypeError: angles that are not real numbers.
             ValueError: an unknown slide, shapes that do not broadcast.
         """
-        return self._at(angle)[_number("of", of)]
+        return np.asarray(self._at(angle)[_number("of", of)])
 
     def amplitudes(self, orders: ArrayLike = (1, 2, 3, 4), of: SlideName = "shaft") -> FloatArray:
         """Return the amplitudes of a slide by multiples of the drive's rotation.
 
         Args:
-            orders: positive integers, ``(m,)`` or one.
-            of: as for ``at``.
+            orders: positive integers up to 100, ``(m,)`` or one.
+            of: as for ``at``, like the errors.
 
         Returns:
             amplitude of each joint, ``(n, ..., m)``; of one order ``(n, ...)``.
-
-        Raises:
-            TypeError: orders that are not integers.
-            ValueError: an order below 1 or above 100, an unknown slide.
         """
         wanted, number = checked_orders(orders, 100), _number("of", of)
         count, before = _FEWEST, np.zeros(())
@@ -87,34 +83,26 @@ class Slides:
             count, before = 2 * count, found
 
     def travel(self, of: SlideName = "shaft") -> FloatArray:
-        """Return the largest less the smallest slide of a turn, ``(n, ...)``.
-
-        It is that of samples at 720 angles.
+        """Return the largest less the smallest slide of 720 angles of a turn, ``(n, ...)``.
 
         Args:
-            of: as for ``at``.
-
-        Raises:
-            ValueError: an unknown slide.
+            of: as for ``at``, like the errors.
         """
         return np.asarray(np.ptp(self._turn(720)[_number("of", of)], axis=-1))
 
-    def _turn(self, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _turn(self, count: int) -> FloatArray:
         """The slides at equal steps of a turn, the samples on the last axis."""
         line = self._line.reshape(*self._line.shape, 1)
         offsets = tuple(offset[..., np.newaxis, :] for offset in self._offsets)
         steps = np.arange(count) * (2.0 * math.pi / count)
-        return Slides(line, offsets)._at(steps)  # type: ignore[arg-type]
+        return Slides(line, offsets)._at(steps)
 
     def check_free(self, blocked: str | Iterable[str], unit: str = "") -> None:
         """Refuse slides that are not free where the offsets need them.
 
         Args:
-            blocked: names of slides, as of ``Driveline.slides``.
+            blocked: names of slides, as of ``Driveline.slides``, like the errors.
             unit: what stands behind lengths in an error.
-
-        Raises:
-            ValueError: an unknown name, a slide that the offsets would move.
         """
         largest = max(float(np.max(np.abs(offset), initial=0.0)) for offset in self._offsets)
         for name in [blocked] if isinstance(blocked, str) else blocked:
@@ -131,17 +119,15 @@ class Slides:
                     "on the geometry",
                 )
 
-    def _at(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _at(self, angle: ArrayLike) -> FloatArray:
+        """The slides along driving pin, driven pin and driven shaft, ``(3, n, ...)``."""
         angles = as_float64("angle", angle)
         shapes = {f"offset {i}": one.shape[:-1] for i, one in enumerate(self._offsets)}
         common_shape(driveline=self._line.shape, angle=angles.shape, **shapes)
         joints = [self._of_joint(joint, angles) for joint in range(self._line.n_joints)]
-        first, second, third = (np.stack(parts) for parts in zip(*joints, strict=True))
-        return first, second, third
+        return np.stack(joints, axis=1)
 
-    def _of_joint(
-        self, joint: int, angles: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _of_joint(self, joint: int, angles: FloatArray) -> FloatArray:
         """The solution of the loop; driven pin and driven shaft are perpendicular."""
         axes = cross_axes(self._line, joint, angles)
         driving, cross, driven, apart = (offset[..., joint, np.newaxis] for offset in self._offsets)
@@ -153,7 +139,7 @@ class Slides:
         )
         shaft = dot(closing, axes.across) / dot(axes.driven, axes.across)
         rest = closing - shaft[..., np.newaxis] * axes.driven
-        return dot(rest, axes.driving_pin), dot(rest, axes.driven_pin), shaft
+        return np.stack([dot(rest, axes.driving_pin), dot(rest, axes.driven_pin), shaft])
 
 
 def slides(
@@ -201,8 +187,7 @@ def slides(
     offsets = {name: per_joint(name, finite(name, value), n) for name, value in given.items()}
     shapes = {name: offset.shape[:-1] for name, offset in offsets.items()}
     common_shape(driveline=line.shape, **shapes)
-    first, second, third, fourth = offsets.values()
-    found = Slides(line, (first, second, third, fourth))
+    found = Slides(line, tuple(offsets.values()))
     found.check_free(blocked)
     return found
 

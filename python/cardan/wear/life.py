@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, per_joint, positive
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_shape, exclusive
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
 
@@ -114,9 +114,8 @@ def life(
     turning = np.abs(load.speed) if speed is None else positive("speed", speed)
     if not np.all(turning > 0.0):
         raise ArgumentValueError("load", "has no speed; a life in hours needs one")
+    exclusive(shares=shares, angle=angle)
     if angle is not None:
-        if shares is not None:
-            raise ArgumentValueError("shares", "and angle are both given; give one of them")
         return _of_run(line, load, rated, turning, as_float64("angle", angle))
     shapes = load.shapes()
     shapes["speed"] = np.broadcast_shapes(load.speed.shape, turning.shape)
@@ -156,11 +155,9 @@ def _of_run(
     """
     rows = np.broadcast_shapes(line.shape, load.torque.shape, speed.shape, rated.shape[:-1])
     if angle.ndim != 1 or len(angle) < 2 or len(rows) > 1 or rated.ndim > 1:
-        raise ArgumentValueError(
-            "angle",
-            f"has shape {angle.shape}; of a run it is (samples,), at least two, and driveline and "
-            f"load, here of shape {rows}, have a value for each sample or one for all",
-        )
+        rule = "of a run it is (samples,), at least two, and driveline and load, here of shape "
+        rule += f"{rows}, have a value for each sample or one for all"
+        check_shape("angle", angle, False, rule)
     ways = np.abs(np.diff(angle))
     turned = float(np.sum(ways))
     if not 0.0 < turned < np.inf:
@@ -197,12 +194,9 @@ def _miner(hours: FloatArray, shares: FloatArray) -> FloatArray:
 
 def _checked_shares(shares: ArrayLike, rows: tuple[int, ...]) -> FloatArray:
     array = positive("shares", shares)
-    if array.ndim == 0 or not rows or array.shape[-1] != rows[-1]:
-        raise ArgumentValueError(
-            "shares",
-            f"has shape {array.shape}; it needs one share for each step of a duty cycle; load "
-            f"and batch of shape {rows} have these on their last axis",
-        )
+    right = array.ndim > 0 and array.shape[-1:] == rows[-1:]
+    rule = "it needs one share for each step of a duty cycle; load and batch of shape "
+    check_shape("shares", array, right, f"{rule}{rows} have these on their last axis")
     whole = np.sum(array, axis=-1)
     if not np.allclose(whole, 1.0, rtol=0.0, atol=1e-6):
         raise ArgumentValueError("shares", f"add up to {np.ravel(whole)[0]:.6g}; the sum must be 1")

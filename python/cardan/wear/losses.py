@@ -27,8 +27,7 @@ from cardan.arrays import (
 )
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
-from cardan.motion.joint_axes import cross_axes, dot
-from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
+from cardan.wear.pin_loads import PinLoads, cross_axes, dot, means_over_turn, pins_at
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -60,35 +59,24 @@ class Losses:
 
     @property
     def efficiency(self) -> Any:  # noqa: ANN401 - a number or an array
-        """1 minus the fractions of all joints, in the shape of the batch and the load.
-
-        Raises:
-            ValueError: as for ``fraction``.
-        """
+        """1 less the sum of ``fraction``, with its error, in the shape of batch and load."""
         return scalar_or_array(1.0 - np.sum(self.fraction, axis=0))
 
     @property
     def power(self) -> FloatArray:
-        """Heat of each joint in W, the mean over a turn, ``(n, ...)``.
-
-        Raises:
-            ValueError: the load has no speed.
-        """
+        """Heat of each joint in W, the mean over a turn, ``(n, ...)``; needs a speed."""
         speed = np.abs(self._load.speed)
         if not np.all(speed > 0.0):
             raise ArgumentValueError("load", "has no speed; the power lost needs one")
         return self._mean * speed
 
     def torque(self, angle: ArrayLike) -> FloatArray:
-        """Return the torque that friction adds at the drive, of each joint, in N m.
+        """Return the torque that friction adds at the drive in N m, of each joint ``(n, ...)``.
 
         It is the power lost over the speed of the drive (derived here).
 
         Args:
             angle: drive angle in rad; broadcasts against batch and load.
-
-        Returns:
-            of each joint ``(n, ...)``.
 
         Raises:
             TypeError: angles that are not real numbers.
@@ -111,20 +99,18 @@ class Losses:
         return scalar_or_array(np.asarray(1.0 - share))
 
     def moment(self, angle: ArrayLike) -> FloatArray:
-        """Return the moment that friction adds to the moment of each joint, in N m.
+        """Return the moment that friction adds to the moment of each joint, ``(n, ..., 3)`` in N m.
 
         The friction in the yokes is a moment ``f_1`` about the driving pin ``p`` and ``f_2`` about
         the driven pin ``q``, against the swing of the cross. The moment of the joint grows by ``f_1
         p + f_2 q + c (p x q)``, with ``c`` such that the torque stays the same in the shaft towards
         the end at which the load gives it (derived here). What it has across a shaft is friction's
         share in the bending of that shaft, what it has along the other shaft its share in the
-        torque. The friction of other joints is left out.
+        torque. The friction of other joints is left out. The vectors act on the driven shaft of
+        each joint and are at rest in space.
 
         Args:
             angle: as for ``torque``, like the errors.
-
-        Returns:
-            as it acts on the driven shaft of each joint, at rest in space, ``(n, ..., 3)``.
         """
         return np.stack([self._added(joint, angle) for joint in range(self._line.n_joints)])
 

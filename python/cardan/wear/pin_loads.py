@@ -1,9 +1,9 @@
-"""The pins of a joint in their bearings: moment and rates at an angle, and means over a turn."""
+"""The pins of a joint: their axes, moment and rates at an angle, and means over a turn."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,20 +18,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PinLoads:
-    """The pins of one joint at some angles.
+    """The pins of one joint at some angles, moments in N m and rates per radian of the drive."""
 
-    Attributes:
-        moment: magnitude of the joint's moment in N m.
-        rate_driving: rate at which the pins turn in the driving yoke, per radian of the drive.
-        rate_driven: the same in the driven yoke.
-        entering_torque: torque in N m that the driving shaft puts into the joint, without what the
-            shaft's inertia takes.
-    """
-
-    moment: FloatArray
-    rate_driving: FloatArray
+    moment: FloatArray  # magnitude of the joint's
+    rate_driving: FloatArray  # at which the pins turn in the driving yoke
     rate_driven: FloatArray
-    entering_torque: FloatArray
+    entering_torque: FloatArray  # that the driving shaft puts in, without what its inertia takes
 
 
 def pins_at(line: Driveline, load: Load, joint: int, angle: ArrayLike) -> PinLoads:
@@ -48,17 +40,11 @@ def means_over_turn(
 ) -> FloatArray:
     """Return means over a turn of the drive, exact to some 1e-14 of the largest.
 
-    Args:
-        line: the driveline.
-        load: constant over the turn; broadcasts against the batch.
-        rows: shape to which both broadcast.
-        wear: for ``"friction"`` the torque of the drive, and for each joint the magnitude of its
-            moment times the ways that its pins turn in both yokes, and these ways; for
-            ``"fatigue"`` for each joint the torque that enters it, for either yoke the moment to
-            the power of 10/3 times the way, and for either yoke the way. Ways are per radian.
-
-    Returns:
-        the means, ``(m, ...)``, which broadcast to ``(m, *rows)``.
+    They are ``(m, ...)`` and broadcast to ``(m, *rows)``, as driveline and load do to the rows. For
+    ``"friction"``: the torque of the drive, and for each joint the magnitude of its moment times
+    the ways that its pins turn in both yokes, and these ways. For ``"fatigue"``: for each joint the
+    torque that enters it, for either yoke the moment to the power of 10/3 times the way, and for
+    either yoke the way. Ways are per radian.
     """
     line._geometry.check_ideal(
         "losses and lives are computed", "evaluate gives moments and tilts as built"
@@ -69,3 +55,28 @@ def means_over_turn(
     flat = _core.pin_means(line._lines, own, arrays, wear, threads.at_most(None))
     means = np.moveaxis(flat.reshape(*own, -1 if flat.size else 1), -1, 0)
     return means.reshape(len(means), *(1,) * (len(rows) - len(own)), *own)
+
+
+class CrossAxes(NamedTuple):
+    """Unit vectors of one joint at some drive angles, each ``(..., 3)``."""
+
+    driving: FloatArray
+    driven: FloatArray
+    driving_pin: FloatArray
+    driven_pin: FloatArray
+    across: FloatArray  # both pins, along the moment of a positive torque
+    normal: FloatArray  # of the bend plane
+
+
+def cross_axes(line: Driveline, joint: int, angle: ArrayLike) -> CrossAxes:
+    """Return the axes of a joint at drive angles in rad, which broadcast against the batch."""
+    pins = line.evaluate(angle, ("driving_pin", "driven_pin"), joints=joint)
+    p, q, shafts = pins.driving_pin, pins.driven_pin, line.directions
+    resting = (shafts[..., joint, :], shafts[..., joint + 1, :], line.normals[..., joint, :])
+    driving, driven, normal = (np.broadcast_to(axis, p.shape) for axis in resting)
+    return CrossAxes(driving, driven, p, q, np.cross(p, q), normal)
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the scalar products of rows of vectors."""
+    return np.asarray(np.sum(one * other, axis=-1))

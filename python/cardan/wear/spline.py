@@ -201,20 +201,10 @@ def spline_force(
     )
     bearings = line._geometry.bearings
     columns = flat.reshape(8 + 3 * len(bearings), *shape)
-    upstream = _vectors(columns[1:4])
-    up_along, up_across, down_along, down_across = columns[4:8]
-    return SplineForce(
-        columns[0],
-        upstream,
-        -upstream,
-        up_along,
-        up_across,
-        down_along,
-        down_across,
-        bearings,
-        _vectors(columns[8:].reshape(len(bearings), 3, *shape), 1),
-        undetermined or "",
-    )
+    upstream, (along, across, behind, beside) = _vectors(columns[1:4]), columns[4:8]
+    own = _vectors(columns[8:].reshape(len(bearings), 3, *shape), 1)
+    parts = (columns[0], upstream, -upstream, along, across, behind, beside)
+    return SplineForce(*parts, bearings, own, undetermined or "")
 
 
 def _vectors(columns: FloatArray, axis: int = 0) -> FloatArray:

@@ -18,7 +18,7 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import TorsionCase
 from cardan.arrays import FloatArray
 from cardan.torsion import SteadyState
-from cardan.torsion.instability import ranges
+from cardan.torsion.analyses import ranges
 
 TorsionVerdict = Literal["unstable", "reversing", "resonant", "clear"]
 """The worst of what happens in the speed range, from the worst to the best.
