@@ -15,11 +15,6 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan.app import plots
-from cardan.app.answers.answer import Answer
-from cardan.app.answers.axial_travel.figures import drawn_slides
-from cardan.app.answers.backlash.figures import drawn_backlash
-from cardan.app.answers.forces.paths import scene_force_paths
-from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.torsion.figures import torsion_figures
 from cardan.app.scene.starters import STARTERS
@@ -66,17 +61,15 @@ save("hodograph", plots.plot_hodograph(joint))
 
 # The paths of the forces in a truck's driveline over the turn.
 scene = cardan.Scene.load(Path(__file__).with_name("bearings.toml"))
-save("forces", plots.plot_forces(scene_force_paths(scene), scene.title))
+save("forces", plots.plot_part(scene, "forces"))
 
 # The axial travel of a shaft whose axes miss each other.
 scene = cardan.Scene.load(Path(__file__).with_name("axial_travel.toml"))
-plots.write_slides(drawn_slides(scene), folder / "axial_travel.svg", scene.title)
-print("wrote axial_travel.svg")
+save("axial_travel", plots.plot_part(scene, "axial_travel"))
 
 # The backlash loop of worn joints.
 scene = cardan.Scene.load(Path(__file__).with_name("worn_joints.toml"))
-plots.write_backlash(drawn_backlash(scene), folder / "backlash.svg", scene.title)
-print("wrote backlash.svg")
+save("backlash", plots.plot_part(scene, "backlash"))
 
 # Thoma's moments of a flywheel, exact and for small bends.
 figure, axes = panels(3)
@@ -174,9 +167,7 @@ save("optimise", plots.plot_optimise(best))
 
 # How the equivalent bend of a shaft scatters, and which tolerance makes it scatter.
 scene = cardan.Scene.load(Path(__file__).with_name("workshop.toml"))
-assert scene.tolerances is not None
-plots.write_tolerances(scene.tolerances, folder / "tolerances.svg")
-print("wrote tolerances.svg")
+save("tolerances", plots.plot_part(scene, "tolerances"))
 
 # Torques of a truck's shafts over the speed, and the natural frequencies with the orders.
 scene = cardan.Scene.load(Path(__file__).with_name("truck_torsion.toml"))
@@ -193,8 +184,7 @@ save("stability", plots.plot_stability(vibration))
 
 # Life with each size of joint, load of the pins and heat of a conveyor.
 scene = cardan.Scene.load(Path(__file__).with_name("conveyor.toml"))
-plots.write_life(needed(Answer(scene)), folder / "life.svg")
-print("wrote life.svg")
+save("life", plots.plot_part(scene, "life"))
 
 # The machines of the how-to pages: layouts, forces, torques and scatter.
 for name, kind in (("machine_truck", "truck-shaft"), ("machine_pto", "pto-shaft")):
@@ -203,7 +193,7 @@ for name, kind in (("machine_truck", "truck-shaft"), ("machine_pto", "pto-shaft"
     save(name, plots.plot_optimise(best))
 
 scene = cardan.Scene.parse(STARTERS["mill-spindle"].text)
-save("machine_mill", plots.plot_forces(scene_force_paths(scene), scene.title))
+save("machine_mill", plots.plot_part(scene, "forces"))
 
 vibration = torsion_figures(cardan.Scene.parse(STARTERS["test-rig"].text))
 assert vibration is not None
@@ -218,9 +208,7 @@ save("machine_steering", plots.plot_curves(columns, "speed_ratio", labels=scene.
 boat = STARTERS["ship-shaft"].text
 lowered = boat.replace("-220, 0]", "-127.715, 0]").replace("-262, 0]", "-169.715, 0]")
 scene = cardan.Scene.parse(lowered)
-assert scene.tolerances is not None
-plots.write_tolerances(scene.tolerances, folder / "machine_ship.svg")
-print("wrote machine_ship.svg")
+save("machine_ship", plots.plot_part(scene, "tolerances"))
 
 # A double joint that is synchronous at 35 deg, and one whose pivot is worn by 0.2 mm.
 save("double_joint", plots.plot_double_joint(60.0, 35.0, wear=0.2))

@@ -20,7 +20,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
-from cardan.app.plots import plot_backlash, plot_lash, write_backlash
+from cardan.app.plots import plot_backlash, plot_lash, plot_part, save
 from cardan.app.scene import Scene, SceneError
 from example_scenes import ANSWERS, SCENES, example
 
@@ -177,17 +177,17 @@ def test_play_is_that_of_joints_as_built() -> None:
 
 def test_the_command_draws(tmp_path: Path) -> None:
     path = tmp_path / "loop.svg"
-    assert command("plot", PATH, "--backlash", "--output", path) == f"wrote {path}\n"
+    assert command("plot", PATH, "--what", "backlash", "--output", path) == f"wrote {path}\n"
     again = tmp_path / "again.svg"
-    write_backlash(drawn_backlash(Scene.load(PATH)), again, "Two joints with play")
+    save(plot_part(Scene.load(PATH), "backlash"), again)
     assert path.read_bytes() == again.read_bytes()
-    none = CliRunner().invoke(commands(), ["plot", str(example("foeppl.toml")), "--backlash"])
+    bare = example("foeppl.toml")
+    none = CliRunner().invoke(commands(), ["plot", str(bare), "--what", "backlash"])
     assert none.exit_code == 2
     assert "backlash needs play_mm and arm_mm in [joints]" in none.stderr
-    both = CliRunner().invoke(commands(), ["plot", str(PATH), "--slides", "--backlash"])
-    assert "--backlash does not go with --slides" in both.stderr
-    ball = CliRunner().invoke(commands(), ["plot", str(example("ball_joint.toml")), "--backlash"])
-    assert "a ball joint alone has no backlash" in ball.stderr
+    ball = example("ball_joint.toml")
+    alone = CliRunner().invoke(commands(), ["plot", str(ball), "--what", "backlash"])
+    assert "a ball joint alone has no picture 'backlash'" in alone.stderr
 
 
 @pytest.mark.parametrize(

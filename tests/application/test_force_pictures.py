@@ -169,10 +169,10 @@ def plot(tmp_path: Path, text: str, *options: str) -> tuple[int, str]:
 
 
 def test_command_draws_forces(tmp_path: Path) -> None:
-    assert plot(tmp_path, TEXT, "--forces")[0] == 0
+    assert plot(tmp_path, TEXT, "--what", "forces")[0] == 0
     assert (tmp_path / "a.svg").stat().st_size > 1000
-    status, said = plot(tmp_path, TEXT, "--forces", "--over", "turns")
-    assert (status, said) == (2, "cardan: --forces does not go with --study or --over\n")
+    status, said = plot(tmp_path, TEXT, "--what", "forces", "--over", "turns")
+    assert (status, said) == (2, "cardan: --what does not go with --over\n")
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,7 @@ def test_command_draws_forces(tmp_path: Path) -> None:
     ],
 )
 def test_forces_that_make_no_picture(text: str, reason: str, tmp_path: Path) -> None:
-    status, said = plot(tmp_path, text, "--forces")
+    status, said = plot(tmp_path, text, "--what", "forces")
     assert status == 2
     assert reason in said
     assert not (tmp_path / "a.svg").exists()
@@ -212,7 +212,7 @@ def test_joints_and_bearings_without_force_have_no_path(tmp_path: Path) -> None:
     assert len(force_views(Scene.parse(text))) == 4
     straight = text.replace("[10]", "[0]")
     assert force_views(Scene.parse(straight)) == []
-    assert "forces are all 0" in plot(tmp_path, straight, "--forces")[1]
+    assert "forces are all 0" in plot(tmp_path, straight, "--what", "forces")[1]
 
 
 # --- bearings in drawings --------------------------------------------------------------------

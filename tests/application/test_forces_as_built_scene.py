@@ -154,7 +154,7 @@ def test_paths_are_closed_after_a_whole_turn(tmp_path: Path) -> None:
     pyplot.close("all")
     scene, picture = tmp_path / "scene.toml", tmp_path / "forces.svg"
     scene.write_text(TEXT, encoding="utf-8")
-    command("plot", scene, "--forces", "--output", picture)
+    command("plot", scene, "--what", "forces", "--output", picture)
     assert picture.stat().st_size > 1000
 
 

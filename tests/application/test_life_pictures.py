@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib import pyplot
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, needed
-from cardan.app.plots import plot_heat, plot_pin_load, plot_sizes, write_life
+from cardan.app.plots import plot_heat, plot_part, plot_pin_load, plot_sizes, save
 from cardan.app.scene import Scene
 
 CONVEYOR = Path(__file__).parents[2] / "examples" / "conveyor.toml"
@@ -34,16 +33,6 @@ def _found(scene: Scene) -> LifeFigures:
 def _closed() -> Iterator[None]:
     yield
     pyplot.close("all")
-
-
-@pytest.fixture
-def pictures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
-    """The pictures written, as figures."""
-    kept: list[Figure] = []
-    monkeypatch.setattr(
-        "cardan.app.answers.life.picture.save", lambda figure, _: kept.append(figure)
-    )
-    return kept
 
 
 def test_pins_bear_the_moment_of_their_joint() -> None:
@@ -83,26 +72,26 @@ def test_bars_are_lives() -> None:
 
 def test_a_picture_has_what_the_scene_gives(tmp_path: Path) -> None:
     full = tmp_path / "full.svg"
-    write_life(_found(Scene.load(CONVEYOR)), full)
+    save(plot_part(Scene.load(CONVEYOR), "life"), full)
     text = full.read_text(encoding="utf-8")
-    write_life(_found(Scene.load(CONVEYOR)), tmp_path / "again.svg")
+    save(plot_part(Scene.load(CONVEYOR), "life"), tmp_path / "again.svg")
     assert (tmp_path / "again.svg").read_bytes() == full.read_bytes()
     plain = Scene.parse(
         "[driveline]\nbends_deg = [12, 18]\n[load]\nspeed_rpm = 9\noutput_torque_Nm = 7\n"
         "[joints]\nrating_Nm = 1200\n"
     )
     less = tmp_path / "less.svg"
-    write_life(_found(plain), less)
+    save(plot_part(plain, "life"), less)
     assert len(less.read_bytes()) < len(text)
 
 
-def test_pins_and_heat_are_those_of_the_worst_steps(pictures: list[Figure]) -> None:
+def test_pins_and_heat_are_those_of_the_worst_steps() -> None:
     """The joints are hottest in the start and wear most when loaded, which lasts longer."""
     text = CONVEYOR.read_text(encoding="utf-8")
     text = text.replace("hours = [50, 45, 5]", "hours = [70, 29, 1]").replace(", 600]", ", 1500]")
     scene = Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent)
-    write_life(_found(scene), "life.svg")
-    _, pins, heat = pictures[0].axes
+    figure = plot_part(scene, "life")
+    _, pins, heat = figure.axes
     angle, moment = np.asarray(pins.get_lines()[1].get_xydata()).T
     loaded = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
     own = LINE.evaluate(np.radians(angle), "moment", joints=1, load=loaded).moment
@@ -114,16 +103,16 @@ def test_pins_and_heat_are_those_of_the_worst_steps(pictures: list[Figure]) -> N
     assert heat.get_xlim() == pytest.approx((0.0, 1500.0))
 
 
-def test_heat_is_that_of_the_step_that_heats_one_joint_most(pictures: list[Figure]) -> None:
+def test_heat_is_that_of_the_step_that_heats_one_joint_most() -> None:
     """The other joint is hottest in another step."""
     scene = Scene.parse(
         "[driveline]\nbends_deg = [18, 12]\nphases_deg = [90]\n[load]\nspeed_rpm = 1500\n"
         "[joints]\nfriction = [0.01, 0.02]\npin_radius_mm = 8\narm_mm = 32\n"
         "[life]\nbends_deg = [[18, 12], [12, 18]]\noutput_torque_Nm = 400\n"
     )
-    write_life(_found(scene), "life.svg")
+    figure = plot_part(scene, "life")
     watts = LINE.losses(LOAD, **BEARINGS).power
-    ends = [np.asarray(line.get_ydata())[-1] for line in pictures[0].axes[-1].get_lines()]
+    ends = [np.asarray(line.get_ydata())[-1] for line in figure.axes[-1].get_lines()]
     assert ends == pytest.approx(watts)
 
 
@@ -161,5 +150,5 @@ def test_what_cannot_be_drawn_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no table of sizes whose life is known"):
         plot_sizes(_found(scene))
     with pytest.raises(ValueError, match="must end in"):
-        write_life(_found(scene), tmp_path / "life.txt")
+        save(plot_part(scene, "life"), tmp_path / "life.txt")
     assert list(tmp_path.iterdir()) == []

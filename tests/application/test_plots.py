@@ -433,8 +433,8 @@ def figure_of(
 @pytest.mark.parametrize(
     ("name", "option"),
     [
-        ("axial_travel", "--slides"),
-        ("worn_joints", "--backlash"),
+        ("axial_travel", "--what=axial_travel"),
+        ("worn_joints", "--what=backlash"),
         ("suspension", "--study=equivalent_bend"),
         ("foeppl", "--over=turns"),
     ],
@@ -477,11 +477,11 @@ def test_a_picture_of_states_has_their_figures_and_the_limit(
     [
         ("life", "conveyor", ()),
         ("tolerances", "workshop", ()),
-        ("plot", "axial_travel", ("--slides",)),
-        ("plot", "worn_joints", ("--backlash",)),
+        ("plot", "axial_travel", ("--what=axial_travel",)),
+        ("plot", "worn_joints", ("--what=backlash",)),
         ("plot", "truck", ("--over", "orders")),
         ("plot", "ball_joint", ()),
-        ("plot", "bearings", ("--forces",)),
+        ("plot", "bearings", ("--what=forces",)),
     ],
 )
 def test_frames_hold_what_they_show_and_are_little_larger(
@@ -504,7 +504,7 @@ def test_frames_hold_what_they_show_and_are_little_larger(
             span = max(view) - min(view)
             assert min(view) - 1e-9 * span <= first <= last <= max(view) + 1e-9 * span
             # The arrow of a force begins at 0, however short its path is.
-            assert last - first > 0.45 * span or "--forces" in option
+            assert last - first > 0.45 * span or "--what=forces" in option
         # Curves with a name have it in a legend, two scales of one frame in one of them.
         bounds = axes.get_position().bounds
         same = [other for other in figure.axes if other.get_position().bounds == bounds]

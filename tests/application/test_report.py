@@ -31,8 +31,10 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
 from cardan import Driveline, Limits, Load, __version__
+from cardan.app.answers.limits.figures import MotionFigures
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.printed import figure_text
+from cardan.app.answers.rows import rows_of
 from cardan.app.answers.study.maps import heat_map
 from cardan.app.charts.charts import chart
 from cardan.app.charts.drawing import views
@@ -44,6 +46,7 @@ from cardan.app.scene import Scene
 from cardan.app.scene.starters import STARTERS
 from cardan.app.scene.study.study import Column
 from cardan.arrays import FloatArray
+from cardan.design.judged import Finding
 from example_scenes import DRIVELINES, EXAMPLES, Answers
 from pages import curves, scales, tables
 
@@ -278,13 +281,26 @@ def test_head_names_file_date_and_version(tmp_path: Path, monkeypatch: pytest.Mo
     assert f"Report of {before} by" in said or f"Report of {time.strftime('%Y-%m-%d')} by" in said
 
 
+def label_and_value(finding: Finding) -> tuple[str, str]:
+    """What the page calls a figure of the motion, and its worst value with its unit."""
+    rows = {name: row for name, row, _ in rows_of(MotionFigures)}
+    unit = "°" if finding.unit == "deg" else f" {finding.unit}"
+    return rows[finding.figure].label, f"{figure_text(finding.worst)}{unit}"
+
+
 def test_answers_are_the_librarys(tmp_path: Path) -> None:
     said = PageText(written(scene(Z_SHAFT), tmp_path)).text
     found = LINE.check(50.0 * np.pi)
     assert f"No. {found.heading}" in said
     assert found.heading == "The driveline is beyond the limits."
     for finding in found.findings:
-        assert f"{finding.name} {finding.value_text}: {'; '.join(finding.words)}" in said
+        label, value = label_and_value(finding)
+        stands = "not judged: no limit is given"
+        if finding.limit:
+            assert str(finding.verdict) == "beyond"
+            over = finding.worst - finding.limit.limit
+            stands = f"{figure_text(over)}° above the limit of {finding.limit.limit:g}°"
+        assert f"{label}: {value}, {stands}" in said
 
     turn = np.radians(np.arange(0.0, 360.25, 0.5))
     moments = LINE.evaluate(turn, "support_moment", shafts=slice(None), load=LOAD).support_moment
@@ -324,23 +340,27 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
     found = line.check(50.0 * np.pi, limits)
     page = written(scene(text), tmp_path)
     assert '<p class="verdict fair">Tolerably. The driveline is tolerable' in page
-    assert '<p class="good"><strong>Catalogue: within</strong>' in page
-    assert '<p class="fair"><strong>Practice (industrial): tolerable</strong>' in page
+    for sign, colour in (("✓", "good"), ("!", "fair"), ("-", "open")):
+        assert f'<li class="{colour}"><span aria-hidden="true">{sign}</span> ' in page
     rows = {row[0]: row[1:] for row in tables(page)["Limits"]}
+    names, *speeds = tables(page)["Limits are kept up to"]
+    kept = dict(zip(names[1:], zip(*(row[1:] for row in speeds), strict=True), strict=True))
     for finding in found.findings:
-        value, verdict, limit, maximum, within, tolerable, source = rows[
-            f"{finding.name} [{finding.unit}]"
-        ]
-        assert value == figure_text(finding.worst)
+        label, text = label_and_value(finding)
+        value, verdict, limit, maximum, source = rows[label]
+        assert value == text
         assert verdict == str(finding.verdict)
         if finding.limit:
-            assert [limit, maximum] == [f"{finding.limit.limit:g}", f"{finding.limit.maximum:g}"]
+            unit = value.lstrip("0123456789.")
+            bounds = dict.fromkeys((finding.limit.limit, finding.limit.maximum))
+            shown = [f"{bound:g}{unit}" for bound in bounds]
+            assert [limit, *filter(None, [maximum])] == shown
             assert source == finding.limit.source
-        speeds = [
-            float(speed) * 30.0 / np.pi for speed in (finding.within_up_to, finding.tolerable_up_to)
-        ]
-        shown = ["" if np.isnan(speed) else str(int(speed)) for speed in speeds]
-        assert [within, tolerable] == shown
+        else:
+            assert (limit, maximum, source) == ("", "", "no limit given")
+        ends = (finding.within_up_to, finding.tolerable_up_to)
+        rpm = [figure_text(float(speed) * 30.0 / np.pi) for speed in ends if np.isfinite(speed)]
+        assert [f"{each} rpm" for each in rpm] == list(kept.get(finding.name, ()))
     verdicts = [str(finding.verdict) for finding in found.findings]
     assert {"within", "tolerable", "not judged"} == set(verdicts)
 
@@ -412,7 +432,9 @@ def test_a_study_answers_for_all_of_it(tmp_path: Path) -> None:
     within = np.count_nonzero(Driveline.from_bends(bends, degrees=True).check().passes)
     assert 0 < within < 11
     assert f"Drivelines of the study: {within} of 11 within, {11 - within} beyond." in said
-    assert "largest at bend, joint 0: 10 deg" in said
+    largest = np.degrees(np.max(Driveline.from_bends(bends, degrees=True).equivalent().bend))
+    assert f"equivalent bend: {largest:.3f}° at bends_deg.0 = 10, " in said
+    assert f", {largest - 3.0:.3f}° above the limit of 3°" in said
     assert "What varies: 11 drivelines" in said
 
 
@@ -440,8 +462,8 @@ def test_a_study_names_its_best_driveline(tmp_path: Path) -> None:
     assert "bend, joint 0: 6 deg; phase, shaft 1: 0 deg; speed: 1000 rpm" in said
     best = Driveline.from_bends([6, 6], [180], [0], degrees=True).check(1000.0 * np.pi / 30.0)
     section = said[said.index("Best driveline") : said.index("What varies")]
-    assert all(finding.name in section for finding in best.findings)
-    assert "equivalent bend 0°: within the 3° limit by 3°" in section
+    assert all(label_and_value(finding)[0] in section for finding in best.findings)
+    assert "equivalent bend: 0°, within the limit of 3°" in section
     # Among equals the first, and how many there are.
     equal = GRID.replace("speed_rpm = [2000, 1000]", "output_torque_Nm = [100, 200]")
     said = PageText(written(scene(equal), tmp_path)).text

@@ -18,7 +18,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
-from cardan.app.plots import plot_slide_orders, plot_slides, write_slides
+from cardan.app.plots import plot_part, plot_slide_orders, plot_slides, save
 from cardan.app.scene import Scene
 from cardan.app.scene.language.errors import SceneError
 from example_scenes import ANSWERS, SCENES, Answers, example, replaced
@@ -176,7 +176,7 @@ def test_pictures(tmp_path: Path) -> None:
     heights = slides.amplitudes([1, 2, 3, 4, 5, 6]).ravel()
     assert [bar.get_height() for bar in bars] == pytest.approx(heights)
     for path in (tmp_path / "once.svg", tmp_path / "again.svg"):
-        write_slides(slides, path, "A shaft")
+        save(plot_part(Scene.load(PATH), "axial_travel"), path)
     assert (tmp_path / "once.svg").read_bytes() == (tmp_path / "again.svg").read_bytes()
     batch = cardan.Driveline.from_bends([[10], [20]], degrees=True).slides(shafts=1.0)
     with pytest.raises(ValueError, match="slides are those of a batch"):
@@ -186,10 +186,9 @@ def test_pictures(tmp_path: Path) -> None:
 
 def test_the_command_draws(tmp_path: Path) -> None:
     path = tmp_path / "slides.svg"
-    assert run("plot", PATH, "--slides", "--output", path) == f"wrote {path}\n"
+    assert run("plot", PATH, "--what", "axial_travel", "--output", path) == f"wrote {path}\n"
     assert "axial travel" in path.read_text(encoding="utf-8")
-    none = CliRunner().invoke(commands(), ["plot", str(example("foeppl.toml")), "--slides"])
+    bare = example("foeppl.toml")
+    none = CliRunner().invoke(commands(), ["plot", str(bare), "--what", "axial_travel"])
     assert none.exit_code == 2
     assert "slides need a section [offsets]" in none.stderr
-    both = CliRunner().invoke(commands(), ["plot", str(PATH), "--slides", "--forces"])
-    assert "--slides does not go with --forces" in both.stderr

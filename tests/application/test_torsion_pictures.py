@@ -13,7 +13,13 @@ from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation
 
 from cardan.app.answers.torsion.figures import TorsionFigures, torsion_figures
-from cardan.app.plots import plot_campbell, plot_stability, plot_torsion, plot_torsion_response
+from cardan.app.plots import (
+    plot_campbell,
+    plot_part,
+    plot_stability,
+    plot_torsion,
+    plot_torsion_response,
+)
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from example_scenes import Answers, example
@@ -172,9 +178,9 @@ def test_a_figure_has_a_panel_for_each_compliant_shaft(truck: TorsionFigures) ->
     (width, _) = figure.get_size_inches()
     assert width == pytest.approx(80.0 / 25.4)
     assert figure.get_suptitle() == "A truck"
-    assert len(plot_torsion(truck, "campbell").axes) == 1
-    with pytest.raises(ValueError, match="picture is 'map'; it must be one of response, campbell"):
-        plot_torsion(truck, "map")
+    assert len(plot_part(TRUCK, "campbell").axes) == 1
+    with pytest.raises(ValueError, match="name is 'map'; known are drive_speed, backlash"):
+        plot_part(TRUCK, "map")
 
 
 def test_the_page_has_a_section(tmp_path: Path, truck: TorsionFigures, answered: Answers) -> None:

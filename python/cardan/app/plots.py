@@ -1,10 +1,10 @@
 """Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
 
-Every ``plot_`` function but ``plot_scene``, ``plot_forces``, ``plot_ball_joint``,
-``plot_optimise`` and ``plot_torsion`` draws on the axes that it is given as ``ax`` and returns
-them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. These
-five return a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in
-dashes as well as colour, so that they can be told apart in grey.
+Most ``plot_`` functions draw on the axes that they are given as ``ax`` and return them. Without
+``ax`` they make a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. ``plot_scene``,
+``plot_part``, ``plot_forces``, ``plot_ball_joint``, ``plot_optimise`` and ``plot_torsion`` return
+a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in dashes as well
+as colour, so that they can be told apart in grey.
 
 >>> import cardan.app.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -12,8 +12,13 @@ dashes as well as colour, so that they can be told apart in grey.
 >>> cardan.plots.save(axes.figure, "ratio.svg")  # doctest: +SKIP
 """
 
-from cardan.app.answers.axial_travel.picture import plot_slide_orders, plot_slides, write_slides
-from cardan.app.answers.backlash.picture import plot_backlash, plot_lash, write_backlash
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.axial_travel.picture import plot_slide_orders, plot_slides
+from cardan.app.answers.backlash.picture import plot_backlash, plot_lash
 from cardan.app.answers.ball_joint.picture import (
     plot_ball_joint,
     plot_seat_pressure,
@@ -21,7 +26,7 @@ from cardan.app.answers.ball_joint.picture import (
 )
 from cardan.app.answers.drive_speed.picture import plot_drive_speed
 from cardan.app.answers.forces.picture import plot_force_hodograph, plot_forces
-from cardan.app.answers.life.picture import plot_heat, plot_pin_load, plot_sizes, write_life
+from cardan.app.answers.life.picture import plot_heat, plot_pin_load, plot_sizes
 from cardan.app.answers.optimise.picture import (
     plot_optimise,
     plot_optimised_states,
@@ -29,11 +34,8 @@ from cardan.app.answers.optimise.picture import (
 )
 from cardan.app.answers.states.picture import plot_states
 from cardan.app.answers.study.picture import plot_study
-from cardan.app.answers.tolerances.picture import (
-    plot_tolerance_shares,
-    plot_tolerances,
-    write_tolerances,
-)
+from cardan.app.answers.table import PARTS, pictures
+from cardan.app.answers.tolerances.picture import plot_tolerance_shares, plot_tolerances
 from cardan.app.answers.torsion.picture import (
     plot_campbell,
     plot_stability,
@@ -58,6 +60,11 @@ from cardan.app.pictures.hodograph import plot_hodograph
 from cardan.app.pictures.result import plot_result
 from cardan.app.pictures.style import STYLE, save
 from cardan.app.pictures.thoma import plot_small_angle
+from cardan.app.scene.scene import BallJointScene, Scene
+from cardan.arrays.errors import ArgumentValueError, nearest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = [
     "STYLE",
@@ -84,6 +91,7 @@ __all__ = [
     "plot_optimise",
     "plot_optimised_states",
     "plot_over_variable",
+    "plot_part",
     "plot_pin_load",
     "plot_result",
     "plot_scene",
@@ -102,10 +110,25 @@ __all__ = [
     "plot_torsion",
     "plot_torsion_response",
     "save",
-    "write_backlash",
-    "write_life",
     "write_picture",
-    "write_slides",
-    "write_tolerances",
     "yoke_pins",
 ]
+
+
+def plot_part(scene: Scene | BallJointScene, name: str) -> Figure:
+    """Return a picture of a part of the answer to a scene, as ``cardan plot --what`` draws it.
+
+    Args:
+        scene: the scene.
+        name: the picture, such as ``"forces"``; ``cardan plot --help`` lists them.
+
+    Raises:
+        ImportError: matplotlib is missing.
+        ValueError: an unknown name, a scene that lacks what the picture shows.
+    """
+    known = pictures()
+    if name not in known:
+        raise ArgumentValueError("name", f"is {name!r}; {nearest(name, known)}")
+    if isinstance(scene, BallJointScene) and name not in PARTS["ball_joint"].pictures():
+        raise ValueError(f"{scene.name}: a ball joint alone has no picture {name!r}")
+    return known[name](Answer(scene))

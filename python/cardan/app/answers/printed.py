@@ -90,6 +90,25 @@ def bound_of(value: Judged, row: Row, *, radians: bool = False) -> str:
     return f"{text}, maximum {given(value.maximum, row.unit, radians=radians)}"
 
 
+def judged_text(value: Judged, row: Row) -> str:
+    """Say a figure, where it is worst, and how it stands to its limit or why it is not judged."""
+    if value.value is None:
+        return value.why
+    figure = f"{quantity(value.value, row.unit)}{place_of(value)}"
+    if value.limit is None or value.verdict == "not judged":
+        return f"{figure}, not judged: {value.why or 'no limit is given'}"
+    if value.verdict == "within":
+        return f"{figure}, within the limit of {given(value.limit, row.unit)}"
+    bound, limit = "limit", value.limit
+    if value.maximum is not None and value.verdict == "beyond":
+        bound, limit = "maximum", value.maximum
+    side = "above" if value.sense == "most" else "below"
+    return (
+        f"{figure}, {quantity(value.excess, row.unit)} {side} the {bound} of "
+        f"{given(limit, row.unit)}"
+    )
+
+
 def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401 - of any field
     """Return the value of a field, where it is worst and its limit; "" of what is not known."""
     if isinstance(value, Judged):

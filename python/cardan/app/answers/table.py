@@ -7,7 +7,7 @@ row says is printed, listed, judged and described by itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module, resources
 from importlib.util import find_spec
@@ -19,6 +19,8 @@ from cardan.app.answers.printed import part_text
 from cardan.app.answers.rows import Entry, Judged, Row, element_of, entries, item_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from cardan.app.answers.answer import Answer
 
 
@@ -120,6 +122,10 @@ class Part:
         template = f"{self.name}/page.html" if folder.joinpath("page.html").is_file() else ""
         return {"key": self.name, "heading": self.title, "template": template, **data}
 
+    def pictures(self) -> dict[str, Callable[[Answer], Figure]]:
+        """Return what draws the pictures of the part, by their names."""
+        return self._own("PICTURES", "picture") or {}
+
     def heading(self, found: Any) -> str:  # noqa: ANN401 - any part
         """Return what stands above the figures: ``"Spline of shaft 1"``."""
         if own := self._own("heading", "text"):
@@ -155,3 +161,8 @@ _PARTS = (
 
 PARTS = {part.name: part for part in _PARTS}
 """The parts by name, in the order in which answers have them."""
+
+
+def pictures() -> dict[str, Callable[[Answer], Figure]]:
+    """Return what draws the pictures of all parts, by their names."""
+    return {name: draw for part in _PARTS for name, draw in part.pictures().items()}

@@ -43,10 +43,10 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
 def write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[dict[str, Any]]:
     """Write the picture of a ball joint if the scene names one; yield its path."""
     if case.picture_file:
-        from cardan.app.answers.ball_joint.picture import write_ball_joint_picture
+        from cardan.app.plots import plot_ball_joint, save
 
         path = into / case.picture_file
-        write_ball_joint_picture(case, path, title)
+        save(plot_ball_joint(case, title), path)
         yield {"file": str(path)}
 
 

@@ -9,10 +9,10 @@ import click
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import answer as answer_of
 from cardan.app.answers.life.figures import needed
-from cardan.app.answers.life.picture import write_life
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
+from cardan.app.plots import plot_part, save
 from cardan.app.scene.scene import Scene
 
 
@@ -36,10 +36,11 @@ def command(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan life conveyor.toml --json
     """
     answer = Answer(Scene.load(scene))
-    title, found = answer.scene.title, needed(answer)
+    title = answer.scene.title
+    needed(answer)
     if output is not None:
         check_output(answer.scene, output)
-        write_life(found, output)
+        save(plot_part(answer.scene, "life"), output)
     parts = list(answer.parts("life"))
     say_answer(
         title,

@@ -8,12 +8,12 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.optimise.figures import optimise_data, optimised
-from cardan.app.answers.optimise.picture import write_optimise_picture
 from cardan.app.answers.optimise.text import optimise_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import file_option, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import check_writable, whole_file
+from cardan.app.plots import plot_optimise, save
 from cardan.app.scene.language.document import read_text
 from cardan.app.scene.language.edit import with_values
 from cardan.app.scene.language.errors import SceneError
@@ -62,7 +62,7 @@ def command(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -
     with whole_file(target) as file:
         file.write(written.encode())
     if picture:
-        write_optimise_picture(found, picture)
+        save(plot_optimise(found), picture)
         files.append(str(picture))
     if as_json:
         say(as_json_text(optimise_data(found, files)))

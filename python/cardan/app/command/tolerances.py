@@ -11,11 +11,11 @@ from cardan.app.answers.tolerances.figures import (
     permitted_tolerances,
     tolerances_data,
 )
-from cardan.app.answers.tolerances.picture import write_tolerances
 from cardan.app.answers.tolerances.text import tolerances_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import say_answer
+from cardan.app.plots import plot_part, save
 from cardan.app.scene.scene import Scene
 
 
@@ -45,7 +45,7 @@ def command(scene: Path, output: Path | None, as_json: bool) -> None:
     assert tolerances
     if output is not None:
         check_output(loaded, output)
-        write_tolerances(tolerances, output)
+        save(plot_part(loaded, "tolerances"), output)
     say_answer(
         loaded.title,
         lambda: tolerances_text(found, permitted_tolerances(tolerances, loaded.tolerance_arms)),

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.torsion.figures import needed_torsion, torsion_data
-from cardan.app.answers.torsion.picture import PICTURES, plot_torsion
+from cardan.app.answers.torsion.picture import plot_torsion
 from cardan.app.answers.torsion.text import torsion_text
 from cardan.app.command.files import check_output
 from cardan.app.command.options import json_option, picture_as_well, scene_argument
@@ -19,14 +19,8 @@ from cardan.app.scene.scene import Scene
 @click.command()
 @scene_argument
 @picture_as_well
-@click.option(
-    "--plot",
-    "picture",
-    type=click.Choice(PICTURES),
-    help="What to draw; default: response. Without --output the picture has the scene's name.",
-)
 @json_option
-def command(scene: Path, output: Path | None, picture: str | None, as_json: bool) -> None:
+def command(scene: Path, output: Path | None, as_json: bool) -> None:
     """Find the resonances of compliant shafts, the torques in them and unstable speeds.
 
     The section [torsion] of the scene gives inertias, stiffnesses or tubes, damping and the range
@@ -37,27 +31,21 @@ def command(scene: Path, output: Path | None, picture: str | None, as_json: bool
     shaft and its speed, and the speeds of unstable motion. The exit status does not depend on the
     verdict.
 
-    \b
-    The picture shows one of
-      response   torques over the drive speed, with the critical speeds
-      campbell   natural frequencies and orders over the drive speed
-      stability  where the motion is unstable, over speed and bend
+    The picture shows the torques over the drive speed. "cardan plot SCENE --what campbell" draws
+    natural frequencies and orders, "--what stability" where the motion is unstable.
 
     \b
     Examples:
       cardan torsion shaft.toml
       cardan torsion shaft.toml --output response.svg
-      cardan torsion shaft.toml --plot campbell --output campbell.svg
       cardan torsion shaft.toml --json
     """
     loaded = Scene.load(scene)
-    if output is None and picture is not None:
-        output = Path(f"{scene.stem}.svg")
     if output is not None:
         check_output(loaded, output)
     found = needed_torsion(loaded)
     if output is not None:
-        save(plot_torsion(found, picture or "response", loaded.title), output)
+        save(plot_torsion(found, loaded.title), output)
     files = [] if output is None else [str(output)]
     left_out = "states" if loaded.states else "study" if loaded.study else ""
 

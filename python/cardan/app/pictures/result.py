@@ -50,7 +50,7 @@ def plot_result(result: Result) -> Figure:
         height = _FRAME + _PANEL * len(curves)
         figure, rows = pyplot.subplots(
             len(curves),
-            figsize=(WIDTH, height),
+            figsize=(WIDTH * MM, height),
             layout="constrained",
             sharex=True,
             squeeze=False,

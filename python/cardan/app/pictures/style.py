@@ -6,7 +6,7 @@ import contextlib
 import math
 import os
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -41,7 +41,7 @@ STYLE: Mapping[str, Any] = {
 """Settings of matplotlib for pictures of 80 mm, for ``matplotlib.rc_context``."""
 
 MM = 1.0 / 25.4
-WIDTH = 80.0 * MM
+WIDTH = 80.0  # mm
 
 # Okabe and Ito's palette, which the colour-blind can tell apart; in grey the dashes alone do.
 LINES: tuple[Mapping[str, Any], ...] = (
@@ -92,7 +92,7 @@ def drawing(
     with matplotlib().rc_context(STYLE):
         from matplotlib import pyplot
 
-        figure = pyplot.figure(figsize=(WIDTH, height_mm * MM), layout="constrained")
+        figure = pyplot.figure(figsize=(WIDTH * MM, height_mm * MM), layout="constrained")
         try:
             yield figure.add_subplot(projection=projection)
         except BaseException:
@@ -118,10 +118,31 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
         figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
 
 
-def add_title(figure: Figure, title: str, width: int = 48) -> None:
-    """Write the title of a scene above a figure, as it is, in lines of at most so many letters."""
-    if title:
-        figure.suptitle(textwrap.fill(title, width), fontsize=8.0, parse_math=False)
+@contextlib.contextmanager
+def page(width: float, height: float, title: str = "", letters: int = 48) -> Iterator[Figure]:
+    """Give an empty figure of a size in mm, under the title of a scene in lines of some letters."""
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(width * MM, height * MM), layout="constrained")
+        if title:
+            text = textwrap.fill(title, letters)
+            figure.suptitle(text, fontsize=8.0, parse_math=False)
+        yield figure
+
+
+def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str = "") -> Figure:
+    """Return a figure 80 mm wide of panels below each other: of each its height and what draws it.
+
+    Raises:
+        ImportError: matplotlib is missing.
+    """
+    heights = [height for height, _ in panels]
+    with page(WIDTH, sum(heights), title) as figure:
+        grid = figure.subplots(len(panels), squeeze=False, height_ratios=heights)
+        for axes, (_, draw) in zip(grid[:, 0], panels, strict=True):
+            draw(axes)
+    return figure
 
 
 def line_style(number: int) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.drive_speed.text import heading, sentences
 from cardan.app.answers.forces.text import largest_text
 from cardan.app.answers.forces.text import sentences as missing_forces
-from cardan.app.answers.limits.page import groups, shown, verdict_data, verdict_of
+from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.limits.remedies import advice
 from cardan.app.answers.limits.remedies_text import (
     BEST_OF_STATES,
@@ -18,7 +18,11 @@ from cardan.app.answers.limits.remedies_text import (
     arrangement_text,
     remedies,
 )
+from cardan.app.answers.limits.text import verdict_text
+from cardan.app.answers.page import CLASSES, judged_lines
 from cardan.app.answers.printed import figure_text, range_ends
+from cardan.app.answers.rows import worst_of
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
 from cardan.app.answers.yokes.text import phases_text, tooth_lines, yoke_lines
 from cardan.app.charts.motion import deviates, turn_motion
@@ -38,7 +42,6 @@ _SMOOTH = {
     "within": "Yes",
     "tolerable": "Tolerably",
     "beyond": "No",
-    "unknown": "Unknown",
     "not judged": "Unknown",
 }
 
@@ -53,10 +56,14 @@ def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None)
         samples: the scene evaluated for the page.
         yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
     """
-    scene, found = answer.scene, answer.check
+    scene = answer.scene
     return {
-        "verdict": verdict_data(answer),
-        "smooth": _smooth(scene, found),
+        "verdict": {
+            "word": answer.verdict,
+            "class": CLASSES[answer.verdict],
+            "words": verdict_text(answer),
+        },
+        "smooth": _smooth(answer),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
         "no_yokes": (
@@ -77,20 +84,24 @@ def _toleranced(answer: Answer) -> list[str]:
     return list(tolerance_sentences(found)) if found else []
 
 
-def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
-    line, verdict, unvaried = scene.line, verdict_of(found), []
+def _smooth(answer: Answer) -> dict[str, Any]:
+    scene, found, part = answer.scene, answer.check, PARTS["limits"]
+    judged = [entry for entry in part.entries(answer["limits"]) if entry.row.limit]
+    verdict = worst_of(entry.value.verdict for entry in judged if entry.value)
+    line, unvaried = scene.line, []
     words = f"{_SMOOTH[verdict]}. {found.heading}"
     if scene.study and scene.study.axes:
         words = f"Drivelines of the study: {counted(found.ranks)}."
-        unvaried = groups(line.check(scene.speed or None, scene.limits))
+        alone = motion_of(scene, line.check(scene.speed or None, scene.limits))
+        unvaried = judged_lines(part.entries(alone))
     elif scene.states:
         words = f"States: {counted(found.ranks)}."
     elif line.shape:
         words = f"Recorded samples: {counted(found.ranks)}."
     return {
-        "class": shown(verdict),
+        "class": CLASSES[verdict],
         "verdict": words,
-        "groups": groups(found),
+        "figures": judged_lines(judged),
         "unvaried": unvaried,
         "motion": "" if line.shape else _motion(scene, found),
     }

@@ -14,8 +14,8 @@ import numpy as np
 
 from cardan import __version__
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.page import limits_table
 from cardan.app.answers.optimise.page import optimise
+from cardan.app.answers.page import judged_table, tables_of
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
 from cardan.app.answers.yokes.figures import yoke_settings
@@ -40,7 +40,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     template = environment().get_template("page.html")
     result = scene.run(progress)
     samples, answer = evaluated(scene), Answer(scene)
-    found = answer.check
+    motion = answer["limits"]
     # Of one joint there is nothing to set, and for recorded bends no setting.
     fixed = scene.line.n_joints > 1 and not scene.line.shape
     fixed = fixed and not (scene.states and scene.states.set_phases)
@@ -48,6 +48,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     table = result.study
+    speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
         first_answer(answer, samples, yokes),
@@ -63,8 +64,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         date=_today(),
         every=samples.every,
         inputs=results.inputs(scene),
-        results=[limits_table(found), *results.results(samples, answer)],
-        study=None if table is None or over_states else study(table, found),
+        results=[judged_table(answer.judged), *speeds, *results.results(samples, answer)],
+        study=None if table is None or over_states else study(scene, table, answer.check),
         states=states(answer, over_states, yokes) if over_states else None,
         charts=[
             chart(panel, x, x_label, int(first))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,23 +11,14 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
-from cardan.app.pictures.style import (
-    MM,
-    STYLE,
-    WIDTH,
-    add_title,
-    drawing,
-    legend_above,
-    line_style,
-    matplotlib,
-    save,
-)
+from cardan.app.pictures.style import drawing, legend_above, line_style, stacked
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.wear.axial_travel import SlideName, Slides
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _ORDERS = range(1, 7)
 _DEGREES = np.arange(0.0, 361.0, 2.0)
@@ -86,34 +76,18 @@ def plot_slide_orders(slides: Slides, of: SlideName = "shaft", *, ax: Axes | Non
     return axes
 
 
-def write_slides(slides: Slides, path: str | PathLike[str], title: str = "") -> None:
-    """Write the axial travel of the shafts over the turn and by order, lengths in mm.
+def _whole(answer: Answer) -> Figure:
+    """Axial travel of shafts whose axes miss each other."""
+    slides = drawn_slides(answer.scene)
+    panels = (
+        (47.5, lambda axes: plot_slides(slides, ax=axes).set_ylabel("axial travel [mm]")),
+        (47.5, lambda axes: plot_slide_orders(slides, ax=axes).set_ylabel("amplitude [mm]")),
+    )
+    return stacked(panels, answer.of.title)
 
-    Args:
-        slides: the slides of one driveline in mm.
-        path: the picture; its suffix names the format.
-        title: heading, if any.
 
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written.
-        ValueError: as for ``plot_slides``; an unknown suffix.
-    """
-    with matplotlib().rc_context(STYLE):
-        from matplotlib import pyplot
-
-        figure, (over, orders) = pyplot.subplots(
-            2, figsize=(WIDTH, 95.0 * MM), layout="constrained"
-        )
-        try:
-            plot_slides(slides, ax=over)
-            plot_slide_orders(slides, ax=orders)
-            over.set_ylabel("axial travel [mm]")
-            orders.set_ylabel("amplitude [mm]")
-            add_title(figure, title)
-            save(figure, path)
-        finally:
-            pyplot.close(figure)
+PICTURES = {"axial_travel": _whole}
+"""The pictures of the part by name."""
 
 
 def _names(rows: FloatArray) -> list[str]:

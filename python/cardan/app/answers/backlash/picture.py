@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan.app.answers.backlash.figures import TURN, Backlash
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
 from cardan.app.pictures.style import (
-    MM,
-    STYLE,
     THIN,
-    WIDTH,
-    add_title,
     degree_ticks,
     drawing,
     legend_above,
     line_style,
-    matplotlib,
-    save,
+    stacked,
     value_ticks,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _CLOSE = 1e-3
 """Loops whose lash differs by less than this share are drawn as one."""
@@ -92,29 +88,15 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def write_backlash(found: Backlash, path: str | PathLike[str], title: str = "") -> None:
-    """Write the loop and the lash over the turn as a picture, 80 mm wide.
+def _whole(answer: Answer) -> Figure:
+    """Torque over the angle of the loose last shaft, and its lash."""
+    found = drawn_backlash(answer.scene)
+    panels = (
+        (60.5, lambda axes: plot_backlash(found, ax=axes)),
+        (49.5, lambda axes: plot_lash(found, ax=axes)),
+    )
+    return stacked(panels, answer.of.title)
 
-    Args:
-        found: lash and wind-up.
-        path: of the picture; its suffix names the format.
-        title: heading, if any.
 
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written.
-        ValueError: an unknown suffix.
-    """
-    with matplotlib().rc_context(STYLE):
-        from matplotlib import pyplot
-
-        figure, (loop, lash) = pyplot.subplots(
-            2, figsize=(WIDTH, 110.0 * MM), height_ratios=(55.0, 45.0), layout="constrained"
-        )
-        try:
-            plot_backlash(found, ax=loop)
-            plot_lash(found, ax=lash)
-            add_title(figure, title)
-            save(figure, path)
-        finally:
-            pyplot.close(figure)
+PICTURES = {"backlash": _whole}
+"""The pictures of the part by name."""

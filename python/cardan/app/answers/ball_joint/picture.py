@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
     cross_section,
@@ -15,16 +15,12 @@ from cardan.app.answers.ball_joint.figures import (
 )
 from cardan.app.answers.printed import quantity
 from cardan.app.pictures.style import (
-    MM,
-    STYLE,
     THIN,
-    add_title,
     degree_ticks,
     drawing,
     legend_above,
     line_style,
-    matplotlib,
-    save,
+    page,
     value_ticks,
 )
 from cardan.app.scene.sections.ball_joint import BallJointCase
@@ -50,28 +46,23 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
     Raises:
         ImportError: matplotlib is missing.
     """
-    with matplotlib().rc_context(STYLE):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM), layout="constrained")
+    with page(*_PAGE, title, 90) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         plot_seat_section(case, ax=left)
         plot_seat_pressure(case, ax=right)
-        add_title(figure, title, 90)
     return figure
 
 
-def write_ball_joint_picture(
-    case: BallJointCase, path: str | PathLike[str], title: str = ""
-) -> None:
-    """Write the picture of a ball joint in the format that the path's suffix names.
+def _whole(answer: Answer) -> Figure:
+    """Pressure on the seat of a ball joint, in section and as a curve."""
+    case = answer.of.ball_joint
+    if case is None:
+        raise ValueError(f"{answer.of.name}: section [ball_joint] is missing")
+    return plot_ball_joint(case, answer.of.title)
 
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
-    """
-    save(plot_ball_joint(case, title), path)
+
+PICTURES = {"ball_joint": _whole}
+"""The pictures of the part by name."""
 
 
 def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:

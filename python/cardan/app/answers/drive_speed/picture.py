@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
-from cardan.app.pictures.style import drawing, legend_above
+from cardan.app.answers.answer import Answer
+from cardan.app.pictures.style import drawing, legend_above, stacked
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def plot_drive_speed(
@@ -52,3 +54,23 @@ def plot_drive_speed(
         axes.set_ylabel("drive speed, off its mean [%]")
         legend_above(axes)
     return axes
+
+
+def _whole(answer: Answer) -> Figure:
+    """Speed of the freely running drive over the turn."""
+    scene, found = answer.scene, answer["drive_speed"]
+    if found is None or found.verdict == "no drive inertia":
+        raise ValueError(
+            f"{scene.name}: the speed of the drive varies with a speed and inertias of shaft 0 and "
+            "of a shaft behind a joint in [load], and fixed bends"
+        )
+    if scene.states:
+        scene = scene.in_state(scene.states.names.index(found.state))
+    line, load = scene.line, scene.load_case
+    inertias = None if load is None else load.inertias
+    assert inertias is not None
+    return stacked([(50.0, lambda axes: plot_drive_speed(line, inertias, ax=axes))], scene.title)
+
+
+PICTURES = {"drive_speed": _whole}
+"""The pictures of the part by name."""

@@ -13,16 +13,7 @@ from cardan.app.answers.forces.figures import Forces
 from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath, force_path, scene_force_paths
 from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import number, ticks
-from cardan.app.pictures.style import (
-    LINES,
-    MM,
-    STYLE,
-    THIN,
-    add_title,
-    drawing,
-    matplotlib,
-    value_ticks,
-)
+from cardan.app.pictures.style import LINES, THIN, drawing, page, value_ticks
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
@@ -91,17 +82,22 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
     Raises:
         ImportError: matplotlib is missing.
     """
-    with matplotlib().rc_context(STYLE):
-        from matplotlib.figure import Figure
-
-        columns = min(_COLUMNS, len(paths))
-        rows = -(-len(paths) // columns)
-        size = (columns * _PANEL[0] * MM, (rows * _PANEL[1] + 6.0) * MM)
-        figure = Figure(figsize=size, layout="constrained")
+    columns = min(_COLUMNS, len(paths))
+    rows = -(-len(paths) // columns)
+    width, height = _PANEL
+    with page(columns * width, rows * height + 6.0, title, 30 * columns) as figure:
         for number, path in enumerate(paths, 1):
             draw_path(figure.add_subplot(rows, columns, number), path)
-        add_title(figure, title, 30 * columns)
     return figure
+
+
+def _whole(answer: Answer) -> Figure:
+    """Paths of the force vectors of joints and bearings over a turn."""
+    return plot_forces(scene_force_paths(answer.scene), answer.of.title)
+
+
+PICTURES = {"forces": _whole}
+"""The pictures of the part by name."""
 
 
 def draw_path(axes: Axes, path: ForcePath) -> None:

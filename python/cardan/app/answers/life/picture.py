@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
-from cardan.app.answers.life.figures import LifeFigures, friction_of
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
 from cardan.app.answers.life.text import hours_text
 from cardan.app.pictures.style import (
     LINES,
-    MM,
-    STYLE,
-    WIDTH,
     drawing,
     legend_above,
     line_style,
-    matplotlib,
-    save,
+    stacked,
     value_ticks,
 )
 from cardan.arrays.errors import ArgumentValueError
@@ -30,6 +27,7 @@ from cardan.wear.pin_loads import pins_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _SPEEDS = 41
 _RPM = np.pi / 30.0
@@ -153,46 +151,28 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def write_life(found: LifeFigures, path: str | PathLike[str]) -> None:
-    """Write the life of each size, the load of the pins and the heat over the speed as a picture.
+def _whole(answer: Answer) -> Figure:
+    """Life with each size of joint, load of the pins, and heat.
 
     The pins are those of the step that wears the deciding joint most, the heat that of the hottest
     step. What the scene does not give is left out.
-
-    Args:
-        found: the figures of a scene.
-        path: of the picture; its name ends in .svg, .png or .pdf.
-
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
     """
-    count = sum(one.hours is not None for one in found.sizes)
+    found = needed(answer)
+    line, load, *_ = found.hardest()
+    panels: list[tuple[float, Callable[[Axes], object]]]
+    panels = [(50.0, lambda axes: plot_pin_load(line, load, ax=axes))]
+    if count := sum(one.hours is not None for one in found.sizes):
+        panels.insert(0, (_height(count), lambda axes: plot_sizes(found, ax=axes)))
     hot = [joint.largest_heat or joint.heat for joint in found.joints]
-    known = [heat for heat in hot if heat and heat.value is not None]
-    heights = [*([_height(count)] if count else []), 50.0, *([50.0] if known else [])]
-    with matplotlib().rc_context(STYLE):
-        from matplotlib import pyplot
+    if known := [heat for heat in hot if heat and heat.value is not None]:
+        hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))
+        bearings = friction_of(found.types)
+        panels.append((50.0, lambda axes: plot_heat(*hottest[:2], **bearings, ax=axes)))
+    return stacked(panels)
 
-        figure, drawn = pyplot.subplots(
-            len(heights),
-            squeeze=False,
-            figsize=(WIDTH, sum(heights) * MM),
-            height_ratios=heights,
-            layout="constrained",
-        )
-        panels = iter(drawn[:, 0])
-        try:
-            if count:
-                plot_sizes(found, ax=next(panels))
-            plot_pin_load(*found.hardest()[:2], ax=next(panels))
-            if known:
-                hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))
-                plot_heat(*hottest[:2], **friction_of(found.types), ax=next(panels))
-            save(figure, path)
-        finally:
-            pyplot.close(figure)
+
+PICTURES = {"life": _whole}
+"""The pictures of the part by name."""
 
 
 def _height(bars: int) -> float:

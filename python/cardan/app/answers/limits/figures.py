@@ -85,7 +85,11 @@ class MotionFigures:
 
 def find(answer: Answer) -> MotionFigures:
     """Return the motion of a scene beside its limits."""
-    found, scene = answer.check, answer.scene
+    return motion_of(answer.scene, answer.check)
+
+
+def motion_of(scene: Scene, found: Check) -> MotionFigures:
+    """Return what a check found of drivelines of a scene."""
     judged: dict[str, Any] = dict.fromkeys(FIGURES)
     judged |= {each.figure: _judged(each, scene) for each in found.findings}
     bend = judged["equivalent_bend"].value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cardan.app.answers.answer import Answer, JudgedFigure
-from cardan.app.answers.printed import given, listed, place_of, quantity
+from cardan.app.answers.printed import judged_text, listed
 from cardan.app.answers.table import PARTS
 from cardan.design.wrapping import fill, wrap
 
@@ -32,17 +32,8 @@ def verdict_text(answer: Answer) -> str:
 def findings(answer: Answer, verdict: str) -> Iterator[str]:
     """Say of each figure with a verdict what it is, where, and by how much it misses its limit."""
     for each in answer.of_verdict(verdict):
-        value, unit = each.value, each.entry.row.unit
-        if value.value is None or value.limit is None or verdict == "not judged":
-            continue
-        figure = f"{quantity(value.value, unit)}{place_of(value)}"
-        side = "above" if value.sense == "most" else "below"
-        bound = "maximum" if value.maximum is not None and verdict == "beyond" else "limit"
-        limit = value.maximum if bound == "maximum" and value.maximum else value.limit
-        yield (
-            f"{each.name}: {figure}, {quantity(value.excess, unit)} {side} the {bound} of "
-            f"{given(limit, unit)} ({value.source})"
-        )
+        if each.value.value is not None:
+            yield f"{each.name}: {judged_text(each.value, each.entry.row)} ({each.value.source})"
 
 
 def not_judged(answer: Answer) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,16 +9,12 @@ import numpy as np
 from cardan.app.answers.optimise.figures import Optimised, unit_of
 from cardan.app.answers.states.figures import without_common
 from cardan.app.pictures.style import (
-    MM,
-    STYLE,
     THIN,
-    add_title,
     degree_ticks,
     drawing,
     legend_above,
     line_style,
-    matplotlib,
-    save,
+    page,
     value_ticks,
 )
 from cardan.arrays.errors import ArgumentValueError
@@ -51,26 +46,11 @@ def plot_optimise(found: Optimised) -> Figure:
     """
     panels = len(found.asked.variables) + 1
     rows = (panels + 1) // 2
-    with matplotlib().rc_context(STYLE):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(170.0 * MM, 58.0 * rows * MM), layout="constrained")
-        add_title(figure, found.scene.title, 90)
+    with page(170.0, 58.0 * rows, found.scene.title, 90) as figure:
         plot_optimised_states(found, ax=figure.add_subplot(rows, 2, 1))
         for i in range(panels - 1):
             plot_over_variable(found, i, ax=figure.add_subplot(rows, 2, i + 2))
     return figure
-
-
-def write_optimise_picture(found: Optimised, path: str | PathLike[str]) -> None:
-    """Write the picture of an optimum in the format that the path's suffix names.
-
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
-    """
-    save(plot_optimise(found), path)
 
 
 def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = None) -> Axes:

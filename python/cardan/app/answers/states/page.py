@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.page import shown
 from cardan.app.answers.names import column_name, key_name
-from cardan.app.answers.page import tables_of
+from cardan.app.answers.page import CLASSES, tables_of
 from cardan.app.answers.printed import figure_text, quantity
 from cardan.app.answers.states.figures import StateFigures, state_name, without_common
 from cardan.app.answers.study.extremes import extremes
@@ -39,7 +38,7 @@ def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) ->
     return {
         "verdicts": [
             {
-                "class": shown(state.verdict),
+                "class": CLASSES[state.verdict],
                 "state": state.state,
                 "words": f"{quantity(state.equivalent_bend or 0.0, 'deg')}, {state.verdict}",
             }

@@ -9,16 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.limits.page import at_keys, groups
+from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.page import judged_lines
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import ROUNDING, alike
 from cardan.app.answers.study.extremes import End, extremes
 from cardan.app.answers.study.maps import heat_map
-from cardan.app.charts.charts import chart, some
+from cardan.app.answers.table import PARTS
+from cardan.app.charts.charts import chart, number, some
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
 from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
@@ -31,11 +34,12 @@ _EQUAL = 1e-6
 _MOST_DRAWN, _MOST_CURVES, _MOST_POINTS = 12, 6, 1000
 
 
-def study(result: StudyResult, found: Check) -> dict[str, Any]:
+def study(scene: Scene, result: StudyResult, found: Check) -> dict[str, Any]:
     """Return tables, charts and maps of a study as plain data for the page.
 
     Args:
-        result: the study.
+        scene: the scene.
+        result: its study.
         found: the check of its drivelines in the order of its rows, as ``check_scene`` makes it.
     """
     tables = [_extremes(result)]
@@ -49,7 +53,8 @@ def study(result: StudyResult, found: Check) -> dict[str, Any]:
     tables.insert(0, Table(caption, ("Input", "Values", "Range"), varied))
     row, ties = _best(found)
     place = np.unravel_index(row, result.shape)
-    best = {"at": _at(result.axes, place), "groups": groups(_only(found, row)), "ties": ties}
+    figures = judged_lines(PARTS["limits"].entries(motion_of(scene, _only(found, row))))
+    best = {"at": _at(result.axes, place), "figures": figures, "ties": ties}
     drawn = _drawn(result, place)
     return {"tables": tables, "best": best, **drawn}
 
@@ -116,7 +121,11 @@ def _only(found: Check, row: int) -> Check:
 
 def _at(axes: Sequence[Axis], place: Sequence[Any]) -> str:
     """Keys with their values at a place, in words."""
-    return at_keys({axis.key: axis.values[i] for axis, i in zip(axes, place, strict=True)})
+    said = []
+    for axis, i in zip(axes, place, strict=True):
+        name, _, unit = key_name(axis.key).partition(" [")
+        said.append(f"{name}: {number(axis.values[i])} {unit.removesuffix(']')}".rstrip())
+    return "; ".join(said)
 
 
 def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.tolerances.figures import (
     in_its_unit,
+    needed_tolerances,
     shares_of,
     unit_of,
     with_symbol,
 )
 from cardan.app.pictures.style import (
     LINES,
-    MM,
-    STYLE,
-    WIDTH,
     drawing,
     legend_above,
-    matplotlib,
-    save,
+    stacked,
     value_ticks,
 )
 from cardan.arrays.errors import ArgumentValueError
@@ -31,6 +28,7 @@ from cardan.tolerances import Tolerances
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _BINS, _POINTS = 40, 400
 
@@ -143,35 +141,22 @@ def plot_tolerance_shares(
     return axes
 
 
-def write_tolerances(found: Tolerances, path: str | PathLike[str]) -> None:
-    """Write scatter and shares of the first figure as a picture, 80 mm wide.
-
-    Args:
-        found: the tolerances of a single driveline.
-        path: of the picture; its name ends in .svg, .png or .pdf.
-
-    Raises:
-        ImportError: matplotlib is missing.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix, a batch.
-    """
-    bars = min(len(shares_of(found, _checked(found, None))), _MOST_BARS + 1)
-    heights = (55.0, 12.0 + 5.0 * bars)
-    with matplotlib().rc_context(STYLE):
-        from matplotlib import pyplot
-
-        figure, axes = pyplot.subplots(
-            2,
-            figsize=(WIDTH, sum(heights) * MM),
-            height_ratios=heights,
-            layout="constrained",
+def _whole(answer: Answer) -> Figure:
+    """How the first figure scatters, and which tolerances make it do so."""
+    needed_tolerances(answer.scene)
+    found = answer.scene.tolerances
+    assert found
+    bars = min(len(shares_of(found, found.of[0])), _MOST_BARS + 1)
+    return stacked(
+        (
+            (55.0, lambda axes: plot_tolerances(found, ax=axes)),
+            (12.0 + 5.0 * bars, lambda axes: plot_tolerance_shares(found, ax=axes)),
         )
-        try:
-            plot_tolerances(found, ax=axes[0])
-            plot_tolerance_shares(found, ax=axes[1])
-            save(figure, path)
-        finally:
-            pyplot.close(figure)
+    )
+
+
+PICTURES = {"tolerances": _whole}
+"""The pictures of the part by name."""
 
 
 def _checked(found: Tolerances, of: str | None) -> str:

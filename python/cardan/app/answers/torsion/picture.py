@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures, needed_torsion
 from cardan.app.pictures.style import (
     LINES,
-    MM,
-    STYLE,
     THIN,
     WIDTH,
     degree_ticks,
     drawing,
     legend_above,
     line_style,
-    matplotlib,
+    page,
+    stacked,
     value_ticks,
 )
 from cardan.app.scene.language.units import RPM
@@ -27,9 +27,6 @@ from cardan.arrays.errors import ArgumentValueError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-PICTURES = ("response", "campbell", "stability")
-"""The pictures of torsional vibration."""
 
 _SPEED = "drive speed [rpm]"
 _PANEL, _AROUND = 42.0, 16.0  # mm
@@ -41,43 +38,24 @@ _SPEEDS, _BENDS = 121, 41
 _LEAST_TOP, _MOST_TOP = 40.0, 85.0
 
 
-def plot_torsion(found: TorsionFigures, picture: str = "response", title: str = "") -> Figure:
-    """Draw one of ``PICTURES`` of a scene's torsional vibration.
+def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
+    """Return a figure 80 mm wide with the torques of each compliant shaft over the drive speed.
 
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
-        picture: which one.
         title: over the picture, or "".
-
-    Returns:
-        a figure of 80 mm width; that of the response has a panel for each compliant shaft.
 
     Raises:
         ImportError: matplotlib is missing.
-        ValueError: an unknown picture.
     """
-    if picture not in PICTURES:
-        known = ", ".join(PICTURES)
-        raise ArgumentValueError("picture", f"is {picture!r}; it must be one of {known}")
-    shafts = found.steady.compliant if picture == "response" else (0,)
-    height = (_AROUND + _PANEL * len(shafts)) * MM
-    with matplotlib().rc_context(STYLE):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        axes = figure.subplots(len(shafts), squeeze=False, sharex=True)[:, 0]
-        if title:
-            figure.suptitle(title, fontsize=7.0, parse_math=False, wrap=True)
-        if picture == "campbell":
-            plot_campbell(found, ax=axes[0])
-        elif picture == "stability":
-            plot_stability(found, ax=axes[0])
-        else:
-            for number, shaft in enumerate(shafts):
-                plot_torsion_response(found, shaft, ax=axes[number])
-                axes[number].label_outer()
-                if number > 0:
-                    axes[number].get_legend().remove()
+    shafts = found.steady.compliant
+    with page(WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
+        panels = figure.subplots(len(shafts), squeeze=False, sharex=True)[:, 0]
+        for axes, shaft in zip(panels, shafts, strict=True):
+            plot_torsion_response(found, shaft, ax=axes)
+            axes.label_outer()
+            if shaft != shafts[0]:
+                axes.get_legend().remove()
     return figure
 
 
@@ -271,3 +249,27 @@ def plot_stability(
         degree_ticks(axes.yaxis, 0.0, float(degrees[-1]))
         legend_above(axes, handles=handles)
     return axes
+
+
+def _response(answer: Answer) -> Figure:
+    """Torques of compliant shafts over the drive speed."""
+    return plot_torsion(needed_torsion(answer.scene), answer.of.title)
+
+
+def _campbell(answer: Answer) -> Figure:
+    """Natural frequencies and orders over the drive speed."""
+    return _alone(plot_campbell, answer)
+
+
+def _stability(answer: Answer) -> Figure:
+    """Where the motion is unstable, over drive speed and bend."""
+    return _alone(plot_stability, answer)
+
+
+def _alone(draw: Callable[..., Axes], answer: Answer) -> Figure:
+    found = needed_torsion(answer.scene)
+    return stacked([(_AROUND + _PANEL, lambda axes: draw(found, ax=axes))], answer.of.title)
+
+
+PICTURES = {"torsion": _response, "campbell": _campbell, "stability": _stability}
+"""The pictures of the part by name."""

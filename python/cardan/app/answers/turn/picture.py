@@ -21,9 +21,9 @@ from cardan.app.pictures.style import (
     MM,
     STYLE,
     WIDTH,
-    add_title,
     matplotlib,
     number,
+    page,
     save,
     text_width,
     value_ticks,
@@ -113,10 +113,7 @@ def _study(result: SceneResult, column: str) -> Figure:
         raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
     states = result.study if isinstance(result.study, StatesResult) else None
     height = height_mm(states.states.count) if states else 66.0
-    with matplotlib().rc_context(STYLE):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(WIDTH, height * MM), layout="constrained")
+    with page(WIDTH, height, scene.title) as figure:
         axes = figure.add_subplot()
         if states:
             limits = scene.limits.figures if column == "equivalent_bend" else {}
@@ -125,7 +122,6 @@ def _study(result: SceneResult, column: str) -> Figure:
             plot_states(states, column, limit=bound, ax=axes)
         else:
             plot_study(result.study, column, ax=axes)
-        add_title(figure, scene.title)
     return figure
 
 
