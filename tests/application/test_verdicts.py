@@ -1,0 +1,248 @@
+"""One verdict: the printed answer, the exit status, the JSON and the page never disagree."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from cardan.app.answers.answer import Answer, JudgedFigure
+from cardan.app.answers.limits.check import check_scene
+from cardan.app.answers.limits.text import verdict_text
+from cardan.app.answers.rows import element_of, rows_of
+from cardan.app.answers.table import PARTS, Part
+from cardan.app.command import commands
+from cardan.app.report import write_report
+from cardan.app.scene import load_scene
+from cardan.design.check import Check
+from example_scenes import EXAMPLES, Answers, example
+
+MOTION = """
+[driveline]
+bends_deg = [6, 4]
+phases_deg = 90
+[load]
+speed_rpm = 1500
+output_torque_Nm = 120
+"""
+POINTS = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [900, 60, 20], [1300, 60, 0]]
+[load]
+speed_rpm = 1500
+output_torque_Nm = 120
+[[bearing]]
+shaft = 0
+position_mm = 50
+[[bearing]]
+shaft = 0
+position_mm = 200
+[[bearing]]
+shaft = 2
+position_mm = 100
+[[bearing]]
+shaft = 2
+position_mm = 300
+[limits]
+equivalent_bend_deg = 60
+"""
+STATES = """
+[states]
+names = ["up", "down"]
+points_mm.2.y = [90, 30]
+"""
+COLUMN = """
+[driveline]
+bends_deg = [20, 30]
+twists_deg = 40
+phases_deg = 10
+[limits]
+equivalent_bend_deg = 60
+[steering]
+centre_deg = 25
+"""
+TUBES = f"{POINTS}{STATES}[tubes]\nouter_diameter_mm = 40\nwall_mm = 2\n"
+SPLINE = f"{POINTS}{STATES}[slip]\nshaft = 1\nengaged_mm = 60\n"
+WIDE = f"{MOTION}[limits]\nequivalent_bend_deg = 60\n"
+JOINTS = f"{WIDE}[joints]\n"
+RUBS = "friction = 0.05\npin_radius_mm = 10\narm_mm = 30\nrating_Nm = 300\n"
+RIG = """
+[driveline]
+bends_deg = 25
+[tubes]
+shafts = [0]
+outer_diameter_mm = 25
+length_mm = 600
+[limits]
+equivalent_bend_deg = 60
+[torsion]
+inertias_kgm2 = [0, [0, 0.05]]
+load_torque_Nm = 10
+speed_rpm = {from = 900, to = 1300, steps = 3}
+"""
+BALL = """
+[ball_joint]
+load_N = 5000
+radius_mm = 20
+{part} = {{allowable_pressure_MPa = {limit!r}}}
+"""
+
+
+def in_section(text: str, key: str) -> Callable[[float], str]:
+    """Return what adds a limit to the last section of a scene."""
+    return lambda limit: f"{text}{key} = {limit!r}\n"
+
+
+# A scene for each key of a limit: its text, to which the limit is added.
+LIMITED: dict[str, Callable[[float], str]] = {
+    "[limits] equivalent_bend_deg": lambda x: f"{MOTION}[limits]\nequivalent_bend_deg = {x!r}\n",
+    "[limits] bend_difference_deg": in_section(WIDE, "bend_difference_deg"),
+    "[limits] torsional_excitation_rad_s2": lambda x: (
+        f"{WIDE}torsional_excitation_rad_s2 = {x!r}\n"
+    ),
+    "[limits] inertia_excitation_rad_s2": in_section(WIDE, "inertia_excitation_rad_s2"),
+    "[limits] joint_force_N": lambda x: f"{POINTS}joint_force_N = {x!r}\n{STATES}",
+    "[limits] bearing_force_N": lambda x: f"{POINTS}bearing_force_N = {x!r}\n{STATES}",
+    "[limits] lash_deg": lambda x: f"{POINTS}lash_deg = {x!r}\n[joints]\narm_mm=30\nplay_mm=0.02\n",
+    "[steering] ratio_percent": in_section(COLUMN, "ratio_percent"),
+    "[steering] offset_deg": in_section(COLUMN, "offset_deg"),
+    "[torsion] resonance_margin": lambda x: f"{RIG}resonance_margin = {0.01 * x!r}\n",
+    "[tolerances] limit": lambda x: (
+        f"{MOTION}[limits]\nequivalent_bend_deg = {x!r}\n[tolerances]\nbends_deg = 0.5\n"
+    ),
+    "[tolerances] share": lambda x: (
+        f"{MOTION}[limits]\nequivalent_bend_deg = 7.25\n[tolerances]\nbends_deg = 0.5\n"
+        f"share = {0.01 * x!r}\n"
+    ),
+    "[tubes] permitted_stress_MPa": in_section(TUBES, "permitted_stress_MPa"),
+    "[tubes] least_margin": in_section(TUBES, "least_margin"),
+    "[slip] travel_mm": in_section(SPLINE, "travel_mm"),
+    "[slip] least_engaged_mm": in_section(SPLINE, "least_engaged_mm"),
+    "[life] target_h": lambda x: f"{JOINTS}{RUBS}[life]\ntarget_h = {x!r}\n",
+    "[joints] max_bend_deg": in_section(JOINTS, "max_bend_deg"),
+    "[joints] max_speed_bend_rpm_deg": in_section(JOINTS, "max_speed_bend_rpm_deg"),
+    "[joints] heat_W": lambda x: f"{JOINTS}{RUBS}heat_W = {x!r}\n",
+    "[ball_joint] ball.allowable_pressure_MPa": lambda x: BALL.format(part="ball", limit=x),
+    "[ball_joint] seat.allowable_pressure_MPa": lambda x: BALL.format(part="seat", limit=x),
+}
+# Limits that are 0: what is beyond them has come apart or bottoms.
+AT_ZERO = {"[slip] push_in_mm"}
+
+
+def agreed(path: Path) -> Answer:
+    """Return the answer to a scene of which all that people see agrees."""
+    answer = Answer(load_scene(path))
+    printed, data = (
+        CliRunner().invoke(commands(), ["check", str(path), *more], env={"COLUMNS": "80"})
+        for more in ((), ("--json",))
+    )
+    page = path.with_suffix(".html")
+    write_report(answer.of, page)
+    agree(answer, (printed.exit_code, printed.output), json.loads(data.stdout), page.read_text())
+    assert data.exit_code == printed.exit_code
+    return answer
+
+
+def agree(answer: Answer, printed: tuple[int, str], data: dict[str, object], page: str) -> None:
+    """The first printed line, the exit status, the JSON and the page say the same."""
+    verdict = answer.verdict
+    status, text = printed
+    assert re.findall(r'data-verdict="([^"]+)"', page) == [verdict] == [data["verdict"]]
+    assert status == (1 if verdict == "beyond" else 0)
+    assert data["passes"] == (status == 0)
+    assert bool(data["beyond"]) == (verdict == "beyond")
+    first = " ".join(text.split("\n\n")[0].split())
+    assert first == verdict_text(answer)
+    assert first.split()[0].strip(",").lower() in (*verdict.split(), "everything", "nothing")
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_examples_agree(path: Path, answered: Answers) -> None:
+    found = answered(path)
+    printed = found.check
+    agree(Answer(load_scene(path)), (printed.status, printed.text), found.data("check"), found.page)
+
+
+def limited(answer: Answer, key: str) -> list[JudgedFigure]:
+    return [each for each in answer.judged if each.entry.row.limit == key]
+
+
+def nearest(answer: Answer, key: str) -> float:
+    """The value of the figure that a limit meets first, in the unit in which it is shown."""
+    found = [each for each in limited(answer, key) if each.value.value is not None]
+    values = [each.entry.row.shown(each.value.value or 0.0) for each in found]
+    return max(values) if found[0].value.sense == "most" else min(values)
+
+
+@pytest.mark.parametrize("key", LIMITED)
+def test_at_its_limit_a_scene_is_within_and_past_it_beyond(key: str, tmp_path: Path) -> None:
+    """The limit is the value of the figure to the last digit, and a millionth less or more."""
+    path, text = tmp_path / "scene.toml", LIMITED[key]
+    path.write_text(text(20.0), encoding="utf-8")
+    value = nearest(Answer(load_scene(path)), key)
+    path.write_text(text(value), encoding="utf-8")
+    answer = agreed(path)
+    at = {each.value.verdict for each in limited(answer, key)}
+    assert at <= {"within", "not judged"}
+    assert "within" in at
+    assert answer.verdict == "within"
+    sense = limited(answer, key)[0].value.sense
+    path.write_text(text(value * (1.0 + (1e-6 if sense == "least" else -1e-6))), encoding="utf-8")
+    assert agreed(path).verdict == "beyond"
+    assert "beyond" in {each.value.verdict for each in limited(Answer(load_scene(path)), key)}
+
+
+def test_every_key_of_a_limit_has_its_scene() -> None:
+    """So that a limit that is added is tried as well."""
+
+    def keys(of: type) -> set[str]:
+        found = set()
+        for _, row, hint in rows_of(of):
+            if row.kind == "parts":
+                found |= keys(element_of(hint))
+            elif row.limit:
+                found.add(row.limit)
+        return found
+
+    every = set().union(*(keys(part.figures()) for part in PARTS.values()))
+    assert every == {*LIMITED, *AT_ZERO}
+
+
+def test_the_spline_that_bottoms_is_beyond(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(f"{SPLINE}push_in_mm = 100\n", encoding="utf-8")
+    left = nearest(agreed(path), "[slip] push_in_mm")
+    for room, verdict in ((100.0 - left, "within"), (100.0 - left - 1e-4, "beyond")):
+        path.write_text(f"{SPLINE}push_in_mm = {room!r}\n", encoding="utf-8")
+        assert agreed(path).verdict == verdict
+
+
+@pytest.mark.parametrize("command", ["check", "run", "report", "life"])
+def test_each_part_is_found_once_per_call(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: Counter[str] = Counter()
+    find = Part.find
+
+    def counted(part: Part, answer: Answer) -> object:
+        found[part.name] += 1
+        return find(part, answer)
+
+    def checked(*arguments: Any) -> Check:  # noqa: ANN401 - passed on
+        found["check"] += 1
+        return check_scene(*arguments)
+
+    monkeypatch.setattr(Part, "find", counted)
+    monkeypatch.setattr("cardan.app.answers.answer.check_scene", checked)
+    options = {"run": ["--into", str(tmp_path)], "report": ["--output", str(tmp_path / "a.html")]}
+    arguments = [command, str(example("pto-shaft.toml")), *options.get(command, [])]
+    result = CliRunner().invoke(commands(), arguments)
+    assert result.exit_code in (0, 1), result.output
+    assert len(found) >= 2
+    assert set(found.values()) == {1}, found
