@@ -188,7 +188,6 @@ def motion(system: System, angle: Value, speed: Value, state: Array) -> Motion:
     """Return what a system does in states.
 
     Args:
-        system: the system.
         angle: drive angle of each state.
         speed: of the drive [rad/s].
         state: the angles of the output ends of the compliant shafts, then their speeds [rad/s].
@@ -243,7 +242,6 @@ def orbit(
     multipliers by which deviations grow. Other starts may lead to other periodic motions.
 
     Args:
-        system: the system.
         speed: of the drive [rad/s].
         start: a state at the drive angle 0; by default that of rigid shafts.
         steps: of half a turn; the error falls with their fourth power.
@@ -280,7 +278,6 @@ def transient(
     """Return the motion in time from the drive angle 0, after each step.
 
     Args:
-        system: the system.
         speed: of the drive by time [rad/s].
         start: a state.
         end: time of the last step [s].
