@@ -28,11 +28,11 @@ from cardan.geometry.bearings import with_bearings
 from cardan.geometry.constructors import (
     from_bends,
     from_directions,
+    from_double_joint,
     from_points,
     from_projected_bends,
     from_slopes,
 )
-from cardan.geometry.double_joint import from_double_joint
 from cardan.geometry.geometry import Geometry
 from cardan.motion.equivalent import equivalent, transmission
 from cardan.motion.free_running import free_running

@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, nearest
-from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace, components_first, layout_of
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.parameters import checked_variables, has_lengths, parameter_shape
 

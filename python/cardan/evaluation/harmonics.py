@@ -16,9 +16,9 @@ from cardan import _core
 from cardan.arrays import ComplexArray, FloatArray, common_shape, threads
 from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.arrays.indices import checked_orders, item_indices
-from cardan.evaluation.layout import PlanePlace
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:

@@ -22,9 +22,18 @@ from cardan.evaluation.derivatives import (
     reduced_gradient,
 )
 from cardan.evaluation.harmonics import Harmonics, harmonics
-from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
-from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
+from cardan.evaluation.request import (
+    DOUBLE,
+    SINGLE,
+    Request,
+    checked_dtype,
+    checked_tolerance,
+    components_first,
+    layout_of,
+    planes_of,
+    view,
+)
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cardan.arrays import adapter, html_table, import_optional
 from cardan.arrays.libraries import draw
-from cardan.evaluation.layout import PlanePlace, view
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace, view
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:

@@ -18,10 +18,10 @@ from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 from cardan.arrays.indices import Items
 from cardan.driveline import Driveline
-from cardan.evaluation.layout import layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import layout_of
 
 # How many axes of each parameter belong to one driveline.
 _ANGLES_OR_POINTS = {"bends": 1, "twists": 1, "phases": 1, "points": 2}

@@ -19,9 +19,9 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.composed_plans import PlanInDegrees, planned
-from cardan.evaluation.layout import components_first, view
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import components_first, view
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.bearings import Bearings

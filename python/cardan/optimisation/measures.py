@@ -12,8 +12,14 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.design.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
-from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
+from cardan.design.quantities import (
+    MOTION_QUANTITIES,
+    Amplitude,
+    MotionQuantity,
+    ReducedQuantity,
+    nearest_quantity,
+    reduced_quantity,
+)
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LayoutVariables, Parameters, parameter_shape

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import ComplexArray, FloatArray, not_negative
 from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import integer, item_index
-from cardan.design.order_quantities import farthest_signs, order_amplitude
+from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.as_built import DEVIATIONS, angles_of_joints
 from cardan.tolerances.worst import largest_of_corners

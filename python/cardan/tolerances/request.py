@@ -20,14 +20,16 @@ from cardan.arrays.errors import (
 )
 from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
-from cardan.design.order_quantities import FIRST, order_quantity
 from cardan.design.quantities import (
+    FIRST_ORDERS,
     MOTION_QUANTITIES,
     MotionQuantity,
+    ReducedQuantity,
     modulus_of_bend,
     nearest_quantity,
+    order_quantity,
+    reduced_quantity,
 )
-from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.request import Reduction
@@ -291,7 +293,7 @@ def _quantity(name: str, place: int, line: Driveline, figures: Figures) -> Quant
         items = {"shaft": figures.shafts, "joint": figures.joints}.get(output.per)
         found = ReducedQuantity(output, items, figures.reduce)
     elif found is None:
-        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST])
+        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST_ORDERS])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
     elif found.reduction not in REDUCTIONS:
         known = ", ".join(map(repr, REDUCTIONS))

@@ -21,10 +21,17 @@ from cardan.torsion.analyses import (
     stability_map,
     unstable_ranges,
 )
-from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
 from cardan.torsion.parameters import TorsionParameters, checked_tolerance
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
-from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
+from cardan.torsion.transient import (
+    Equations,
+    Event,
+    IntegrationMethod,
+    OfTime,
+    OfTimeAndSpeed,
+    Transient,
+    integrated,
+)
 
 
 class TorsionalSystem:
