@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays.indices import Items, is_index, item_index
-from cardan.evaluation.composed_plans import (
-    PlanInDegrees,
-    PlanOfReductions,
-    planned,
-    remembered,
-)
+from cardan.evaluation.composed_plans import PlanInDegrees, PlanOfReductions, planned, remembered
 from cardan.evaluation.harmonics import Harmonics
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan

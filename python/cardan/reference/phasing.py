@@ -24,15 +24,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays.errors import ArgumentValueError
 from cardan.reference.evaluation import falling, slopes
-from cardan.reference.vectors import (
-    ShaftMotion,
-    Shafts,
-    _index,
-    _joints,
-    _lead,
-    from_bends,
-    motion,
-)
+from cardan.reference.vectors import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
 
 # Angles of half a turn among which the fastest and the slowest are looked for.
 _LOOKS = 64
@@ -286,9 +278,7 @@ def optimal_phases(
 
 
 def best_teeth(
-    states: Shafts | Sequence[Shafts],
-    teeth: Sequence[int],
-    weights: Sequence[float] | None = None,
+    states: Shafts | Sequence[Shafts], teeth: Sequence[int], weights: Sequence[float] | None = None
 ) -> tuple[int, ...]:
     """Return by how many teeth to turn the output-side yokes from their present phases.
 

@@ -20,15 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.reference.evaluation import integrated
-from cardan.reference.vectors import (
-    Shafts,
-    Vector,
-    _cross,
-    _dot,
-    _plus,
-    _scaled,
-    mean_offset,
-)
+from cardan.reference.vectors import Shafts, Vector, _cross, _dot, _plus, _scaled, mean_offset
 
 Array: TypeAlias = NDArray[np.floating[Any]]
 

@@ -279,10 +279,7 @@ class StabilityMap:
 
 
 def stability_map(
-    self: TorsionalSystem,
-    speed: ArrayLike,
-    bend: ArrayLike,
-    joint: SupportsIndex | None = None,
+    self: TorsionalSystem, speed: ArrayLike, bend: ArrayLike, joint: SupportsIndex | None = None
 ) -> StabilityMap:
     """Return the stability of one system over the drive speed and the bend of one joint.
 

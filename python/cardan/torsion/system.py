@@ -14,13 +14,7 @@ from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, exclusive
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
-from cardan.torsion.analyses import (
-    bend_rules,
-    modes,
-    side_by_side,
-    stability_map,
-    unstable_ranges,
-)
+from cardan.torsion.analyses import bend_rules, modes, side_by_side, stability_map, unstable_ranges
 from cardan.torsion.parameters import TorsionParameters, checked_tolerance
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (

@@ -17,14 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import (
-    FloatArray,
-    not_negative,
-    per_joint,
-    positive,
-    scalar_or_array,
-    together,
-)
+from cardan.arrays import FloatArray, not_negative, per_joint, positive, scalar_or_array, together
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, cross_axes, dot, means_over_turn, pins_at
