@@ -211,7 +211,6 @@ def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
         the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
 
     Raises:
-        TypeError: signs that are not real numbers.
         ValueError: a sign other than +1 and -1, shapes that do not fit.
     """
     return np.asarray(approximations.catalogue_bend(line.bends, fork_signs))[()]

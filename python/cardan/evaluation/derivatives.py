@@ -44,12 +44,7 @@ _Stepped = tuple[FloatArray, int, int]
 
 
 class Derivatives(dict[str, Mapping[str, NDArray[np.float64]]]):
-    """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
-
-    Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
-    more axis, those by points and deviations two, ``(n + 2, 3)`` and ``(n, 3)``; those by the drive
-    angle and by a torque have the output's shape.
-    """
+    """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``."""
 
     def __repr__(self) -> str:
         """Show outputs and variables."""

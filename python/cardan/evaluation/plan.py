@@ -199,12 +199,12 @@ class Plan:
     def harmonics(self, orders: ArrayLike = (2, 4, 6, 8)) -> Harmonics:
         """Return the mean and the orders of each output over a turn of the drive.
 
-        Speed, acceleration, torque and inertias are constant over the turn. Arrays of them
-        broadcast against the batch, so that each value belongs to one driveline. The motion has its
-        series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
-        samples as its steepest joint and the highest order need. Half as many samples give a second
-        sum, and the difference is part of the ``error``. It is far below rounding, except where an
-        inertia reverses the torque, at which the magnitudes of moments have kinks.
+        The load is constant over the turn. Its arrays broadcast against the batch, so that each
+        value belongs to one driveline. The motion has its series in closed form (Fourier series of
+        Thoma's 4). Everything else is summed over as many samples as its steepest joint and the
+        highest order need. Half as many samples give a second sum, and the difference is part of
+        the ``error``. It is far below rounding, except where an inertia reverses the torque, at
+        which the magnitudes of moments have kinks.
 
         Half a turn only reverses the pins of ideal joints, so that an order is exactly 0 where it
         must be: the even ones of tilts, swings and pins and of what is along the axes y and z of
@@ -253,10 +253,8 @@ class Plan:
                 the bearings) and ``"deviations"`` (of the joints, ideal ones as well).
 
         Returns:
-            arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
-            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias and lengths,
-            ``(m,)`` by positions, ``(n, 3)`` by deviations. Angles are in rad, points in their own
-            unit.
+            arrays by output and variable: the output's shape, then that of the variable, such as
+            ``(n,)`` by bends, as ``Gradient`` lists them.
 
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.

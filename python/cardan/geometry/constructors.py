@@ -45,7 +45,6 @@ def from_bends(
         degrees: whether the three are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a bend outside [0, 90°), a value that is not finite, shapes that do not fit.
     """
     array = np.atleast_1d(as_float64("bends", bends))
@@ -76,7 +75,6 @@ def from_directions(
         degrees: whether the phases are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a direction that is zero or not finite, a bend of 90° or more, shapes that
             do not fit.
     """
@@ -101,7 +99,6 @@ def from_points(
         degrees: whether the phases are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: two equal successive points, a point that is not finite, a bend of 90° or
             more, shapes that do not fit.
     """
@@ -135,7 +132,6 @@ def from_slopes(
         degrees: whether all three are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a slope outside (-90°, 90°), a bend of 90° or more, shapes that do not fit.
     """
     up = _slopes("vertical", vertical, degrees)
@@ -170,7 +166,6 @@ def from_projected_bends(
             ``"output"``.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: not two joints, an unknown reference, and as for ``from_slopes``.
     """
     up = _slopes_against(reference, "vertical", vertical, degrees)
@@ -209,7 +204,6 @@ def from_double_joint(
         degrees: whether the bends are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a total bend outside [0, 180°) or one that bends a joint by 90° or more, a
             length that is not positive, a pivot that is not between the joints, both a pivot
             and a synchronous bend, shapes that do not broadcast.

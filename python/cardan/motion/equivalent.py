@@ -150,7 +150,6 @@ class Transmission:
                 NaN.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return self._columns(self._core.motion, angle)
@@ -237,9 +236,6 @@ class Transmission:
 
 def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
     """Return the one joint that moves a shaft exactly as the whole chain does.
-
-    With ``w = exp(i a)`` a joint makes ``w - tan(b/2)**2 conj(w)`` of ``w`` (from Thoma 4) and
-    a shaft turns it, so a chain makes ``A w + B conj(w)``; ``k = |B/A|``.
 
     Args:
         shaft: index of the shaft, by default the last.

@@ -62,7 +62,6 @@ def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False)
         right, and how to turn the driving yoke of joint 0 to reach it.
 
     Raises:
-        TypeError: angles that are not real numbers.
         ValueError: shapes that do not broadcast.
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")

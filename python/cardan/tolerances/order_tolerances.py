@@ -121,7 +121,6 @@ def order_tolerances(
 
     Raises:
         IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: a batch, negative tolerances, those with which a joint cannot turn, an order
             below 1, an unknown distribution.
 

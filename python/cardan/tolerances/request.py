@@ -124,7 +124,6 @@ def tolerances(
 
     Raises:
         IndexError: a shaft, joint or bearing, or an axis of states, that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: no tolerances, a negative one, one that permits a bend of 90°, points of a
             driveline that was not made from points, an unknown figure, shapes that do not fit,
             states with different tolerances; deviations with which a joint could not turn, and

@@ -95,11 +95,8 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([0, 0])
-    >>> chain = cardan.TorsionalSystem(
-    ...     line,
-    ...     inertias=[[0, 0.02], [0.01, 0.03], [0, 0.05]],
-    ...     stiffnesses=[5000, 3000, float("inf")],
-    ... )
+    >>> ends, springs = [[0, 0.02], [0.01, 0.03], [0, 0.05]], [5000, 3000, float("inf")]
+    >>> chain = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> [(round(mode.frequency), mode.shaft) for mode in chain.modes()]
     [(149, 1), (531, 0)]
     >>> [round(share, 3) for share in chain.modes()[0].shares]
@@ -135,12 +132,9 @@ def bend_rules(self: TorsionalSystem) -> tuple[BendRule, ...]:
         ValueError: a batch of systems.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ...     damping_ratios=0.02,
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [8000, float("inf")]}
+    >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
     >>> (rule,) = system.bend_rules()
     >>> round(rule.factor, 4), rule.exceeded
     (0.0311, True)
@@ -202,11 +196,9 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
         ValueError: a batch of systems, speeds that do not rise.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> ends, springs = [[0, 0], [0, 0.05]], [8000, float("inf")]
+    >>> system = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> (found,) = system.unstable_ranges([300, 500])
     >>> round(found.start, 1), round(found.stop, 1)
     (387.0, 412.0)
@@ -293,11 +285,9 @@ def stability_map(
         ValueError: a batch of systems, a joint that does not exist, bends out of range.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> ends, springs = [[0, 0], [0, 0.05]], [8000, float("inf")]
+    >>> system = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> system.stability_map([395.0, 500.0], [0.01, 0.35]).stable.tolist()
     [[True, True], [False, True]]
     """
@@ -354,12 +344,9 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
         ValueError: a batch of systems.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[float("inf"), 8000],
-    ...     damping_ratios=0.1,
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+    >>> system = cardan.TorsionalSystem(line, damping_ratios=0.1, **own)
     >>> (found,) = system.side_by_side([150.0])
     >>> found.count, found.stable
     (1, 1)

@@ -198,12 +198,9 @@ class SteadyState(Searched):
                 is not determinate.
 
         >>> import cardan
-        >>> system = cardan.TorsionalSystem(
-        ...     cardan.Driveline.from_bends([20], degrees=True),
-        ...     inertias=[[0, 0], [0, 0.05]],
-        ...     stiffnesses=[float("inf"), 8000],
-        ...     damping_ratios=0.02,
-        ... )
+        >>> line = cardan.Driveline.from_bends([20], degrees=True)
+        >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+        >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
         >>> steady = system.steady([50.0, 200.0])
         >>> steady.evaluate(256, "bending_driven", reduce="max").bending_driven.round(1)
         array([[   4.8, 2264.7]])

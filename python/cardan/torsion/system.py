@@ -398,12 +398,9 @@ class TorsionalSystem:
 
         >>> import numpy as np
         >>> import cardan
-        >>> system = cardan.TorsionalSystem(
-        ...     cardan.Driveline.from_bends([20], degrees=True),
-        ...     inertias=[[0, 0], [0, 0.05]],
-        ...     stiffnesses=[float("inf"), 8000],
-        ...     damping_ratios=0.02,
-        ... )
+        >>> line = cardan.Driveline.from_bends([20], degrees=True)
+        >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+        >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
         >>> run_up = system.transient(np.linspace(0, 2, 2001), speed=lambda t: 150 * t)
         >>> peak = int(np.abs(run_up.torque[0]).argmax())
         >>> float(run_up.drive_speed[peak].round()), float(run_up.torque[0, peak].round())

@@ -57,7 +57,6 @@ class Slides:
                 driven yoke along the driven pin, ``"shaft"`` for the driven shaft along its axis.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: an unknown slide, shapes that do not broadcast.
         """
         return np.asarray(self._at(angle)[_number("of", of)])
@@ -173,7 +172,6 @@ def slides(
         the slides at any angle, their travel over a turn and their amplitudes by order.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: an offset that is not finite, not one value per joint, a blocked slide that
             the offsets would move, shapes that do not broadcast.
 

@@ -37,7 +37,6 @@ def lash(
 
     Raises:
         IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: as for ``with_play``.
     """
     loose = line.with_play(radial, arm)
@@ -67,7 +66,6 @@ def wind_up(line: Driveline, angle: ArrayLike | Sweep, load: Load, stiffness: Ar
         rad, in the shape of batch, load and angles; to first order in ``1/c``.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a stiffness that is not positive, shapes that do not fit.
 
     >>> import cardan

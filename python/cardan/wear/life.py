@@ -95,7 +95,6 @@ def life(
         the pins swing too little.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a rating, speed or share that is not positive, a load without a speed,
             shares that do not fit the steps or do not add up to 1, angles that do not fit the
             load or do not change, shapes that do not broadcast.

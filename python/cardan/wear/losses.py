@@ -72,7 +72,6 @@ class Losses:
             angle: drive angle in rad; broadcasts against batch and load.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return np.stack([self._lost(joint, angle) for joint in range(self._line.n_joints)])
@@ -162,7 +161,6 @@ def losses(
         friction adds at the drive at any angle.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
             that do not broadcast.
 

@@ -78,7 +78,6 @@ class Lengths:
 
         Raises:
             IndexError: a shaft that does not exist.
-            TypeError: values that are not real numbers.
             ValueError: a length that is not positive, shapes that do not broadcast.
         """
         index = item_index("shaft", shaft, self.each.shape[-1])
@@ -188,7 +187,6 @@ def spline_force(
 
     Raises:
         IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: a negative friction, a radius that is not positive, shapes that do not
             broadcast.
     """
