@@ -157,9 +157,6 @@ class Driveline:
             angle: drive angle in rad.
             options: as there: ``points``, ``length_unit`` and ``ax``.
 
-        Returns:
-            the axes of matplotlib with the picture.
-
         Raises:
             ImportError: matplotlib is missing.
             ValueError: a batch, and as there.

@@ -149,10 +149,6 @@ def check(
         limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
             own.
 
-    Returns:
-        findings with values, in the shape of batch and speed, limits and verdicts; ``print``
-            shows them as text.
-
     Raises:
         TypeError: a speed that is not a real number, limits of another type.
         ValueError: shapes that do not broadcast, an unknown preset.
@@ -197,18 +193,16 @@ def check(
 
 
 def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
-    """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
+    """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|`` in rad, for comparison.
 
-    It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed. For
+    It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed
+    (catalogue, double joint, 6.5) and broadcasts from batch and signs. For
     two joints up to 30° its error is at most 1.02°; for three joints it can fail completely.
 
     Args:
         fork_signs: +1 or -1 per joint, ``(..., n)``: joints whose yokes have the same
             position relative to their bend planes have the same sign. The two joints of an
             ordinary compensated shaft therefore have opposite signs.
-
-    Returns:
-        the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
 
     Raises:
         ValueError: a sign other than +1 and -1, shapes that do not fit.

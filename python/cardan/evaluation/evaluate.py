@@ -179,9 +179,6 @@ def harmonics(
         joints: as for ``evaluate``, like the following arguments.
         load: constant over the turn.
         axes: of vectors.
-
-    Returns:
-        mean, amplitudes and phases, with the orders on the last axis.
     """
     if is_index(shaft):
         shaft = item_index("shaft", shaft, line.n_joints + 1)  # type: ignore[arg-type]

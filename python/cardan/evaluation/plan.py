@@ -214,9 +214,6 @@ class Plan:
         Args:
             orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.
 
-        Returns:
-            mean, amplitudes and phases, in double precision.
-
         Raises:
             TypeError: orders that are not integers.
             ValueError: an order below 1, or above 2**18 of what is summed; the output ``angle``,
@@ -284,9 +281,6 @@ class Plan:
             weights: arrays by output, each of the output's shape or one that broadcasts to it;
                 outputs without weights count with 0. For a mean square these are ``2 * output /
                 samples``. Reduced outputs have weights of their reduced shape.
-
-        Returns:
-            value and derivatives, one of each per driveline of the batch.
 
         Raises:
             TypeError: angles or weights that are not real numbers, weights that are no mapping.

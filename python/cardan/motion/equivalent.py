@@ -187,11 +187,8 @@ class Transmission:
         it.
 
         Args:
-            by: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
-
-        Returns:
-            ``(..., n)`` by bends, ``(..., n - 1)`` by twists and phases, ``(..., n + 2, 3)`` by
-            points.
+            by: ``"bends"``, by which they are ``(..., n)``; ``"twists"`` or ``"phases"``,
+                ``(..., n - 1)``; or ``"points"``, ``(..., n + 2, 3)``.
 
         Raises:
             TypeError: a kind that is not a name.
@@ -240,9 +237,6 @@ def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
     Args:
         shaft: index of the shaft, by default the last.
 
-    Returns:
-        its bend and the closed forms of its motion, each in the shape of the batch.
-
     Raises:
         IndexError: a shaft that does not exist.
         TypeError: a shaft that is not an integer.
@@ -261,10 +255,6 @@ def transmission(line: Driveline, shaft: int = -1) -> Transmission:
 
     Args:
         shaft: index of the shaft, by default the last.
-
-    Returns:
-        ``q``, ``motion(angle)`` and ``gradient(angle)``, each in the shape of the batch, and
-        the derivatives ``dq(by)`` and ``d_abs2(by)`` by the driveline's parameters.
 
     Raises:
         IndexError: a shaft that does not exist.

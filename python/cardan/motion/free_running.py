@@ -130,9 +130,6 @@ def free_running(line: Driveline, inertias: ArrayLike) -> FreeRunning:
         inertias: moment of inertia of each shaft about its axis in kg m², with what turns with
             it, ``(..., n + 1)``; broadcasts against the batch. Shaft 0 is the drive.
 
-    Returns:
-        speed of the drive over its mean: at any angle, least, largest and the variation.
-
     Raises:
         ValueError: not one inertia per shaft, a negative one, all of them 0, shapes that do
             not broadcast.

@@ -30,7 +30,7 @@ def optimal_phases(
     fixed: int | Sequence[int] | None = None,
     degrees: bool = False,
 ) -> FloatArray:
-    """Return the phases that bring the last shaft closest to constant velocity.
+    """Return the phases ``(..., n - 1)`` that bring the last shaft closest to constant velocity.
 
     With ``L = ln sec(bend)`` exact constant velocity is possible if and only if the largest
     ``L`` is not more than all others together; then these phases reach it. Otherwise they line
@@ -56,9 +56,6 @@ def optimal_phases(
             combinations are compared up to 65 536, beyond that the nearest to good phases.
         fixed: shafts, counted from 0, whose yokes stay as they are.
         degrees: whether to return the phases in degrees.
-
-    Returns:
-        phases in rad or degrees, ``(..., n - 1)``, for ``with_phases``.
 
     Raises:
         TypeError: an axis, teeth or shafts that are not integers.

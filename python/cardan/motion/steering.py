@@ -57,10 +57,6 @@ def steering(line: Driveline, centre: ArrayLike = 0.0, *, degrees: bool = False)
             batch.
         degrees: whether it is in degrees.
 
-    Returns:
-        ratio straight ahead and its slope, how far straight ahead is from symmetry of left and
-        right, and how to turn the driving yoke of joint 0 to reach it.
-
     Raises:
         ValueError: shapes that do not broadcast.
     """

@@ -229,6 +229,8 @@ def orbit(
 ) -> tuple[Array, NDArray[np.complexfloating[Any]], Motion]:
     """Return the periodic motion near a start, by Newton's method.
 
+    It is the state at the drive angle 0, the multipliers, and the motion after each step.
+
     The start is moved until half a turn of the drive brings the state back. Motions from nearby
     starts show how the end depends on the start. The eigenvalues of this dependence are the
     multipliers by which deviations grow. Other starts may lead to other periodic motions.
@@ -237,9 +239,6 @@ def orbit(
         speed: of the drive [rad/s].
         start: a state at the drive angle 0; by default that of rigid shafts.
         steps: of half a turn; the error falls with their fourth power.
-
-    Returns:
-        the state at the drive angle 0, the multipliers, and the motion after each step.
 
     Raises:
         ArithmeticError: no periodic motion is found.

@@ -259,11 +259,10 @@ class Tolerances:
     def quantile(self, share: ArrayLike) -> Any:  # noqa: ANN401
         """Return the figure that this share of the random drivelines does not exceed.
 
+        Its shape is that of the batch, followed by that of ``share``.
+
         Args:
             share: within [0, 1], any shape. Between two drivelines the figure is interpolated.
-
-        Returns:
-            in the shape of the batch, followed by that of ``share``.
 
         Raises:
             TypeError: shares that are not real numbers.

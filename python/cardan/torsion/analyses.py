@@ -331,13 +331,11 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
     """Search for the periodic motions of one system that exist beside each other.
 
     ``coexisting`` has all their figures; this says how far their torques differ. The search has no
-    proof that it finds all. Speeds closer to each other than 0.2 % are searched once.
+    proof that it finds all. Speeds closer to each other than 0.2 % are searched once; there is one
+    entry for each that was, rising.
 
     Args:
         speed: drive speeds in rad/s, ``(m,)``, in any order.
-
-    Returns:
-        one entry for each speed that was searched, rising.
 
     Raises:
         TypeError: speeds that are not real numbers.

@@ -219,10 +219,6 @@ class TorsionalSystem:
             workers: largest number of threads, as of ``Driveline.evaluate``. Results do not depend
                 on it.
 
-        Returns:
-            torques and orders; NaN at speeds without an orbit, which ``found`` and ``reasons``
-            show.
-
         Raises:
             TypeError: speeds that are not real numbers, orders that are not integers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.

@@ -62,14 +62,11 @@ class Slides:
         return np.asarray(self._at(angle)[_number("of", of)])
 
     def amplitudes(self, orders: ArrayLike = (1, 2, 3, 4), of: SlideName = "shaft") -> FloatArray:
-        """Return the amplitudes of a slide by multiples of the drive's rotation.
+        """Return the amplitudes of a slide by multiples of the drive's rotation, ``(n, ..., m)``.
 
         Args:
             orders: positive integers up to 100, ``(m,)`` or one.
             of: as for ``at``, like the errors.
-
-        Returns:
-            amplitude of each joint, ``(n, ..., m)``; of one order ``(n, ...)``.
         """
         wanted, number = checked_orders(orders, 100), _number("of", of)
         count, before = _FEWEST, np.zeros(())
@@ -167,9 +164,6 @@ def slides(
             bend-plane normal.
         blocked: names of slides that are not free: ``"driving_pin"``, ``"driven_pin"``,
             ``"shaft"``.
-
-    Returns:
-        the slides at any angle, their travel over a turn and their amplitudes by order.
 
     Raises:
         ValueError: an offset that is not finite, not one value per joint, a blocked slide that

@@ -156,10 +156,6 @@ def losses(
         seal_torque: moment in N m that seals or a preload add about the pins of each yoke,
             whatever the load.
 
-    Returns:
-        share of the drive power lost in each joint, efficiency, heat in W, and the torque that
-        friction adds at the drive at any angle.
-
     Raises:
         ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
             that do not broadcast.
