@@ -58,7 +58,8 @@ class Driveline:
     with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
     ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines
     are immutable: their arrays are read-only, and ``with_phases`` makes a new one. Methods, and
-    those of their results, refuse values that are not real numbers with a ``TypeError``.
+    those of their results, refuse values that are not real numbers and indices that are not
+    integers with a ``TypeError``, and shafts and joints that do not exist with an ``IndexError``.
     ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are
     what it takes besides angles, and ``cardan.optimise`` searches the best layout. Of dask arrays,
     all constructors but the last make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated

@@ -236,10 +236,6 @@ def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
 
     Args:
         shaft: index of the shaft, by default the last.
-
-    Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: a shaft that is not an integer.
     """
     index = item_index("shaft", shaft, line.n_joints + 1)
     line._geometry.check_ideal(
@@ -255,9 +251,5 @@ def transmission(line: Driveline, shaft: int = -1) -> Transmission:
 
     Args:
         shaft: index of the shaft, by default the last.
-
-    Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: a shaft that is not an integer.
     """
     return Transmission(line, shaft)

@@ -120,7 +120,6 @@ def order_tolerances(
         distribution: as for ``tolerances``.
 
     Raises:
-        IndexError: a shaft that does not exist.
         ValueError: a batch, negative tolerances, those with which a joint cannot turn, an order
             below 1, an unknown distribution.
 

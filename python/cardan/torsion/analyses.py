@@ -90,9 +90,6 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
     the logarithm of its stiffness ``c``, and the damping ratio is ``w/2 sum(share d/c)`` with the
     dampings ``d``.
 
-    Raises:
-        ValueError: a batch of systems.
-
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([0, 0])
     >>> ends, springs = [[0, 0.02], [0.01, 0.03], [0, 0.05]], [5000, 3000, float("inf")]
@@ -127,9 +124,6 @@ def bend_rules(self: TorsionalSystem) -> tuple[BendRule, ...]:
     The rule is that of one compliant shaft before massless joints and a flywheel, to leading order
     (first region of the Whittaker-Hill equation). With several compliant shafts it is a guide;
     ``stability`` decides.
-
-    Raises:
-        ValueError: a batch of systems.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
@@ -192,8 +186,7 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
 
     Raises:
-        TypeError: speeds that are not real numbers.
-        ValueError: a batch of systems, speeds that do not rise.
+        ValueError: speeds that do not rise.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
@@ -281,8 +274,7 @@ def stability_map(
         joint: which joint, counted from 0; by default the one with the largest bend.
 
     Raises:
-        TypeError: values that are not real numbers.
-        ValueError: a batch of systems, a joint that does not exist, bends out of range.
+        ValueError: a joint that does not exist, bends out of range.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
@@ -336,10 +328,6 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
 
     Args:
         speed: drive speeds in rad/s, ``(m,)``, in any order.
-
-    Raises:
-        TypeError: speeds that are not real numbers.
-        ValueError: a batch of systems.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)

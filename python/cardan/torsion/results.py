@@ -192,7 +192,6 @@ class SteadyState(Searched):
             each output as ``([items,] ..., samples [, 3])``; NaN where there is no orbit.
 
         Raises:
-            IndexError: a shaft or joint that does not exist.
             TypeError: samples or indices that are not integers.
             ValueError: no samples, an unknown output or one of motion, forces of a driveline that
                 is not determinate.

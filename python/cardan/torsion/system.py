@@ -37,7 +37,9 @@ class TorsionalSystem:
     nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
     rigid rotation, which is no solution behind a joint.
 
-    Leading dimensions of all arguments broadcast against the batch of the driveline.
+    Leading dimensions of all arguments broadcast against the batch of the driveline. Modes, rules
+    for bends, unstable speeds, stability maps and motions side by side are those of one system;
+    a batch is refused with a ``ValueError``, values that are not real numbers with a ``TypeError``.
 
     Args:
         line: the driveline.
@@ -220,7 +222,7 @@ class TorsionalSystem:
                 on it.
 
         Raises:
-            TypeError: speeds that are not real numbers, orders that are not integers.
+            TypeError: orders that are not integers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
         wanted = _orders(orders)

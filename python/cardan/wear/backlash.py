@@ -33,7 +33,6 @@ def lash(
         shaft: index of the shaft, by default the last.
 
     Raises:
-        IndexError: a shaft that does not exist.
         ValueError: as for ``with_play``.
     """
     loose = line.with_play(radial, arm)

@@ -74,7 +74,6 @@ class Lengths:
             length: that length of the shaft.
 
         Raises:
-            IndexError: a shaft that does not exist.
             ValueError: a length that is not positive, shapes that do not broadcast.
         """
         index = item_index("shaft", shaft, self.each.shape[-1])
@@ -176,7 +175,6 @@ def spline_force(
         radius: pitch radius of the spline in m.
 
     Raises:
-        IndexError: a shaft that does not exist.
         ValueError: a negative friction, a radius that is not positive, shapes that do not
             broadcast.
     """
