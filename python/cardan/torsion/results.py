@@ -24,10 +24,9 @@ from cardan.evaluation.load import absorbing
 from cardan.evaluation.outputs import OUTPUTS, checked
 from cardan.evaluation.request import Axes, Reduction
 from cardan.evaluation.result import Result
-from cardan.torsion.parameters import TorsionParameters
 
 if TYPE_CHECKING:
-    from cardan.torsion.system import TorsionalSystem
+    from cardan.torsion.system import TorsionalSystem, TorsionParameters
 
 # The position of the crosses is that of rigid shafts with these twists; their rates are not.
 _POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")

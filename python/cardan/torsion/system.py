@@ -4,18 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal, SupportsIndex
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays.errors import ArgumentTypeError, exclusive
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    not_negative,
+    per_shaft,
+    threads,
+    together,
+)
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_elements,
+    check_shape,
+    exclusive,
+)
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
 from cardan.torsion.analyses import bend_rules, modes, side_by_side, stability_map, unstable_ranges
-from cardan.torsion.parameters import TorsionParameters, checked_tolerance
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (
     Equations,
@@ -26,6 +41,81 @@ from cardan.torsion.transient import (
     Transient,
     integrated,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class TorsionParameters:
+    """What the shafts of a batch of systems have, all broadcast to the shape of the batch."""
+
+    shape: tuple[int, ...]
+    inertias: FloatArray  # (..., n + 1, 2)
+    stiffnesses: FloatArray
+    dampings: FloatArray
+    load_torque: FloatArray
+    load_damping: FloatArray
+
+    @classmethod
+    def checked(
+        cls,
+        line: Driveline,
+        inertias: ArrayLike,
+        stiffnesses: ArrayLike,
+        dampings: ArrayLike | None,
+        load_torque: ArrayLike,
+        load_damping: ArrayLike,
+    ) -> Self:
+        """Check the arguments of ``TorsionalSystem``."""
+        shafts = line.n_joints + 1
+        ends = _pairs(not_negative("inertias", inertias), shafts)
+        springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
+        rule = "; a stiffness must be positive, infinite for a rigid shaft"
+        check_elements("stiffnesses", springs, springs > 0.0, rule)
+        compliant = springs < np.inf
+        alike = compliant == compliant.reshape(-1, shafts)[:1].reshape(shafts)
+        rule = "; the same shafts must be compliant in the whole batch"
+        check_elements("stiffnesses", springs, alike, rule)
+        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
+        damping = _per_shaft("dampings", viscosity, shafts)
+        torque = finite("load_torque", load_torque)
+        viscous = not_negative("load_damping", load_damping)
+        given = {
+            "inertias": (ends, 2),
+            "stiffnesses": (springs, 1),
+            "dampings": (damping, 1),
+            "load_torque": (torque, 0),
+            "load_damping": (viscous, 0),
+        }
+        shape, full = together(given, driveline=line.shape)
+        # Copies: the caller may change the arrays.
+        kept = [np.array(array) for array in full]
+        for array in kept:
+            array.flags.writeable = False
+        return cls(shape, *kept)
+
+    @property
+    def compliant(self) -> tuple[int, ...]:
+        """The compliant shafts."""
+        shafts = self.stiffnesses.shape[-1]
+        first = self.stiffnesses.reshape(-1, shafts)[:1].ravel()
+        return tuple(int(i) for i in np.flatnonzero(first < np.inf))
+
+    def flat(self) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Return the properties of shafts and the loads as the native module takes them."""
+        shafts = [self.inertias, self.stiffnesses, self.dampings]
+        load = [self.load_torque, self.load_damping]
+        return [array.ravel() for array in shafts], [array.ravel() for array in load]
+
+    def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> TorsionParameters:
+        """Return the parameters with dampings from damping ratios."""
+        given = not_negative("damping_ratios", ratios)
+        given = _per_shaft("damping_ratios", given, joints + 1)
+        shape = common_shape(system=self.shape, damping_ratios=given.shape[:-1])
+        if shape != self.shape:
+            raise ArgumentValueError(
+                "damping_ratios", f"has the batch {given.shape[:-1]}, the system {self.shape}"
+            )
+        springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
+        return replace(self, dampings=np.array(2.0 * given * springs / lowest))
 
 
 class TorsionalSystem:
@@ -405,7 +495,7 @@ class TorsionalSystem:
         (214.0, -4453.0)
         """
         system = Equations(self, speed, torque, drive_torque, drive_inertia)
-        permitted = checked_tolerance(tolerance)
+        permitted = _checked_tolerance(tolerance)
         return integrated(system, time, start, breaks, events, permitted, method)
 
     def _run(
@@ -420,7 +510,7 @@ class TorsionalSystem:
 
         They are those of a function of the native module, which its own arguments follow.
         """
-        options = (*of[1:], checked_tolerance(tolerance), threads.at_most(workers))
+        options = (*of[1:], _checked_tolerance(tolerance), threads.at_most(workers))
         speeds = as_float64("speed", speed)
         shape = common_shape(system=self.shape, speed=speeds.shape)
         numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
@@ -446,3 +536,23 @@ def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
 def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
     """Move so many axes behind those of the batch to the front."""
     return np.moveaxis(array, range(batch, batch + axes), range(axes))
+
+
+def _checked_tolerance(tolerance: float) -> float:
+    """Return the permitted error of an orbit."""
+    value = float(as_float64("tolerance", tolerance))
+    if not 1e-12 <= value <= 1e-3:
+        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    return value
+
+
+def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
+    if inertias.shape[-2:] == (shafts, 2):
+        return inertias
+    rule = f"it needs one per shaft, (..., {shafts}), or one per end, (..., {shafts}, 2)"
+    check_shape("inertias", inertias, inertias.shape[-1:] == (shafts,), rule)
+    return np.repeat(0.5 * inertias[..., np.newaxis], 2, axis=-1)
+
+
+def _per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
+    return per_shaft(name, array, shafts) if array.ndim else np.full(shafts, array)
