@@ -26,7 +26,7 @@ from cardan.evaluation.request import Axes, Reduction
 from cardan.evaluation.result import Result
 
 if TYPE_CHECKING:
-    from cardan.torsion.system import TorsionalSystem, TorsionParameters
+    from cardan.torsion.system import TorsionalSystem
 
 # The position of the crosses is that of rigid shafts with these twists; their rates are not.
 _POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")
@@ -221,7 +221,7 @@ class SteadyState(Searched):
         angle = orbit.drive_angle + error[0, 1]
         motion = rigid.evaluate(angle, "speed_ratio", shafts=slice(None), **options)
         ratios = np.moveaxis(motion.speed_ratio, 0, -1)
-        entering, absorbed = _torques(system._parameters, orbit, ratios)
+        entering, absorbed = _torques(system, orbit, ratios)
         result = rigid.evaluate(
             np.where(found, angle, np.nan),
             names,
@@ -239,16 +239,16 @@ class SteadyState(Searched):
 
 
 def _torques(
-    parameters: TorsionParameters, orbit: Orbit, ratios: FloatArray
+    system: TorsionalSystem, orbit: Orbit, ratios: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the torque that enters shaft 0, and what each shaft absorbs, ``(..., n + 1)``."""
     last = ratios.shape[-1] - 1
     # Dimensions of batch and samples, to which the parameters broadcast.
-    inertias = parameters.inertias[..., np.newaxis, :, :]
+    inertias = system.inertias[..., np.newaxis, :, :]
     inertial = np.moveaxis(orbit.acceleration, (0, 1), (-2, -1)) * inertias
     of_springs = dict(zip(orbit.compliant, orbit.torque, strict=True))
-    loss = parameters.load_damping[..., np.newaxis] * orbit.speed[last, 1]
-    entering = leaving = parameters.load_torque[..., np.newaxis] + loss
+    loss = system.load_damping[..., np.newaxis] * orbit.speed[last, 1]
+    entering = leaving = system.load_torque[..., np.newaxis] + loss
     absorbed = np.empty(inertial.shape[:-1])
     for shaft in range(last, -1, -1):
         if shaft in of_springs:

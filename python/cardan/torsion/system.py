@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Literal, Self, SupportsIndex
+from dataclasses import dataclass
+from typing import Any, Literal, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,82 +42,10 @@ from cardan.torsion.transient import (
     integrated,
 )
 
-
-@dataclass(frozen=True, eq=False)
-class TorsionParameters:
-    """What the shafts of a batch of systems have, all broadcast to the shape of the batch."""
-
-    shape: tuple[int, ...]
-    inertias: FloatArray  # (..., n + 1, 2)
-    stiffnesses: FloatArray
-    dampings: FloatArray
-    load_torque: FloatArray
-    load_damping: FloatArray
-
-    @classmethod
-    def checked(
-        cls,
-        line: Driveline,
-        inertias: ArrayLike,
-        stiffnesses: ArrayLike,
-        dampings: ArrayLike | None,
-        load_torque: ArrayLike,
-        load_damping: ArrayLike,
-    ) -> Self:
-        """Check the arguments of ``TorsionalSystem``."""
-        shafts = line.n_joints + 1
-        ends = _pairs(not_negative("inertias", inertias), shafts)
-        springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
-        rule = "; a stiffness must be positive, infinite for a rigid shaft"
-        check_elements("stiffnesses", springs, springs > 0.0, rule)
-        compliant = springs < np.inf
-        alike = compliant == compliant.reshape(-1, shafts)[:1].reshape(shafts)
-        rule = "; the same shafts must be compliant in the whole batch"
-        check_elements("stiffnesses", springs, alike, rule)
-        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
-        damping = _per_shaft("dampings", viscosity, shafts)
-        torque = finite("load_torque", load_torque)
-        viscous = not_negative("load_damping", load_damping)
-        given = {
-            "inertias": (ends, 2),
-            "stiffnesses": (springs, 1),
-            "dampings": (damping, 1),
-            "load_torque": (torque, 0),
-            "load_damping": (viscous, 0),
-        }
-        shape, full = together(given, driveline=line.shape)
-        # Copies: the caller may change the arrays.
-        kept = [np.array(array) for array in full]
-        for array in kept:
-            array.flags.writeable = False
-        return cls(shape, *kept)
-
-    @property
-    def compliant(self) -> tuple[int, ...]:
-        """The compliant shafts."""
-        shafts = self.stiffnesses.shape[-1]
-        first = self.stiffnesses.reshape(-1, shafts)[:1].ravel()
-        return tuple(int(i) for i in np.flatnonzero(first < np.inf))
-
-    def flat(self) -> tuple[list[FloatArray], list[FloatArray]]:
-        """Return the properties of shafts and the loads as the native module takes them."""
-        shafts = [self.inertias, self.stiffnesses, self.dampings]
-        load = [self.load_torque, self.load_damping]
-        return [array.ravel() for array in shafts], [array.ravel() for array in load]
-
-    def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> TorsionParameters:
-        """Return the parameters with dampings from damping ratios."""
-        given = not_negative("damping_ratios", ratios)
-        given = _per_shaft("damping_ratios", given, joints + 1)
-        shape = common_shape(system=self.shape, damping_ratios=given.shape[:-1])
-        if shape != self.shape:
-            raise ArgumentValueError(
-                "damping_ratios", f"has the batch {given.shape[:-1]}, the system {self.shape}"
-            )
-        springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
-        return replace(self, dampings=np.array(2.0 * given * springs / lowest))
+_PARAMETERS = ("inertias", "stiffnesses", "dampings", "load_torque", "load_damping")
 
 
+@dataclass(frozen=True, eq=False, init=False, repr=False, slots=True)
 class TorsionalSystem:
     """A driveline whose shafts are torsion springs, or a batch of such drivelines.
 
@@ -152,6 +80,16 @@ class TorsionalSystem:
             load that is not finite, no compliant shaft, a compliant shaft without an inertia that
             is rigidly connected to its output end, shapes that do not fit.
 
+    Attributes:
+        line: the driveline.
+        shape: of the batch, to which driveline and parameters are broadcast.
+        compliant: indices of the compliant shafts in order, the first axis of their torques.
+        inertias: of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``.
+        stiffnesses: as given, in the shape of the batch like what follows.
+        dampings: as given, or by the damping ratios.
+        load_torque: as given.
+        load_damping: as given.
+
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
     >>> stiffnesses = [float("inf"), 8000]
@@ -163,6 +101,16 @@ class TorsionalSystem:
     >>> float(abs(system.steady(200.0).torque_orders[0, 0]).round(1))
     6223.2
     """
+
+    line: Driveline
+    shape: tuple[int, ...]
+    compliant: tuple[int, ...]
+    inertias: FloatArray
+    stiffnesses: FloatArray
+    dampings: FloatArray
+    load_torque: FloatArray
+    load_damping: FloatArray
+    _core: _core.Torsion
 
     def __init__(
         self,
@@ -180,69 +128,58 @@ class TorsionalSystem:
             raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
         exclusive(dampings=dampings, damping_ratios=damping_ratios)
         line._geometry.check_ideal("torsional systems are computed")
-        self._line = line
-        self._parameters = TorsionParameters.checked(
-            line, inertias, stiffnesses, dampings, load_torque, load_damping
+        shafts = line.n_joints + 1
+        springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
+        rule = "; a stiffness must be positive, infinite for a rigid shaft"
+        check_elements("stiffnesses", springs, springs > 0.0, rule)
+        is_compliant = (springs < np.inf).reshape(-1, shafts)[:1]
+        alike = (springs < np.inf) == is_compliant.reshape(shafts)
+        rule = "; the same shafts must be compliant in the whole batch"
+        check_elements("stiffnesses", springs, alike, rule)
+        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
+        given = {
+            "inertias": (_pairs(not_negative("inertias", inertias), shafts), 2),
+            "stiffnesses": (springs, 1),
+            "dampings": (_per_shaft("dampings", viscosity, shafts), 1),
+            "load_torque": (finite("load_torque", load_torque), 0),
+            "load_damping": (not_negative("load_damping", load_damping), 0),
+        }
+        shape, full = together(given, driveline=line.shape)
+        compliant = tuple(int(i) for i in np.flatnonzero(is_compliant))
+        self._keep(
+            line=line, shape=shape, compliant=compliant, **dict(zip(given, full, strict=True))
         )
-        self._core = self._native()
         if damping_ratios is not None:
+            ratios = not_negative("damping_ratios", damping_ratios)
+            ratios = _per_shaft("damping_ratios", ratios, shafts)
+            if common_shape(system=shape, damping_ratios=ratios.shape[:-1]) != shape:
+                raise ArgumentValueError(
+                    "damping_ratios", f"has the batch {ratios.shape[:-1]}, the system {shape}"
+                )
+            finite_springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
             lowest = self.natural_frequencies()[..., :1]
-            self._parameters = self._parameters.with_ratios(damping_ratios, lowest, line.n_joints)
-            self._core = self._native()
+            self._keep(dampings=np.asarray(2.0 * ratios * finite_springs / lowest))
 
-    def _native(self) -> _core.Torsion:
-        shape = self._parameters.shape
-        numbers = np.arange(math.prod(self._line.shape)).reshape(self._line.shape)
-        lines = np.broadcast_to(numbers, shape).ravel()
-        return _core.Torsion(self._line._lines, shape, lines, *self._parameters.flat())
+    def _keep(self, **values: Any) -> None:  # noqa: ANN401 - of attributes
+        """Keep values, with read-only copies of arrays: the caller may change them."""
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value = value.copy()
+                value.flags.writeable = False
+            object.__setattr__(self, name, value)
+        lines = np.arange(math.prod(self.line.shape)).reshape(self.line.shape)
+        lines = np.broadcast_to(lines, self.shape).ravel()
+        own = [getattr(self, name).ravel() for name in _PARAMETERS]
+        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:])
+        object.__setattr__(self, "_core", core)
 
     def __repr__(self) -> str:
         """Show the driveline and the compliant shafts."""
-        return f"<TorsionalSystem of {self._line!r}, compliant shafts {list(self.compliant)}>"
+        return f"<TorsionalSystem of {self.line!r}, compliant shafts {list(self.compliant)}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parameters."""
-        return (_restored, (self._line, self._parameters))
-
-    @property
-    def line(self) -> Driveline:
-        """The driveline."""
-        return self._line
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch: driveline and parameters broadcast."""
-        return self._parameters.shape
-
-    @property
-    def compliant(self) -> tuple[int, ...]:
-        """Indices of the compliant shafts in order, the first axis of their torques."""
-        return self._parameters.compliant
-
-    @property
-    def inertias(self) -> FloatArray:
-        """Inertias of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``."""
-        return self._parameters.inertias
-
-    @property
-    def stiffnesses(self) -> FloatArray:
-        """Stiffness of each shaft in N m/rad, ``(..., n + 1)``; infinite for a rigid one."""
-        return self._parameters.stiffnesses
-
-    @property
-    def dampings(self) -> FloatArray:
-        """Damping of each shaft in N m s/rad, ``(..., n + 1)``."""
-        return self._parameters.dampings
-
-    @property
-    def load_torque(self) -> FloatArray:
-        """Constant torque on the last shaft in N m, in the shape of the batch."""
-        return self._parameters.load_torque
-
-    @property
-    def load_damping(self) -> FloatArray:
-        """Viscous load on the last shaft in N m s/rad, in the shape of the batch."""
-        return self._parameters.load_damping
+        return (_restored, (self.line, {name: getattr(self, name) for name in _PARAMETERS}))
 
     modes = modes
     bend_rules = bend_rules
@@ -261,14 +198,9 @@ class TorsionalSystem:
             line: the driveline; by default the same.
             stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
         """
-        return TorsionalSystem(
-            self.line if line is None else line,
-            inertias=self.inertias,
-            stiffnesses=self.stiffnesses if stiffnesses is None else stiffnesses,
-            dampings=self.dampings,
-            load_torque=self.load_torque,
-            load_damping=self.load_damping,
-        )
+        given: dict[str, Any] = {name: getattr(self, name) for name in _PARAMETERS}
+        given |= {} if stiffnesses is None else {"stiffnesses": stiffnesses}
+        return TorsionalSystem(self.line if line is None else line, **given)
 
     def natural_frequencies(self) -> FloatArray:
         """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.
@@ -316,7 +248,7 @@ class TorsionalSystem:
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
         wanted = _orders(orders)
-        m, ends, count = len(self.compliant), self._line.n_joints + 1, len(wanted)
+        m, ends, count = len(self.compliant), self.line.n_joints + 1, len(wanted)
         of, each = (self._core.steady, wanted.tolist()), 3 * m + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
         sizes = np.cumsum([m, m, m, 2 * m * count])
@@ -356,7 +288,7 @@ class TorsionalSystem:
             workers: largest number of threads.
         """
         count = integer("samples", samples, 1)
-        m, ends = len(self.compliant), self._line.n_joints + 1
+        m, ends = len(self.compliant), self.line.n_joints + 1
         of, each = (self._core.orbits, count), count * (6 * ends + m + 1)
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         *motion, torques, of_drive = np.split(
@@ -519,8 +451,7 @@ class TorsionalSystem:
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 
-def _restored(line: Driveline, parameters: TorsionParameters) -> TorsionalSystem:
-    given = {name: value for name, value in vars(parameters).items() if name != "shape"}
+def _restored(line: Driveline, given: dict[str, Any]) -> TorsionalSystem:
     return TorsionalSystem(line, **given)
 
 
