@@ -180,15 +180,12 @@ def check(
         quantity = MOTION_QUANTITIES[figure]
         name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
         limit = allowed.figures.get(quantity.limit)
-        if squared is not None:
-            value = np.asarray(squared * ratio)
-        elif limit:
-            value = np.full(line.shape, np.nan)
-        else:
+        if squared is None and not limit:
             continue
-        findings.append(
-            Finding(figure, name, "practice", value, "rad/s²", limit, ratio, squared is None)
-        )
+        unknown = squared is None
+        value = np.full(line.shape, np.nan) if squared is None else np.asarray(squared * ratio)
+        one = Finding(figure, name, "practice", value, "rad/s²", limit, ratio, unknown)
+        findings.append(one)
     return Check(tuple(findings), allowed)
 
 

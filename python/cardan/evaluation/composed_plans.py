@@ -35,8 +35,6 @@ class DrivenPlan(Plan):
     The ``drive_angle`` of a result is the drive angle that belongs to each of them.
     """
 
-    __slots__ = ("_at_drive",)
-
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
         super().__init__(at_drive.line, at_drive.request)

@@ -48,24 +48,6 @@ class Plan:
     is skipped. A plan never changes, so threads may share it.
     """
 
-    __slots__ = (
-        "_core",
-        "_fast_path",
-        "_level",
-        "_load",
-        "_only_angle_varies",
-        "_reduce",
-        "_single_row",
-        "_word",
-        "_workers",
-        "dtype",
-        "labels",
-        "line",
-        "places",
-        "planes",
-        "request",
-    )
-
     def __init__(self, line: Driveline, request: Request, level: str | None = None) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape

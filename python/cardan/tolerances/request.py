@@ -16,6 +16,7 @@ from cardan.arrays.errors import (
     ArgumentValueError,
     check_choice,
     check_elements,
+    check_shape,
     nearest,
 )
 from cardan.arrays.indices import Items, integer, item_index
@@ -198,10 +199,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
     quantities = {name: _quantity(name, i, line, figures) for i, name in enumerate(names)}
     joints = [group for group in JOINT_GROUPS if sizes.each[group] is not None]
     if line.has_deviations or joints:
-        layout = any(
-            size is not None for group, size in sizes.each.items() if group not in JOINT_GROUPS
-        )
-        layout |= sizes.teeth is not None
+        others = [size for group, size in sizes.each.items() if group not in JOINT_GROUPS]
+        layout = any(size is not None for size in (*others, sizes.teeth))
         _check_as_built(quantities, several, figures.motion_as_drawn and layout)
     for name, quantity in quantities.items():
         needs_speed = not isinstance(quantity, ReducedQuantity) and quantity.needs_speed
@@ -235,13 +234,14 @@ def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn:
     """Refuse figures of ideal joints, unless those of the drawing are meant."""
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
-            raise ArgumentValueError(
-                "of",
-                f"is {name!r}, a figure of ideal joints; joints with deviations have orders, such "
-                "as 'angle_error_order_1' and 'acceleration_order_1', and outputs, such as "
-                "'angle_error_peak'",
-                (i,) if several else (),
+            instead = (
+                "orders, such as 'angle_error_order_1' and 'acceleration_order_1', and outputs"
             )
+            problem = (
+                f"is {name!r}, a figure of ideal joints; joints with deviations have {instead}"
+            )
+            place = (i,) if several else ()
+            raise ArgumentValueError("of", f"{problem}, such as 'angle_error_peak'", place)
 
 
 def _designs(
@@ -341,8 +341,8 @@ def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """The speed of each driveline of the batch."""
     value = as_float64("speed", speed)
     check_elements("speed", value, np.isfinite(value), "; it must be finite, in rad/s")
-    if common_shape(driveline=shape, speed=value.shape) != shape:
-        raise ArgumentValueError("speed", f"has shape {value.shape}; the drivelines have {shape}")
+    right = common_shape(driveline=shape, speed=value.shape) == shape
+    check_shape("speed", value, right, f"the drivelines have {shape}")
     return np.broadcast_to(value, shape)
 
 

@@ -359,22 +359,16 @@ class Tolerances:
 
     nominal_deg = _in_degrees("nominal")
     """``nominal`` in degrees."""
-
     worst_deg = _in_degrees("worst")
     """``worst`` in degrees."""
-
     linear_deg = _in_degrees("linear")
     """``linear`` in degrees."""
-
     guaranteed_deg = _in_degrees("guaranteed")
     """``guaranteed`` in degrees."""
-
     sampled_deg = _in_degrees("sampled")
     """``sampled`` in degrees."""
-
     ascending_deg = _in_degrees("ascending")
     """``ascending`` in degrees."""
-
     limit_deg = _in_degrees("limit")
     """``limit`` in degrees."""
 
