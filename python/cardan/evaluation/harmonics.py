@@ -78,11 +78,7 @@ class Harmonics:
 
     @property
     def angle_error_deg(self) -> FloatArray:
-        """Amplitudes of ``angle_error`` in degrees.
-
-        Raises:
-            AttributeError: it is not among the outputs.
-        """
+        """Amplitudes of ``angle_error`` in degrees, if that is among the outputs."""
         return np.degrees(self.__getattr__("angle_error"))
 
     def __getattr__(self, name: str) -> FloatArray:
@@ -160,20 +156,14 @@ def _closed(
     own = np.sum(np.tan(line._geometry.bends / 2.0) ** 2, axis=-1)
     slope = np.abs(factor) * n * k ** np.maximum(n - 1.0, 0.0)
     error = 8.0 * _EPSILON * own * np.max(slope, axis=-1, initial=0.0)
-    items = () if place[1] is None else (place[1],)
-    shape = (len(shafts), *rows)
-    series = np.broadcast_to(_after_items(series, len(rows) + 1), (*shape, len(order)))
-    error = np.broadcast_to(_after_items(error, len(rows)), shape)
-    return (
-        series.reshape((*items, *rows, len(order))),
-        np.full((*items, *rows), mean),
-        error.reshape((*items, *rows)),
-    )
+    whole = place.shape(rows)
 
+    def spread(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
+        """Of each item, broadcast to the rows."""
+        each = [np.broadcast_to(own, (*rows, *last)) for own in array]
+        return np.array(each, array.dtype).reshape(*whole, *last)
 
-def _after_items(array: NDArray[Any], own: int) -> NDArray[Any]:
-    """Let what follows the axis of items broadcast to ``own`` axes."""
-    return array.reshape(array.shape[0], *(1,) * (own + 1 - array.ndim), *array.shape[1:])
+    return spread(series, len(order)), np.full(whole, mean), spread(error)
 
 
 def _summed(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.int64]) -> _OrderSums:

@@ -93,11 +93,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
     @property
     def drive_angle(self) -> NDArray[Any]:
-        """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``.
-
-        Raises:
-            ValueError: a result that does not come from an evaluation.
-        """
+        """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``."""
         if self._labels is None:
             raise ValueError("the result has no drive angles; only one that was evaluated has")
         if isinstance(self._angle, Sweep):

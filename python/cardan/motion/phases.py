@@ -85,9 +85,8 @@ def _common_phases(
     """One setting for all states; arguments and errors as of ``optimal_phases``."""
     if states is None:
         if weights is not None:
-            raise ArgumentValueError(
-                "weights", "needs states, the axis of the batch that it weighs"
-            )
+            problem = "needs states, the axis of the batch that it weighs"
+            raise ArgumentValueError("weights", problem)
         batch, axis = (*line.shape, 1), len(line.shape)
     else:
         batch, axis = line.shape, _axis(line, states)
@@ -165,8 +164,5 @@ def _check_common(present: FloatArray, held: NDArray[np.bool_], *, toothed: bool
     off -= np.pi * np.round(off / np.pi)
     for shaft in np.flatnonzero(np.any(np.abs(off) > 1e-12, axis=(0, 1))):
         if held[shaft] or toothed:
-            argument = "fixed" if held[shaft] else "teeth"
-            raise ArgumentValueError(
-                argument,
-                f"needs one present phase of shaft {shaft + 1}; it differs between the states",
-            )
+            problem = f"needs one present phase of shaft {shaft + 1}; it differs between the states"
+            raise ArgumentValueError("fixed" if held[shaft] else "teeth", problem)

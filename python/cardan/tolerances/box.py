@@ -142,10 +142,9 @@ class Box:
         layout = "bends" if self.nominal.points is None else "points"
         if wrong.size:
             joint = int(wrong[0])
-            problem = (
-                f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{where}; "
-            )
-            raise ArgumentValueError(layout, f"{problem}every bend must stay below 90 deg")
+            bend, rule = f"{np.degrees(most[joint]):.6g} deg", "every bend must stay below 90 deg"
+            problem = f"permit a bend of {bend} at joint {joint}{where}; {rule}"
+            raise ArgumentValueError(layout, problem)
         given = [group for group in JOINT_GROUPS if any(place[0] == group for place in halves)]
         own = self.nominal.deviations
         if not given and (own is None or not wide.bend_changes.any()):

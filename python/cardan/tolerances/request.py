@@ -234,14 +234,10 @@ def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn:
     """Refuse figures of ideal joints, unless those of the drawing are meant."""
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
-            instead = (
-                "orders, such as 'angle_error_order_1' and 'acceleration_order_1', and outputs"
-            )
-            problem = (
-                f"is {name!r}, a figure of ideal joints; joints with deviations have {instead}"
-            )
-            place = (i,) if several else ()
-            raise ArgumentValueError("of", f"{problem}, such as 'angle_error_peak'", place)
+            instead = "joints with deviations have orders, such as 'angle_error_order_1' and "
+            instead += "'acceleration_order_1', and outputs, such as 'angle_error_peak'"
+            problem = f"is {name!r}, a figure of ideal joints; {instead}"
+            raise ArgumentValueError("of", problem, (i,) if several else ())
 
 
 def _designs(

@@ -107,13 +107,12 @@ class Slides:
             moves = travel > _SETTLED * largest
             if np.any(moves):
                 place = tuple(int(i) for i in np.argwhere(moves)[0])
-                raise ArgumentValueError(
-                    "blocked",
-                    f"has {name!r}, but the offsets of joint {place[0]} make it slide by "
-                    f"{travel[place]:.4g}{unit} in a turn; where it cannot slide, shafts and "
-                    "bearings yield or the joint binds, which depends on their stiffness and not "
-                    "on the geometry",
-                )
+                by = f"{travel[place]:.4g}{unit}"
+                yielding = "where it cannot slide, shafts and bearings yield or the joint binds, "
+                yielding += "which depends on their stiffness and not on the geometry"
+                slide = f"the offsets of joint {place[0]} make it slide by {by} in a turn"
+                problem = f"has {name!r}, but {slide}; {yielding}"
+                raise ArgumentValueError("blocked", problem)
 
     def _at(self, angle: ArrayLike) -> FloatArray:
         """The slides along driving pin, driven pin and driven shaft, ``(3, n, ...)``."""
