@@ -101,12 +101,9 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
             "reduce", f"is {request.reduce!r}; harmonics need a plan without a reduction"
         )
     if "angle" in plan.places:
-        raise ArgumentValueError(
-            "outputs",
-            "is 'angle', which grows with every turn and has no harmonics; "
-            "the periodic part is 'angle_error'",
-            ([*plan.places].index("angle"),),
-        )
+        problem = "is 'angle', which grows with every turn and has no harmonics; "
+        problem += "the periodic part is 'angle_error'"
+        raise ArgumentValueError("outputs", problem, ([*plan.places].index("angle"),))
     order = np.atleast_1d(checked_orders(orders))
     of_load = {} if request.load is None else request.load.shapes()
     rows = common_shape(driveline=plan.line.shape, **of_load)

@@ -301,11 +301,9 @@ class Plan:
         batch along the axis of the angles. For a batch the steps are those of its first driveline.
 
         Args:
-            angle: the drive angles or the ``Sweep`` of the call; only their shape and kind matter.
-                The default is an array of angles along the last axis.
-
-        Raises:
-            ValueError: a shape that does not broadcast against the batch, or no samples.
+            angle: the drive angles or the ``Sweep`` of the call, of which only shape and kind
+                matter; it broadcasts against the batch. By default an array of angles along the
+                last axis.
         """
         line, load = self.line, self.request.load
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
@@ -332,11 +330,9 @@ class Plan:
     def _sample_shape(self, own: tuple[int, ...]) -> tuple[int, ...]:
         shape = _broadcast(self.line.shape, own)
         if shape is None:
-            raise ArgumentValueError(
-                "angle",
-                f"has shape {own}, which does not broadcast against the driveline's batch "
-                f"shape {self.line.shape}",
-            )
+            against = f"the driveline's batch shape {self.line.shape}"
+            problem = f"has shape {own}, which does not broadcast against {against}"
+            raise ArgumentValueError("angle", problem)
         return shape
 
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:

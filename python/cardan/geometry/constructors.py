@@ -319,11 +319,9 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
 def sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
     """Directions from the slopes in side view and top view."""
     if vertical.shape[-1] != horizontal.shape[-1]:
-        raise ArgumentValueError(
-            "vertical",
-            f"has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
-            "they must be the same",
-        )
+        up, right = vertical.shape[-1], horizontal.shape[-1]
+        problem = f"has {up} shafts and horizontal {right}; they must be the same"
+        raise ArgumentValueError("vertical", problem)
     common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
     up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
     return np.stack([np.ones_like(up), up, right], axis=-1)

@@ -167,11 +167,9 @@ def identify(
     drive = _continuous(drive)
     turns = float(np.ptp(drive)) / math.tau if drive.size else 0.0
     if drive.size < _FEWEST_PER_TURN or turns < 1.0 - 1.5 / max(1, drive.size):
-        raise ArgumentValueError(
-            "drive_angle",
-            f"has {drive.size} finite samples over {turns:.2f} turns; it takes at least one turn "
-            f"and {_FEWEST_PER_TURN} samples",
-        )
+        rule = f"it takes at least one turn and {_FEWEST_PER_TURN} samples"
+        problem = f"has {drive.size} finite samples over {turns:.2f} turns; {rule}"
+        raise ArgumentValueError("drive_angle", problem)
     if angle is not None:
         # Whole turns aside, without steps.
         measured = np.unwrap(np.remainder(measured - drive, math.tau))
@@ -225,11 +223,8 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
     columns = np.column_stack([offset, drift, waves.real, waves.imag])
     series, *_ = np.linalg.lstsq(columns, values, rcond=None)
     if of_angle and abs(series[1]) > 0.5 * math.tau:
-        raise ArgumentValueError(
-            "angle",
-            f"turns {1.0 + series[1] / math.tau:.3g} times as fast as the drive; it must count "
-            "in the drive's sense and unit",
-        )
+        times, rule = 1.0 + series[1] / math.tau, "it must count in the drive's sense and unit"
+        raise ArgumentValueError("angle", f"turns {times:.3g} times as fast as the drive; {rule}")
     q = 1j * complex(series[3], series[3 + _ORDERS]) if of_angle else _start(drive, values)
     # A step too far would leave the disc of the joints.
     q *= min(1.0, 0.99 / max(abs(q), 1e-300))

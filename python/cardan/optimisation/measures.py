@@ -192,11 +192,8 @@ def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure
     def vectors(line: Driveline) -> Vectors:
         values = np.asarray(function(line), dtype=np.float64)
         if values.shape != line.shape:
-            raise ArgumentValueError(
-                argument,
-                f"returned shape {values.shape}; it must return one value for each state, "
-                f"{line.shape}",
-            )
+            rule = f"it must return one value for each state, {line.shape}"
+            raise ArgumentValueError(argument, f"returned shape {values.shape}; {rule}")
         return values[..., np.newaxis]
 
     return Measure(name, "", vectors, lambda length: length, lambda value: value)

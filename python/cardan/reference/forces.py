@@ -2,9 +2,8 @@
 
 A frictionless, massless cross can transmit only a moment perpendicular to both pins; the torsion of
 the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its bearings
-must add. A shaft is balanced when the forces of its supports,
-and those of the joints that support its neighbours, cancel across it and give it the moment that
-it needs. It is slow and takes one driveline and one angle at a time; all values are in SI units.
+must add. A shaft is balanced when the forces of its supports, and those of the joints that support
+its neighbours, cancel across it and give it the moment that it needs.
 """
 
 from __future__ import annotations

@@ -282,17 +282,15 @@ def best_teeth(
 ) -> tuple[int, ...]:
     """Return by how many teeth to turn the output-side yokes from their present phases.
 
-    Every combination is tried. Of those that are as good the yokes turn least.
+    Every combination is tried. Of those that are as good the yokes turn least. States, weights and
+    exceptions are as for ``optimal_phases``.
 
     Args:
-        states: a driveline, or one per state; all have the phases of the first.
+        states: a driveline, or one per state.
         teeth: of the spline of each shaft between two joints.
-        weights: how much each state counts; by default all alike.
+        weights: of the states.
 
     Errors: those of the angle error, by which combinations are compared.
-
-    Raises:
-        ValueError: no state, states with different numbers of joints, not one weight per state.
     """
     search = _search(states, weights)
     count = _enough(min(math.prod(map(math.cos, state.bends)) for state in search.states))
@@ -311,9 +309,8 @@ def _search(states: Shafts | Sequence[Shafts], weights: Sequence[float] | None) 
     if len({len(state.phases) for state in states}) != 1:
         raise ArgumentValueError("states", "must be drivelines with the same number of joints")
     if len(weights) != len(states):
-        raise ArgumentValueError(
-            "weights", f"has {len(weights)} values; there are {len(states)} states"
-        )
+        problem = f"has {len(weights)} values; there are {len(states)} states"
+        raise ArgumentValueError("weights", problem)
     return _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
 
 

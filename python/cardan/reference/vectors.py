@@ -218,14 +218,9 @@ def from_directions(
 
 
 def from_points(points: Sequence[Sequence[float]], phases: Sequence[float] | None = None) -> Shafts:
-    """Lay out a driveline from its start, joint centres and end.
+    """Lay out a driveline from its start, joint centres and end, in any one unit of length.
 
-    Args:
-        points: these in order, in any one unit of length.
-        phases: phase of each intermediate shaft; 0 by default.
-
-    Raises:
-        ValueError: as for :func:`from_directions`.
+    Phases and errors are as for :func:`from_directions`.
     """
     steps = [[b - a for a, b in zip(p, q, strict=True)] for p, q in pairwise(points)]
     return from_directions(steps, phases)

@@ -114,7 +114,6 @@ class Tolerances:
 
         Raises:
             IndexError: a state that does not exist.
-            TypeError: an index that is not an integer.
         """
         index = item_index("state", state, self.n_states or 0)
         if index not in self._in_states:
@@ -223,12 +222,10 @@ class Tolerances:
         }
         if self._several or found:
             return self._named(found)
-        raise ArgumentValueError(
-            "of",
-            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} "
-            "only, which are functions of a place in the hyperbolic plane; 'worst' searches all "
-            "combinations of tolerances",
-        )
+        known = f"a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} only"
+        reason = "which are functions of a place in the hyperbolic plane"
+        instead = "'worst' searches all combinations of tolerances"
+        raise ArgumentValueError("of", f"is {self.of[0]!r}; {known}, {reason}; {instead}")
 
     @cached_property
     def sampled(self) -> Any:  # noqa: ANN401

@@ -197,11 +197,7 @@ class Transient(TorsionalMotion):
         The integrator's own interpolation is used, with nearly the accuracy of its steps.
 
         Args:
-            time: in s, any shape.
-
-        Raises:
-            TypeError: times that are not real numbers.
-            ValueError: a time outside the integrated span.
+            time: in s, any shape, within the integrated span.
         """
         times = as_float64("time", time)
         first, last = self._path.span
