@@ -7,10 +7,15 @@ from numpy.typing import NDArray
 _Flat: TypeAlias = NDArray[np.float64]
 _Spread: TypeAlias = NDArray[np.float64]
 _Stepped: TypeAlias = tuple[_Flat, int, int]
+_Numbers: TypeAlias = NDArray[np.int64]
+_Records: TypeAlias = tuple[_Flat, NDArray[np.uint8]]
+_Per: TypeAlias = Literal["shaft", "joint", "bearing"]
+_SpreadLoad: TypeAlias = tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]]
+_SteppedLoad: TypeAlias = tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[int, _Stepped]]]
 
 _Load: TypeAlias = tuple[str, Sequence[float], Sequence[float], list[tuple[int, Sequence[float]]]]
 _Cases: TypeAlias = tuple[Lines, Sequence[float], _Load | None]
-_Figure: TypeAlias = tuple[str, int | None, _Flat, NDArray[np.int64], list[float], int | None]
+_Figure: TypeAlias = tuple[str, int | None, _Flat, _Numbers, list[float], int | None]
 
 __all__ = [
     "Integral",
@@ -50,15 +55,13 @@ __all__ = [
 __version__: str
 
 def levels() -> list[str]: ...
-def outputs() -> list[
-    tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool, bool]
-]: ...
+def outputs() -> list[tuple[str, _Per, str, list[str], bool, bool]]: ...
 def differentiate(
     lines: Lines,
     outputs: list[tuple[str, list[int]]],
     samples: int,
     angle: Sweep | _Stepped,
-    load: tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[int, _Stepped]]] | None,
+    load: _SteppedLoad | None,
     weights: list[_Flat] | None,
     wanted: list[str],
     modes: tuple[str, bool],
@@ -81,27 +84,17 @@ def equivalent(
 def excitations(lines: Lines, workers: int | None) -> _Flat: ...
 def steering(
     lines: Lines,
-    numbers: NDArray[np.int64],
+    numbers: _Numbers,
     centres: _Flat,
     drawn: Lines | None,
     workers: int | None,
 ) -> _Flat: ...
 def spline_forces(
-    lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
+    lines: Lines, shaft: int, numbers: _Numbers, loads: list[_Flat], workers: int | None
 ) -> tuple[_Flat, str | None]: ...
 def tubes(dimensions: list[_Flat]) -> _Flat: ...
-def kinds() -> list[
-    tuple[
-        str,
-        str,
-        Literal["shaft", "joint", "bearing"] | None,
-        bool,
-        Literal["states", "cases", "once"],
-    ]
-]: ...
-def ranks(
-    values: _Flat, limits: _Flat, maxima: _Flat, most: bool, size: float
-) -> NDArray[np.int64]: ...
+def kinds() -> list[tuple[str, str, _Per | None, bool, Literal["states", "cases", "once"]]]: ...
+def ranks(values: _Flat, limits: _Flat, maxima: _Flat, most: bool, size: float) -> _Numbers: ...
 def check_bearings(
     joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
 ) -> None: ...
@@ -135,7 +128,7 @@ def least_drive_inertias(
 def pin_means(
     lines: Lines,
     shape: Sequence[int],
-    load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]],
+    load: _SpreadLoad,
     wear: Literal["friction", "fatigue"],
     workers: int | None,
 ) -> _Flat: ...
@@ -188,7 +181,7 @@ class Plan:
         shapes: list[tuple[int | None, bool]],
         shaft_items: list[int],
         joint_items: list[int],
-        load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]] | None,
+        load: _SpreadLoad | None,
         tolerance: float | None,
         single: bool,
         reduction: str | None,
@@ -224,38 +217,28 @@ class Torsion:
         cls,
         lines: Lines,
         shape: Sequence[int],
-        line: NDArray[np.int64],
+        line: _Numbers,
         shafts: list[_Flat],
         load: list[_Flat],
     ) -> Torsion: ...
     def natural_frequencies(self) -> _Flat: ...
     def steady(
         self,
-        system: NDArray[np.int64],
+        system: _Numbers,
         speed: _Flat,
         orders: list[int],
         tolerance: float,
         workers: int | None,
-    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+    ) -> _Records: ...
     def multipliers(
-        self, system: NDArray[np.int64], speed: _Flat, tolerance: float, workers: int | None
-    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+        self, system: _Numbers, speed: _Flat, tolerance: float, workers: int | None
+    ) -> _Records: ...
     def orbits(
-        self,
-        system: NDArray[np.int64],
-        speed: _Flat,
-        samples: int,
-        tolerance: float,
-        workers: int | None,
-    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+        self, system: _Numbers, speed: _Flat, samples: int, tolerance: float, workers: int | None
+    ) -> _Records: ...
     def coexisting(
-        self,
-        system: NDArray[np.int64],
-        speed: _Flat,
-        most: int,
-        tolerance: float,
-        workers: int | None,
-    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+        self, system: _Numbers, speed: _Flat, most: int, tolerance: float, workers: int | None
+    ) -> _Records: ...
     def slopes(self, drive_and_load: list[float], state: _Flat) -> _Flat: ...
     def rigid(self, drive_and_load: list[float]) -> _Flat: ...
     def motion(self, rows: _Flat) -> _Flat: ...
@@ -264,5 +247,5 @@ class Torsion:
 class Transmission:
     def __new__(cls, lines: Lines, shaft: int) -> Transmission: ...
     def q(self) -> NDArray[np.complex128]: ...
-    def motion(self, lines: NDArray[np.int64], angles: _Flat) -> list[_Flat]: ...
-    def gradient(self, lines: NDArray[np.int64], angles: _Flat) -> list[NDArray[np.complex128]]: ...
+    def motion(self, lines: _Numbers, angles: _Flat) -> list[_Flat]: ...
+    def gradient(self, lines: _Numbers, angles: _Flat) -> list[NDArray[np.complex128]]: ...

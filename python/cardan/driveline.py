@@ -28,11 +28,11 @@ from cardan.geometry.bearings import with_bearings
 from cardan.geometry.constructors import (
     from_bends,
     from_directions,
+    from_double_joint,
     from_points,
     from_projected_bends,
     from_slopes,
 )
-from cardan.geometry.double_joint import from_double_joint
 from cardan.geometry.geometry import Geometry
 from cardan.motion.equivalent import equivalent, transmission
 from cardan.motion.free_running import free_running
@@ -57,7 +57,9 @@ class Driveline:
     are in radians and quantities in SI units, unless a name or keyword says otherwise. Make one
     with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
     ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines
-    are immutable: their arrays are read-only, and ``with_phases`` makes a new one.
+    are immutable: their arrays are read-only, and ``with_phases`` makes a new one. Methods, and
+    those of their results, refuse values that are not real numbers and indices that are not
+    integers with a ``TypeError``, and shafts and joints that do not exist with an ``IndexError``.
     ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are
     what it takes besides angles, and ``cardan.optimise`` searches the best layout. Of dask arrays,
     all constructors but the last make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated
@@ -155,9 +157,6 @@ class Driveline:
         Args:
             angle: drive angle in rad.
             options: as there: ``points``, ``length_unit`` and ``ax``.
-
-        Returns:
-            the axes of matplotlib with the picture.
 
         Raises:
             ImportError: matplotlib is missing.

@@ -22,7 +22,7 @@ from cardan.app.plots import plot_optimise, plot_optimised_states, plot_over_var
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from cardan.app.scene.language.edit import map_of, with_values
-from cardan.optimisation.arguments import parameters_of
+from cardan.optimisation import parameters_of
 from cardan.optimisation.problem import Problem
 from example_scenes import EXAMPLES, Answers, example
 

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep
-from cardan.design.order_quantities import farthest_signs, order_amplitude
+from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.tolerances import JOINT_GROUPS
 from cardan.tolerances.design import _root
 from deviation_oracle import LeaningChain, LeaningJoint

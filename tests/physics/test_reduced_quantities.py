@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import Driveline, Load, Sweep
-from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
+from cardan.design.quantities import ReducedQuantity, reduced_quantity
 
 Array = NDArray[np.float64]
 

@@ -13,12 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays.errors import (
-    ArgumentTypeError,
-    ArgumentValueError,
-    check_elements,
-    check_shape,
-)
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_elements, check_shape
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]

@@ -16,14 +16,7 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
 from cardan.arrays.errors import ArgumentValueError, check_elements
-from cardan.ball_joint.contact import (
-    Contact,
-    elliptic,
-    fitting,
-    layer_compliance,
-    loose,
-    pressed,
-)
+from cardan.ball_joint.contact import Contact, elliptic, fitting, layer_compliance, loose, pressed
 
 __all__ = ["BallJoint", "layer_compliance"]
 

@@ -149,10 +149,6 @@ def check(
         limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
             own.
 
-    Returns:
-        findings with values, in the shape of batch and speed, limits and verdicts; ``print``
-            shows them as text.
-
     Raises:
         TypeError: a speed that is not a real number, limits of another type.
         ValueError: shapes that do not broadcast, an unknown preset.
@@ -184,22 +180,20 @@ def check(
         quantity = MOTION_QUANTITIES[figure]
         name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
         limit = allowed.figures.get(quantity.limit)
-        if squared is not None:
-            value = np.asarray(squared * ratio)
-        elif limit:
-            value = np.full(line.shape, np.nan)
-        else:
+        if squared is None and not limit:
             continue
-        findings.append(
-            Finding(figure, name, "practice", value, "rad/s²", limit, ratio, squared is None)
-        )
+        unknown = squared is None
+        value = np.full(line.shape, np.nan) if squared is None else np.asarray(squared * ratio)
+        one = Finding(figure, name, "practice", value, "rad/s²", limit, ratio, unknown)
+        findings.append(one)
     return Check(tuple(findings), allowed)
 
 
 def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
-    """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
+    """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|`` in rad, for comparison.
 
-    It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed. For
+    It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed
+    (catalogue, double joint, 6.5) and broadcasts from batch and signs. For
     two joints up to 30° its error is at most 1.02°; for three joints it can fail completely.
 
     Args:
@@ -207,11 +201,7 @@ def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
             position relative to their bend planes have the same sign. The two joints of an
             ordinary compensated shaft therefore have opposite signs.
 
-    Returns:
-        the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
-
     Raises:
-        TypeError: signs that are not real numbers.
         ValueError: a sign other than +1 and -1, shapes that do not fit.
     """
     return np.asarray(approximations.catalogue_bend(line.bends, fork_signs))[()]

@@ -191,35 +191,31 @@ class Finding:
         if self.needs_speed:
             return ["not judged, no speed given"]
         worst, limit, maximum = self.worst, self.limit.limit, self.limit.maximum
-        rank = int(np.max(self.ranks)) if np.size(self.value) else VERDICTS.index("within")
         if math.isnan(worst):
             return ["not a number"]
-        if VERDICTS[rank] == "within":
-            left = max(limit - worst, 0.0)
-            return [f"within the {self._text(limit)} limit by {self._text(left)}"]
-        if VERDICTS[rank] == "tolerable":
-            return [
-                f"tolerable, {self._text(worst - limit)} above the {self._text(limit)} limit and "
-                f"{self._text(max(maximum - worst, 0.0))} below the {self._text(maximum)} maximum"
-            ]
+        verdict = VERDICTS[int(np.max(self.ranks))] if np.size(self.value) else "within"
+        past, left = self._text(worst - limit), self._text(max(limit - worst, 0.0))
+        below, most = self._text(max(maximum - worst, 0.0)), self._text(maximum)
+        if verdict == "within":
+            return [f"within the {self._text(limit)} limit by {left}"]
+        if verdict == "tolerable":
+            above = f"{past} above the {self._text(limit)} limit"
+            return [f"tolerable, {above} and {below} below the {most} maximum"]
         bound = "maximum" if maximum > limit else "limit"
-        return [f"beyond the {self._text(maximum)} {bound} by {self._text(worst - maximum)}"]
+        return [f"beyond the {most} {bound} by {self._text(worst - maximum)}"]
 
     def _speed_words(self) -> list[str]:
         if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):
             return []
-        within, tolerable = (
-            float(np.min(speeds)) / _RPM for speeds in (self.within_up_to, self.tolerable_up_to)
-        )
+        both = (self.within_up_to, self.tolerable_up_to)
+        within, tolerable = (float(np.min(speeds)) / _RPM for speeds in both)
         if math.isnan(within):
             return []
         # Rounding noise is reached at no speed of a machine.
         if within > 1e7:
             return ["within at every speed"]
-        words = f"within up to {_rpm(within)}"
-        if tolerable > within:
-            words += f", tolerable up to {_rpm(tolerable)}"
-        return [words]
+        more = f", tolerable up to {_rpm(tolerable)}" if tolerable > within else ""
+        return [f"within up to {_rpm(within)}{more}"]
 
     def _text(self, value: float) -> str:
         return f"{value:.4g}°" if self.unit == "deg" else f"{value:.4g} {self.unit}"

@@ -61,30 +61,23 @@ CATALOGUE = Limit(3.0, 3.0, "driveshaft catalogues, section 6.4; Elbe, calculati
 
 _US_MAKERS = "practice of driveshaft makers in the United States, no publication known"
 
+_DANA_AXLES = (
+    "Dana, Spicer Drive Axles Application Guidelines AXAG-0200 (2009), pages 16, 19 and 44; for "
+    f"the maximum {_US_MAKERS}"
+)
+_DANA_SHAFTS = (
+    "Dana, Cardan Shafts for Industrial Applications, pages 38 and 39; above the limit at low "
+    "speed only"
+)
+
+_TRUCK = {
+    "torsional_excitation_rad_s2": Limit(TORSIONAL_LIMIT, TORSIONAL_MAXIMUM, _DANA_AXLES),
+    "inertia_excitation_rad_s2": Limit(INERTIA_LIMIT, INERTIA_MAXIMUM, _US_MAKERS),
+}
+_INDUSTRIAL = {"bend_difference_deg": Limit(1.5, 5.0, _DANA_SHAFTS)}
+
 PRESETS: Mapping[str, Mapping[str, Limit]] = MappingProxyType(
-    {
-        "truck": MappingProxyType(
-            {
-                "torsional_excitation_rad_s2": Limit(
-                    TORSIONAL_LIMIT,
-                    TORSIONAL_MAXIMUM,
-                    "Dana, Spicer Drive Axles Application Guidelines AXAG-0200 (2009), pages 16, "
-                    f"19 and 44; for the maximum {_US_MAKERS}",
-                ),
-                "inertia_excitation_rad_s2": Limit(INERTIA_LIMIT, INERTIA_MAXIMUM, _US_MAKERS),
-            }
-        ),
-        "industrial": MappingProxyType(
-            {
-                "bend_difference_deg": Limit(
-                    1.5,
-                    5.0,
-                    "Dana, Cardan Shafts for Industrial Applications, pages 38 and 39; above the "
-                    "limit at low speed only",
-                )
-            }
-        ),
-    }
+    {"truck": MappingProxyType(_TRUCK), "industrial": MappingProxyType(_INDUSTRIAL)}
 )
 """Limits beyond the catalogue's, by kind of machine; only those for which a source is known."""
 

@@ -35,8 +35,6 @@ class DrivenPlan(Plan):
     The ``drive_angle`` of a result is the drive angle that belongs to each of them.
     """
 
-    __slots__ = ("_at_drive",)
-
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
         super().__init__(at_drive.line, at_drive.request)
@@ -52,11 +50,8 @@ class DrivenPlan(Plan):
         """
         if name := array_namespace_of(angle):
             if LIBRARIES[name].wraps and self.line.shape:
-                raise ArgumentValueError(
-                    "angle",
-                    "has labels, and each driveline of the batch has different drive angles; "
-                    "give its values",
-                )
+                problem = "has labels, and each driveline of the batch has different drive angles; "
+                raise ArgumentValueError("angle", f"{problem}give its values")
             result = super().__call__(angle, out)
             if LIBRARIES[name].deferred:
                 request = Request("angle", shafts=0, workers=self._workers)
@@ -201,11 +196,9 @@ class PlanOfReductions:
         self._plans = [planned(line, request._replace(reduce=name)) for name in self._names]
         vectors = [name for name in self._plans[0].places if OUTPUTS[name].vector]
         if vectors and "peak" in self._names and len(set(self._names)) > 1:
-            raise ArgumentValueError(
-                "reduce",
-                f"is {list(self._names)!r}; the peak of {vectors[0]} is the length of a vector "
-                "and has no components, so it cannot be stacked with other reductions",
-            )
+            peak = f"the peak of {vectors[0]} is the length of a vector and has no components"
+            problem = f"is {list(self._names)!r}; {peak}, so it cannot be stacked with other "
+            raise ArgumentValueError("reduce", f"{problem}reductions")
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None

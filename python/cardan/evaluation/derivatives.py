@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, nearest
-from cardan.evaluation.layout import PlanePlace, components_first, layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace, components_first, layout_of
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.parameters import checked_variables, has_lengths, parameter_shape
 
@@ -44,12 +44,7 @@ _Stepped = tuple[FloatArray, int, int]
 
 
 class Derivatives(dict[str, Mapping[str, NDArray[np.float64]]]):
-    """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
-
-    Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
-    more axis, those by points and deviations two, ``(n + 2, 3)`` and ``(n, 3)``; those by the drive
-    angle and by a torque have the output's shape.
-    """
+    """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``."""
 
     def __repr__(self) -> str:
         """Show outputs and variables."""

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays.indices import Items, is_index, item_index
-from cardan.evaluation.composed_plans import (
-    PlanInDegrees,
-    PlanOfReductions,
-    planned,
-    remembered,
-)
+from cardan.evaluation.composed_plans import PlanInDegrees, PlanOfReductions, planned, remembered
 from cardan.evaluation.harmonics import Harmonics
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
@@ -184,9 +179,6 @@ def harmonics(
         joints: as for ``evaluate``, like the following arguments.
         load: constant over the turn.
         axes: of vectors.
-
-    Returns:
-        mean, amplitudes and phases, with the orders on the last axis.
     """
     if is_index(shaft):
         shaft = item_index("shaft", shaft, line.n_joints + 1)  # type: ignore[arg-type]

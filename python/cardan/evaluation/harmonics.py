@@ -16,9 +16,9 @@ from cardan import _core
 from cardan.arrays import ComplexArray, FloatArray, common_shape, threads
 from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.arrays.indices import checked_orders, item_indices
-from cardan.evaluation.layout import PlanePlace
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
@@ -78,11 +78,7 @@ class Harmonics:
 
     @property
     def angle_error_deg(self) -> FloatArray:
-        """Amplitudes of ``angle_error`` in degrees.
-
-        Raises:
-            AttributeError: it is not among the outputs.
-        """
+        """Amplitudes of ``angle_error`` in degrees, if that is among the outputs."""
         return np.degrees(self.__getattr__("angle_error"))
 
     def __getattr__(self, name: str) -> FloatArray:
@@ -105,12 +101,9 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
             "reduce", f"is {request.reduce!r}; harmonics need a plan without a reduction"
         )
     if "angle" in plan.places:
-        raise ArgumentValueError(
-            "outputs",
-            "is 'angle', which grows with every turn and has no harmonics; "
-            "the periodic part is 'angle_error'",
-            ([*plan.places].index("angle"),),
-        )
+        problem = "is 'angle', which grows with every turn and has no harmonics; "
+        problem += "the periodic part is 'angle_error'"
+        raise ArgumentValueError("outputs", problem, ([*plan.places].index("angle"),))
     order = np.atleast_1d(checked_orders(orders))
     of_load = {} if request.load is None else request.load.shapes()
     rows = common_shape(driveline=plan.line.shape, **of_load)
@@ -160,20 +153,14 @@ def _closed(
     own = np.sum(np.tan(line._geometry.bends / 2.0) ** 2, axis=-1)
     slope = np.abs(factor) * n * k ** np.maximum(n - 1.0, 0.0)
     error = 8.0 * _EPSILON * own * np.max(slope, axis=-1, initial=0.0)
-    items = () if place[1] is None else (place[1],)
-    shape = (len(shafts), *rows)
-    series = np.broadcast_to(_after_items(series, len(rows) + 1), (*shape, len(order)))
-    error = np.broadcast_to(_after_items(error, len(rows)), shape)
-    return (
-        series.reshape((*items, *rows, len(order))),
-        np.full((*items, *rows), mean),
-        error.reshape((*items, *rows)),
-    )
+    whole = place.shape(rows)
 
+    def spread(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
+        """Of each item, broadcast to the rows."""
+        each = [np.broadcast_to(own, (*rows, *last)) for own in array]
+        return np.array(each, array.dtype).reshape(*whole, *last)
 
-def _after_items(array: NDArray[Any], own: int) -> NDArray[Any]:
-    """Let what follows the axis of items broadcast to ``own`` axes."""
-    return array.reshape(array.shape[0], *(1,) * (own + 1 - array.ndim), *array.shape[1:])
+    return spread(series, len(order)), np.full(whole, mean), spread(error)
 
 
 def _summed(plan: Plan, name: str, rows: tuple[int, ...], order: NDArray[np.int64]) -> _OrderSums:

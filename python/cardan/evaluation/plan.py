@@ -22,9 +22,18 @@ from cardan.evaluation.derivatives import (
     reduced_gradient,
 )
 from cardan.evaluation.harmonics import Harmonics, harmonics
-from cardan.evaluation.layout import components_first, layout_of, planes_of, view
 from cardan.evaluation.load import require_load
-from cardan.evaluation.request import DOUBLE, SINGLE, Request, checked_dtype, checked_tolerance
+from cardan.evaluation.request import (
+    DOUBLE,
+    SINGLE,
+    Request,
+    checked_dtype,
+    checked_tolerance,
+    components_first,
+    layout_of,
+    planes_of,
+    view,
+)
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 
@@ -38,24 +47,6 @@ class Plan:
     Call the plan to evaluate, as with ``Driveline.evaluate``. ``explain`` lists the steps and what
     is skipped. A plan never changes, so threads may share it.
     """
-
-    __slots__ = (
-        "_core",
-        "_fast_path",
-        "_level",
-        "_load",
-        "_only_angle_varies",
-        "_reduce",
-        "_single_row",
-        "_word",
-        "_workers",
-        "dtype",
-        "labels",
-        "line",
-        "places",
-        "planes",
-        "request",
-    )
 
     def __init__(self, line: Driveline, request: Request, level: str | None = None) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
@@ -190,12 +181,12 @@ class Plan:
     def harmonics(self, orders: ArrayLike = (2, 4, 6, 8)) -> Harmonics:
         """Return the mean and the orders of each output over a turn of the drive.
 
-        Speed, acceleration, torque and inertias are constant over the turn. Arrays of them
-        broadcast against the batch, so that each value belongs to one driveline. The motion has its
-        series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
-        samples as its steepest joint and the highest order need. Half as many samples give a second
-        sum, and the difference is part of the ``error``. It is far below rounding, except where an
-        inertia reverses the torque, at which the magnitudes of moments have kinks.
+        The load is constant over the turn. Its arrays broadcast against the batch, so that each
+        value belongs to one driveline. The motion has its series in closed form (Fourier series of
+        Thoma's 4). Everything else is summed over as many samples as its steepest joint and the
+        highest order need. Half as many samples give a second sum, and the difference is part of
+        the ``error``. It is far below rounding, except where an inertia reverses the torque, at
+        which the magnitudes of moments have kinks.
 
         Half a turn only reverses the pins of ideal joints, so that an order is exactly 0 where it
         must be: the even ones of tilts, swings and pins and of what is along the axes y and z of
@@ -204,9 +195,6 @@ class Plan:
 
         Args:
             orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.
-
-        Returns:
-            mean, amplitudes and phases, in double precision.
 
         Raises:
             TypeError: orders that are not integers.
@@ -244,10 +232,8 @@ class Plan:
                 the bearings) and ``"deviations"`` (of the joints, ideal ones as well).
 
         Returns:
-            arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
-            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias and lengths,
-            ``(m,)`` by positions, ``(n, 3)`` by deviations. Angles are in rad, points in their own
-            unit.
+            arrays by output and variable: the output's shape, then that of the variable, such as
+            ``(n,)`` by bends, as ``Gradient`` lists them.
 
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.
@@ -277,9 +263,6 @@ class Plan:
             weights: arrays by output, each of the output's shape or one that broadcasts to it;
                 outputs without weights count with 0. For a mean square these are ``2 * output /
                 samples``. Reduced outputs have weights of their reduced shape.
-
-        Returns:
-            value and derivatives, one of each per driveline of the batch.
 
         Raises:
             TypeError: angles or weights that are not real numbers, weights that are no mapping.
@@ -318,11 +301,9 @@ class Plan:
         batch along the axis of the angles. For a batch the steps are those of its first driveline.
 
         Args:
-            angle: the drive angles or the ``Sweep`` of the call; only their shape and kind matter.
-                The default is an array of angles along the last axis.
-
-        Raises:
-            ValueError: a shape that does not broadcast against the batch, or no samples.
+            angle: the drive angles or the ``Sweep`` of the call, of which only shape and kind
+                matter; it broadcasts against the batch. By default an array of angles along the
+                last axis.
         """
         line, load = self.line, self.request.load
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
@@ -349,11 +330,9 @@ class Plan:
     def _sample_shape(self, own: tuple[int, ...]) -> tuple[int, ...]:
         shape = _broadcast(self.line.shape, own)
         if shape is None:
-            raise ArgumentValueError(
-                "angle",
-                f"has shape {own}, which does not broadcast against the driveline's batch "
-                f"shape {self.line.shape}",
-            )
+            against = f"the driveline's batch shape {self.line.shape}"
+            problem = f"has shape {own}, which does not broadcast against {against}"
+            raise ArgumentValueError("angle", problem)
         return shape
 
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:

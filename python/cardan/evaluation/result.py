@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cardan.arrays import adapter, html_table, import_optional
 from cardan.arrays.libraries import draw
-from cardan.evaluation.layout import PlanePlace, view
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.request import PlanePlace, view
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
@@ -93,11 +93,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
     @property
     def drive_angle(self) -> NDArray[Any]:
-        """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``.
-
-        Raises:
-            ValueError: a result that does not come from an evaluation.
-        """
+        """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``."""
         if self._labels is None:
             raise ValueError("the result has no drive angles; only one that was evaluated has")
         if isinstance(self._angle, Sweep):

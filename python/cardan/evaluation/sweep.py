@@ -72,11 +72,8 @@ class Sweep:
         if math.isfinite(count) and round(count) / per_turn == asked:
             count = float(round(count))
         if not count.is_integer() or count < 1.0:
-            raise ArgumentValueError(
-                "turns",
-                f"is {turns} of {per_turn} samples each; together that must be a whole "
-                "number of at least 1",
-            )
+            rule = "together that must be a whole number of at least 1"
+            raise ArgumentValueError("turns", f"is {turns} of {per_turn} samples each; {rule}")
         number = _whole("turns times samples", int(count))
         self = object.__new__(cls)
         self._of(NativeSweep(None, number, per_turn), number, (turns, per_turn))
@@ -154,9 +151,8 @@ def _unpickled(start: float, stop: float, num: int, degrees: bool = False) -> Sw
 def _whole(name: str, value: SupportsIndex) -> int:
     count = integer(name, value, 1)
     if count > NativeSweep.LONGEST:
-        raise ArgumentValueError(
-            name, f"is {count}; a sweep has at most {NativeSweep.LONGEST} samples"
-        )
+        most = f"a sweep has at most {NativeSweep.LONGEST} samples"
+        raise ArgumentValueError(name, f"is {count}; {most}")
     return count
 
 

@@ -57,7 +57,6 @@ def with_deviations(
         degrees: whether the three are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: values that are not finite or not within 90°, a joint that cannot turn,
             shapes that do not fit.
 
@@ -97,7 +96,6 @@ def with_play(line: Driveline, radial: ArrayLike, arm: ArrayLike) -> Driveline:
         shafts lag, and the flank of coasting.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a negative play, an arm that is not positive, a joint that cannot turn,
             shapes that do not fit.
 

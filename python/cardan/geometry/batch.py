@@ -144,7 +144,6 @@ def with_phases(line: Driveline, phases: ArrayLike, *, degrees: bool = False) ->
         degrees: whether they are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a phase that is not finite, shapes that do not fit.
     """
     own = line._geometry

@@ -67,9 +67,8 @@ def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:
         raise ArgumentTypeError("bearings", f"{problem}which is an integer, and a position")
     for i, pair in enumerate(bearings):
         if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
-            raise ArgumentTypeError(
-                "bearings", f"is {pair!r}; it must be a pair of a shaft and a position", (i,)
-            )
+            problem = f"is {pair!r}; it must be a pair of a shaft and a position"
+            raise ArgumentTypeError("bearings", problem, (i,))
         yield pair
 
 
@@ -81,9 +80,8 @@ def _mounted(
     if lengths is not None:
         known = per_shaft("lengths", as_float64("lengths", lengths), n + 1)
     if bearings and known.shape[-1] == 0:
-        raise ArgumentValueError(
-            "lengths", "are missing; only drivelines from points know their lengths"
-        )
+        problem = "are missing; only drivelines from points know their lengths"
+        raise ArgumentValueError("lengths", problem)
     shafts = [item_index("bearings", pair[0], n + 1, (i, 0)) for i, pair in enumerate(bearings)]
     places = [as_float64(f"bearings[{i}, 1]", pair[1]) for i, pair in enumerate(bearings)]
     shape = common_shape(

@@ -1,4 +1,4 @@
-"""The ways to make drivelines: from bends, directions, points, slopes and projected bends."""
+"""The ways to make drivelines: from bends, directions, points, slopes and double joints."""
 
 from __future__ import annotations
 
@@ -10,8 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, deferring, together
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements, check_shape
+from cardan.arrays import FloatArray, as_float64, common_shape, deferring, positive, together
+from cardan.arrays.errors import (
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    check_shape,
+    exclusive,
+)
 from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
 
 if TYPE_CHECKING:
@@ -39,7 +45,6 @@ def from_bends(
         degrees: whether the three are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a bend outside [0, 90°), a value that is not finite, shapes that do not fit.
     """
     array = np.atleast_1d(as_float64("bends", bends))
@@ -70,7 +75,6 @@ def from_directions(
         degrees: whether the phases are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a direction that is zero or not finite, a bend of 90° or more, shapes that
             do not fit.
     """
@@ -95,7 +99,6 @@ def from_points(
         degrees: whether the phases are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: two equal successive points, a point that is not finite, a bend of 90° or
             more, shapes that do not fit.
     """
@@ -129,7 +132,6 @@ def from_slopes(
         degrees: whether all three are in degrees.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a slope outside (-90°, 90°), a bend of 90° or more, shapes that do not fit.
     """
     up = _slopes("vertical", vertical, degrees)
@@ -164,12 +166,74 @@ def from_projected_bends(
             ``"output"``.
 
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: not two joints, an unknown reference, and as for ``from_slopes``.
     """
     up = _slopes_against(reference, "vertical", vertical, degrees)
     right = _slopes_against(reference, "horizontal", horizontal, degrees)
     return from_directions(cls, sloping(up, right), phases, degrees=degrees)
+
+
+def from_double_joint(
+    cls: type[Driveline],
+    total: ArrayLike,
+    length: ArrayLike,
+    pivot: ArrayLike | None = None,
+    synchronous: ArrayLike | None = None,
+    *,
+    degrees: bool = False,
+) -> Driveline:
+    """Make centred double joints: two joints with yokes in line, bent in the same sense.
+
+    Those of the steering drive of an axle, or of a wide-angle shaft, are a short distance apart,
+    and a pivot between them centres the piece that connects them. The law of sines in the triangle
+    of joint 0, pivot and joint 1 gives their bends. Both are equal, and the drive is synchronous,
+    where ``p = length/(2 cos(total/2))``. One pivot cannot do that at every bend: one that is to be
+    synchronous at a bend lies a little farther than the middle of the joints.
+
+    The pivot is fixed to the driving shaft, at the distance ``p`` from joint 0, and slides
+    along the driven one: ``sin b_1 = (p/length) sin(total)`` and ``b_0 = total - b_1`` (derived
+    here). All arguments broadcast against each other; their shape is the batch.
+
+    Args:
+        total: bend between the driving and the driven shaft.
+        length: distance between the joint centres, in any unit.
+        pivot: distance of the pivot from the centre of joint 0, in the same unit; by default
+            half the length.
+        synchronous: or the total bend at which both joints have the same bend, so that the
+            pivot is at ``length/(2 cos(synchronous/2))``. Give one of the two at most.
+        degrees: whether the bends are in degrees.
+
+    Raises:
+        ValueError: a total bend outside [0, 180°) or one that bends a joint by 90° or more, a
+            length that is not positive, a pivot that is not between the joints, both a pivot
+            and a synchronous bend, shapes that do not broadcast.
+
+    >>> import cardan
+    >>> joint = cardan.Driveline.from_double_joint([20, 35], 0.06, synchronous=35, degrees=True)
+    >>> joint.bends_deg.round(4)
+    array([[ 9.6705, 10.3295],
+           [17.5   , 17.5   ]])
+    """
+    exclusive(pivot=pivot, synchronous=synchronous)
+    bend, apart = as_float64("total", total), positive("length", length)
+    turn = 180.0 if degrees else np.pi
+    unit = " deg; it must lie in [0, 180) deg" if degrees else " rad; it must lie in [0, pi) rad"
+    check_elements("total", bend, (bend >= 0.0) & (bend < turn), unit)
+    share = _share(apart, pivot, synchronous, degrees)
+    shape = common_shape(total=bend.shape, length=apart.shape, pivot=share.shape)
+    angle = np.broadcast_to(np.radians(bend) if degrees else bend, shape)
+    driven = np.arcsin(share * np.sin(angle))
+    bends = np.stack([angle - driven, driven], axis=-1)
+    if np.any(bends >= 0.5 * np.pi):
+        *place, joint = (int(i) for i in np.argwhere(bends >= 0.5 * np.pi)[0])
+        given = np.broadcast_to(bend, shape)[*place]
+        raise ArgumentValueError(
+            "total",
+            f"is {given}{' deg' if degrees else ' rad'}, which bends joint {joint} by "
+            f"{np.degrees(bends[*place, joint]):.6g} deg; a bend must lie in [0, 90) deg",
+            tuple(place) if bend.ndim else (),
+        )
+    return cls.from_bends(bends)
 
 
 def _laid_out(
@@ -255,11 +319,32 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
 def sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
     """Directions from the slopes in side view and top view."""
     if vertical.shape[-1] != horizontal.shape[-1]:
-        raise ArgumentValueError(
-            "vertical",
-            f"has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
-            "they must be the same",
-        )
+        up, right = vertical.shape[-1], horizontal.shape[-1]
+        problem = f"has {up} shafts and horizontal {right}; they must be the same"
+        raise ArgumentValueError("vertical", problem)
     common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
     up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
     return np.stack([np.ones_like(up), up, right], axis=-1)
+
+
+def _share(
+    apart: FloatArray, pivot: ArrayLike | None, synchronous: ArrayLike | None, degrees: bool
+) -> FloatArray:
+    """The distance of the pivot from joint 0 over that of the joints."""
+    if synchronous is not None:
+        bend = as_float64("synchronous", synchronous)
+        most = 120.0 if degrees else 2.0 * np.pi / 3.0
+        unit = "deg" if degrees else "rad"
+        rule = f" {unit}; it must lie in [0, {most:.6g}) {unit}, which puts the pivot between them"
+        check_elements("synchronous", bend, (bend >= 0.0) & (bend < most), rule)
+        half = 0.5 * (np.radians(bend) if degrees else bend)
+        return np.asarray(0.5 / np.cos(half))
+    if pivot is None:
+        return np.asarray(0.5)
+    place = as_float64("pivot", pivot)
+    common_shape(pivot=place.shape, length=apart.shape)
+    share = place / apart
+    right = (share > 0.0) & (share < 1.0)
+    whole = np.broadcast_to(place, share.shape)
+    check_elements("pivot", whole, right, "; it must lie between the joints")
+    return np.asarray(share)

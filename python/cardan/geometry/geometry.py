@@ -53,11 +53,9 @@ class Geometry(NamedTuple):
         """Raise a ``ValueError`` if the joints deviate; ``what`` has its verb."""
         if self.is_as_built:
             hint = f"; {instead}" if instead else ""
-            raise ArgumentValueError(
-                "driveline",
-                f"has joints with deviations; {what} for ideal joints only{hint} "
-                "(with_deviations() without arguments makes them ideal)",
-            )
+            problem = f"has joints with deviations; {what} for ideal joints only{hint} "
+            problem += "(with_deviations() without arguments makes them ideal)"
+            raise ArgumentValueError("driveline", problem)
 
     @property
     def arrays(self) -> tuple[FloatArray, ...]:
@@ -84,9 +82,8 @@ class Geometry(NamedTuple):
             # One of the sizes may be left open.
             full = np.broadcast_to(np.empty(()), size).reshape(shape).shape
         except ValueError:
-            raise ArgumentValueError(
-                "shape", f"is {shape}, which has no room for just {size} drivelines"
-            ) from None
+            problem = f"is {shape}, which has no room for just {size} drivelines"
+            raise ArgumentValueError("shape", problem) from None
         return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
 
 

@@ -57,11 +57,8 @@ def _known(line: Driveline, by: str, known: tuple[str, ...], place: tuple[int, .
     if by not in known:
         raise ArgumentValueError("by", f"is {by!r}; {nearest(by, known)}", place)
     if by == "points" and not line.has_points:
-        raise ArgumentValueError(
-            "by",
-            "is 'points'; only drivelines from points have them, with the lengths between them",
-            place,
-        )
+        rule = "only drivelines from points have them, with the lengths between them"
+        raise ArgumentValueError("by", f"is 'points'; {rule}", place)
     if by == "points":
         line._geometry.check_ideal("derivatives by points are", "use bends and twists")
     if by == "lengths" and not has_lengths(line):

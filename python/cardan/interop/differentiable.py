@@ -18,10 +18,10 @@ from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 from cardan.arrays.indices import Items
 from cardan.driveline import Driveline
-from cardan.evaluation.layout import layout_of
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import layout_of
 
 # How many axes of each parameter belong to one driveline.
 _ANGLES_OR_POINTS = {"bends": 1, "twists": 1, "phases": 1, "points": 2}
@@ -42,31 +42,17 @@ class Options(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What to evaluate, apart from the parameters and the drive angles.
-
-    Attributes:
-        outputs: names of outputs.
-        shafts: shafts of the outputs per shaft.
-        joints: joints of the outputs per joint.
-        speed: speed of the drive in rad/s.
-        acceleration: acceleration of the drive in rad/s².
-        bearings: the shaft of each bearing, whose positions are parameters.
-    """
+    """What to evaluate, apart from the parameters and the drive angles."""
 
     outputs: str | Sequence[str]
-    shafts: Items = None
-    joints: Items = None
-    speed: float = 0.0
-    acceleration: float = 0.0
-    bearings: Sequence[int] = ()
+    shafts: Items = None  # of the outputs per shaft
+    joints: Items = None  # of the outputs per joint
+    speed: float = 0.0  # of the drive, in rad/s
+    acceleration: float = 0.0  # of the drive, in rad/s²
+    bearings: Sequence[int] = ()  # the shaft of each, whose position is a parameter
 
     def check(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Check the names of the parameters and the shapes of those of the load.
-
-        Raises:
-            ValueError: an unknown parameter, neither bends nor points or both, not one position
-                per bearing, a load whose values change over the samples.
-        """
+        """Check the names of the parameters and the shapes of those of the load."""
         if not isinstance(shapes, Mapping):
             raise ArgumentTypeError("parameters", "must map names to arrays")
         for name in shapes:
@@ -106,13 +92,9 @@ class Evaluation:
 
     def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
         """Return the plan for these parameters."""
-        geometry: dict[str, Any] = {
-            name: parameters[name] for name in _ANGLES_OR_POINTS if name in parameters
-        }
-        if "points" in geometry:
-            line = Driveline.from_points(**geometry)
-        else:
-            line = Driveline.from_bends(**geometry)
+        geometry = {name: parameters[name] for name in _ANGLES_OR_POINTS if name in parameters}
+        make: Any = Driveline.from_points if "points" in geometry else Driveline.from_bends
+        line: Driveline = make(**geometry)
         if self.bearings or "lengths" in parameters:
             positions = np.moveaxis(parameters.get("positions", np.empty(0)), -1, 0)
             bearings = zip(self.bearings, positions, strict=True)

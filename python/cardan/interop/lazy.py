@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.composed_plans import PlanInDegrees, planned
-from cardan.evaluation.layout import components_first, view
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import components_first, view
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.bearings import Bearings
@@ -86,8 +86,7 @@ class LazyDriveline:
     ) -> Result:
         """Evaluate as ``Driveline.evaluate`` does; the arrays of the result are dask's.
 
-        Raises:
-            IndexError, TypeError, ValueError: as there, for what is known before computing.
+        Errors are as there, for what is known before computing.
         """
         plan = self._stand_in.plan(outputs, **options)
         if plan.request.angle_of == "driven":
@@ -106,9 +105,6 @@ class LazyDriveline:
         Args:
             bearings: pairs of a shaft and one position for all drivelines.
             lengths: length of each shaft, ``(n + 1,)``, the same for all drivelines.
-
-        Raises:
-            IndexError, TypeError, ValueError: as there, for what is known before computing.
         """
         pairs = list(bearings)
         # Lengths that are computed later are checked then.
@@ -120,11 +116,7 @@ class LazyDriveline:
         return LazyDriveline(make, self._parts, stand_in)
 
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
-        """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays.
-
-        Raises:
-            IndexError, TypeError: as there.
-        """
+        """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays."""
         index = item_index("shaft", shaft, self.n_joints + 1)
         names = [field.name for field in fields(EquivalentJoint)]
         task = functools.partial(_equivalent, make=self._make, shaft=index, names=names)
@@ -156,9 +148,6 @@ def construct(
     """Make drivelines of dask arrays by the name of a constructor of ``Driveline``.
 
     ``ends`` and ``whole`` are those of ``cardan.arrays.deferring``.
-
-    Raises:
-        TypeError, ValueError: as of the constructor, for what is known before computing.
     """
     parts = {
         name: _part(name, given.pop(name), axes)
@@ -176,12 +165,7 @@ def evaluate(
     angle: Any,  # noqa: ANN401 - a dask array
     out: Mapping[str, NDArray[Any]] | None,
 ) -> Result:
-    """Evaluate a plan at the angles of a dask array; the arrays of the result are dask's.
-
-    Raises:
-        TypeError: arrays to fill; angles that are not real numbers.
-        ValueError: shapes that do not broadcast, chunks of unknown size.
-    """
+    """Evaluate a plan at the angles of a dask array; the arrays of the result are dask's."""
     line = plan.line
     if not line.shape:
         return _evaluated(plan, None, (), (), angle, out)
@@ -363,8 +347,5 @@ def _part(name: str, value: Any, whole: int) -> _Part:  # noqa: ANN401 - an arra
         raise ArgumentValueError(
             name, "has chunks of unknown size; call its compute_chunk_sizes first"
         )
-    if array.ndim < whole:
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; it needs {whole} dimensions or more"
-        )
+    check_shape(name, array, array.ndim >= whole, f"it needs {whole} dimensions or more")
     return _Part(array, whole)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, Unpack
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.arrays.errors import ArgumentValueError, check_shape, nearest
 from cardan.interop.differentiable import Evaluation, Options
 
 __all__ = ["Objective"]
@@ -74,21 +73,13 @@ class Objective:
         """Return all parameters at a point of the minimiser, by name.
 
         Args:
-            x: values in the order of ``start``.
-
-        Raises:
-            ValueError: not as many values as ``start`` has.
+            x: values in the order of ``start``, as many as it has.
         """
-        flat, at = as_float64("x", x), 0
-        wanted = sum(self._fixed[name].size for name in self._vary)
-        if flat.shape != (wanted,):
-            raise ArgumentValueError("x", f"has shape {flat.shape}; it must be ({wanted},)")
-        found = dict(self._fixed)
-        for name in self._vary:
-            shape = self._fixed[name].shape
-            found[name] = flat[at : at + math.prod(shape)].reshape(shape)
-            at += math.prod(shape)
-        return found
+        flat, sizes = as_float64("x", x), [self._fixed[name].size for name in self._vary]
+        check_shape("x", flat, flat.shape == (sum(sizes),), f"it must be ({sum(sizes)},)")
+        parts = zip(self._vary, np.split(flat, np.cumsum(sizes)[:-1]), strict=True)
+        varied = {name: part.reshape(self._fixed[name].shape) for name, part in parts}
+        return {**self._fixed, **varied}
 
     def __call__(self, x: ArrayLike) -> tuple[float, NDArray[np.float64]]:
         """Return the cost and its gradient, for ``scipy.optimize.minimize(f, x0, jac=True)``.

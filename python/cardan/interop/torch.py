@@ -19,7 +19,7 @@ def evaluate(
     outputs: str | Sequence[str] = ("angle", "speed_ratio"),
     **options: Unpack[Options],
 ) -> dict[str, Any]:
-    """Evaluate outputs as tensors that PyTorch differentiates by parameters and drive angles.
+    """Evaluate outputs as tensors of doubles that PyTorch differentiates by parameters and angles.
 
     The evaluation is a ``torch.autograd.Function`` that runs on the processor in double precision,
     differentiable once.
@@ -30,9 +30,6 @@ def evaluate(
         outputs: names from ``cardan.OUTPUTS``.
         options: ``shafts``, ``joints``, ``speed``, ``acceleration`` and ``bearings``, as of
             ``cardan.jax.evaluate``.
-
-    Returns:
-        a tensor of doubles per output, shaped as by ``Driveline.evaluate``.
 
     Raises:
         ImportError: PyTorch is missing.

@@ -150,7 +150,6 @@ class Transmission:
                 NaN.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return self._columns(self._core.motion, angle)
@@ -188,11 +187,8 @@ class Transmission:
         it.
 
         Args:
-            by: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
-
-        Returns:
-            ``(..., n)`` by bends, ``(..., n - 1)`` by twists and phases, ``(..., n + 2, 3)`` by
-            points.
+            by: ``"bends"``, by which they are ``(..., n)``; ``"twists"`` or ``"phases"``,
+                ``(..., n - 1)``; or ``"points"``, ``(..., n + 2, 3)``.
 
         Raises:
             TypeError: a kind that is not a name.
@@ -238,18 +234,8 @@ class Transmission:
 def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
     """Return the one joint that moves a shaft exactly as the whole chain does.
 
-    With ``w = exp(i a)`` a joint makes ``w - tan(b/2)**2 conj(w)`` of ``w`` (from Thoma 4) and
-    a shaft turns it, so a chain makes ``A w + B conj(w)``; ``k = |B/A|``.
-
     Args:
         shaft: index of the shaft, by default the last.
-
-    Returns:
-        its bend and the closed forms of its motion, each in the shape of the batch.
-
-    Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: a shaft that is not an integer.
     """
     index = item_index("shaft", shaft, line.n_joints + 1)
     line._geometry.check_ideal(
@@ -265,13 +251,5 @@ def transmission(line: Driveline, shaft: int = -1) -> Transmission:
 
     Args:
         shaft: index of the shaft, by default the last.
-
-    Returns:
-        ``q``, ``motion(angle)`` and ``gradient(angle)``, each in the shape of the batch, and
-        the derivatives ``dq(by)`` and ``d_abs2(by)`` by the driveline's parameters.
-
-    Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: a shaft that is not an integer.
     """
     return Transmission(line, shaft)

@@ -62,7 +62,6 @@ class FreeRunning:
             angle: drive angle in rad; broadcasts against batch and inertias.
 
         Raises:
-            TypeError: values that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return scalar_or_array(self._root / np.sqrt(self._felt(angle, acceleration=1.0)))
@@ -131,11 +130,7 @@ def free_running(line: Driveline, inertias: ArrayLike) -> FreeRunning:
         inertias: moment of inertia of each shaft about its axis in kg m², with what turns with
             it, ``(..., n + 1)``; broadcasts against the batch. Shaft 0 is the drive.
 
-    Returns:
-        speed of the drive over its mean: at any angle, least, largest and the variation.
-
     Raises:
-        TypeError: inertias that are not real numbers.
         ValueError: not one inertia per shaft, a negative one, all of them 0, shapes that do
             not broadcast.
 

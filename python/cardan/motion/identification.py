@@ -151,12 +151,11 @@ def identify(
             than a turn, too few samples, a driven shaft that turns against the drive.
     """
     drive = _column("drive_angle", drive_angle)
-    if angle is not None and speed_ratio is None:
-        name, measured = "angle", _column("angle", angle)
-    elif speed_ratio is not None and angle is None:
-        name, measured = "speed_ratio", _column("speed_ratio", speed_ratio)
-    else:
+    given = {"angle": angle, "speed_ratio": speed_ratio}
+    columns = [(name, _column(name, x)) for name, x in given.items() if x is not None]
+    if len(columns) != 1:
         raise ArgumentValueError("angle", "or speed_ratio must be given, and not both")
+    ((name, measured),) = columns
     if measured.shape != drive.shape:
         raise ArgumentValueError(
             name, f"has {measured.size} samples and drive_angle {drive.size}; they must be as many"
@@ -164,16 +163,13 @@ def identify(
     known = np.isfinite(drive) & np.isfinite(measured)
     drive, measured = drive[known], measured[known]
     if degrees:
-        drive = np.radians(drive)
-        measured = np.radians(measured) if angle is not None else measured
+        drive, measured = np.radians(drive), np.radians(measured) if angle is not None else measured
     drive = _continuous(drive)
     turns = float(np.ptp(drive)) / math.tau if drive.size else 0.0
     if drive.size < _FEWEST_PER_TURN or turns < 1.0 - 1.5 / max(1, drive.size):
-        raise ArgumentValueError(
-            "drive_angle",
-            f"has {drive.size} finite samples over {turns:.2f} turns; it takes at least one turn "
-            f"and {_FEWEST_PER_TURN} samples",
-        )
+        rule = f"it takes at least one turn and {_FEWEST_PER_TURN} samples"
+        problem = f"has {drive.size} finite samples over {turns:.2f} turns; {rule}"
+        raise ArgumentValueError("drive_angle", problem)
     if angle is not None:
         # Whole turns aside, without steps.
         measured = np.unwrap(np.remainder(measured - drive, math.tau))
@@ -227,36 +223,36 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
     columns = np.column_stack([offset, drift, waves.real, waves.imag])
     series, *_ = np.linalg.lstsq(columns, values, rcond=None)
     if of_angle and abs(series[1]) > 0.5 * math.tau:
-        raise ArgumentValueError(
-            "angle",
-            f"turns {1.0 + series[1] / math.tau:.3g} times as fast as the drive; it must count "
-            "in the drive's sense and unit",
-        )
+        times, rule = 1.0 + series[1] / math.tau, "it must count in the drive's sense and unit"
+        raise ArgumentValueError("angle", f"turns {times:.3g} times as fast as the drive; {rule}")
     q = 1j * complex(series[3], series[3 + _ORDERS]) if of_angle else _start(drive, values)
     # A step too far would leave the disc of the joints.
     q *= min(1.0, 0.99 / max(abs(q), 1e-300))
     turned = np.exp(-2j * drive)
     beside = np.column_stack([offset, drift, waves[:, [0, 2]].real, waves[:, [0, 2]].imag])
-    for _ in range(_STEPS):
+
+    def fit() -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What the motion of ``q`` leaves, the linear equations for it, and their solution."""
         model, slope = _model(q, turned, of_angle)
         matrix = np.column_stack([slope.real, -slope.imag, beside])
-        step, *_ = np.linalg.lstsq(matrix, values - model, rcond=None)
+        return values - model, matrix, np.linalg.lstsq(matrix, values - model, rcond=None)[0]
+
+    for _ in range(_STEPS):
+        _, _, step = fit()
         change = complex(step[0], step[1])
         while abs(q + change) >= 1.0:
             change *= 0.5
         q += change
         if abs(change) <= 1e-13:
             break
-    model, slope = _model(q, turned, of_angle)
-    matrix = np.column_stack([slope.real, -slope.imag, beside])
-    step, *_ = np.linalg.lstsq(matrix, values - model, rcond=None)
-    left = values - model - matrix @ step
+    rest, matrix, step = fit()
+    left = rest - matrix @ step
     freedom = max(1, left.size - matrix.shape[1])
     variance = float(left @ left) / freedom
     covariance = variance * np.linalg.pinv(matrix.T @ matrix)[:2, :2]
     std_q = math.sqrt(max(0.0, float(np.trace(covariance)) / 2.0))
     # Beside the exact series the cut of the fitted one hardly matters.
-    series, *_ = np.linalg.lstsq(columns, values - model, rcond=None)
+    series, *_ = np.linalg.lstsq(columns, rest, rcond=None)
     orders = _series(complex(q), of_angle)
     orders[0] += series[0]
     orders[1:] += series[2 : 2 + _ORDERS] + 1j * series[2 + _ORDERS :]

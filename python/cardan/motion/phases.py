@@ -30,7 +30,7 @@ def optimal_phases(
     fixed: int | Sequence[int] | None = None,
     degrees: bool = False,
 ) -> FloatArray:
-    """Return the phases that bring the last shaft closest to constant velocity.
+    """Return the phases ``(..., n - 1)`` that bring the last shaft closest to constant velocity.
 
     With ``L = ln sec(bend)`` exact constant velocity is possible if and only if the largest
     ``L`` is not more than all others together; then these phases reach it. Otherwise they line
@@ -56,9 +56,6 @@ def optimal_phases(
             combinations are compared up to 65 536, beyond that the nearest to good phases.
         fixed: shafts, counted from 0, whose yokes stay as they are.
         degrees: whether to return the phases in degrees.
-
-    Returns:
-        phases in rad or degrees, ``(..., n - 1)``, for ``with_phases``.
 
     Raises:
         TypeError: an axis, teeth or shafts that are not integers.
@@ -88,9 +85,8 @@ def _common_phases(
     """One setting for all states; arguments and errors as of ``optimal_phases``."""
     if states is None:
         if weights is not None:
-            raise ArgumentValueError(
-                "weights", "needs states, the axis of the batch that it weighs"
-            )
+            problem = "needs states, the axis of the batch that it weighs"
+            raise ArgumentValueError("weights", problem)
         batch, axis = (*line.shape, 1), len(line.shape)
     else:
         batch, axis = line.shape, _axis(line, states)
@@ -168,8 +164,5 @@ def _check_common(present: FloatArray, held: NDArray[np.bool_], *, toothed: bool
     off -= np.pi * np.round(off / np.pi)
     for shaft in np.flatnonzero(np.any(np.abs(off) > 1e-12, axis=(0, 1))):
         if held[shaft] or toothed:
-            argument = "fixed" if held[shaft] else "teeth"
-            raise ArgumentValueError(
-                argument,
-                f"needs one present phase of shaft {shaft + 1}; it differs between the states",
-            )
+            problem = f"needs one present phase of shaft {shaft + 1}; it differs between the states"
+            raise ArgumentValueError("fixed" if held[shaft] else "teeth", problem)

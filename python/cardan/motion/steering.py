@@ -69,12 +69,7 @@ def steering(
             driveline of the batch.
         degrees: whether it is in degrees.
 
-    Returns:
-        ratio straight ahead and its slope, how far straight ahead is from symmetry of left and
-        right, and how to turn the driving yoke of joint 0 to reach it.
-
     Raises:
-        TypeError: angles that are not real numbers.
         ValueError: shapes that do not broadcast, several drawn drivelines.
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")

@@ -12,8 +12,14 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.design.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
-from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
+from cardan.design.quantities import (
+    MOTION_QUANTITIES,
+    Amplitude,
+    MotionQuantity,
+    ReducedQuantity,
+    nearest_quantity,
+    reduced_quantity,
+)
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LayoutVariables, Parameters, parameter_shape
@@ -186,11 +192,8 @@ def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure
     def vectors(line: Driveline) -> Vectors:
         values = np.asarray(function(line), dtype=np.float64)
         if values.shape != line.shape:
-            raise ArgumentValueError(
-                argument,
-                f"returned shape {values.shape}; it must return one value for each state, "
-                f"{line.shape}",
-            )
+            rule = f"it must return one value for each state, {line.shape}"
+            raise ArgumentValueError(argument, f"returned shape {values.shape}; {rule}")
         return values[..., np.newaxis]
 
     return Measure(name, "", vectors, lambda length: length, lambda value: value)

@@ -139,12 +139,15 @@ class Problem:
         return max(0.0, max(shares, default=0.0) - 1.0)
 
 
+def _no_driveline(found: object) -> ArgumentTypeError:
+    problem = f"returned {type(found).__name__}; it must return a Driveline"
+    return ArgumentTypeError("lines_of", problem)
+
+
 def many_of(lines: object, count: int) -> Driveline:
     """Return drivelines of several sets of variables, ``(count, states)``, or say what they are."""
     if not isinstance(lines, Driveline):
-        raise ArgumentTypeError(
-            "lines_of", f"returned {type(lines).__name__}; it must return a Driveline"
-        )
+        raise _no_driveline(lines)
     if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
         raise ArgumentValueError(
             "lines_of", f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
@@ -155,9 +158,7 @@ def many_of(lines: object, count: int) -> Driveline:
 def states_of(line: object) -> Driveline:
     """Return a driveline with one batch axis, or say what it is."""
     if not isinstance(line, Driveline):
-        raise ArgumentTypeError(
-            "lines_of", f"returned {type(line).__name__}; it must return a Driveline"
-        )
+        raise _no_driveline(line)
     if len(line.shape) > 1 or 0 in line.shape:
         raise ArgumentValueError(
             "lines_of", f"returned a batch {line.shape}; its one axis must be the states"

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.arrays.errors import ArgumentValueError, check_elements
+from cardan.arrays.errors import check_choice, check_elements, check_shape
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft of a truck in rad/s²: usual limit, never above.
@@ -178,16 +178,11 @@ def inertia_bend(
     end, and the joint counts ``w = i - 1`` times.
 
     Args:
-        bends: bend of each joint in rad, ``(..., n)``.
-        fork_signs: as for ``catalogue_bend``.
+        bends: as for ``catalogue_bend``, like the signs and the errors.
+        fork_signs: +1 or -1 for each joint.
         direction: ``"drive"`` or ``"coast"``.
-
-    Raises:
-        TypeError: values that are not real numbers.
-        ValueError: an unknown direction, and as for ``catalogue_bend``.
     """
-    if direction not in ("drive", "coast"):
-        raise ArgumentValueError("direction", f"is {direction!r}; it must be 'drive' or 'coast'")
+    check_choice("direction", direction, ("drive", "coast"))
     step = -1 if direction == "drive" else 1
     return _root_sum(bends, fork_signs, lambda n: np.arange(n, dtype=np.float64)[::step])
 
@@ -201,13 +196,9 @@ def torsional_excitation(bends: ArrayLike, fork_signs: ArrayLike, speed: ArrayLi
     uses the sine; the bend itself would give 0.4 % more at 6°. Beyond 90° the sine counts as 1.
 
     Args:
-        bends: bend of each joint in rad, ``(..., n)``.
-        fork_signs: as for ``catalogue_bend``.
+        bends: as for ``catalogue_bend``, like the signs and the errors.
+        fork_signs: +1 or -1 for each joint.
         speed: of the drive in rad/s.
-
-    Raises:
-        TypeError: values that are not real numbers.
-        ValueError: as for ``catalogue_bend``.
     """
     return _excitation(catalogue_bend(bends, fork_signs), speed)
 
@@ -224,14 +215,10 @@ def inertia_excitation(
     be below ``INERTIA_LIMIT`` and never exceed ``INERTIA_MAXIMUM``.
 
     Args:
-        bends: bend of each joint in rad, ``(..., n)``.
-        fork_signs: as for ``catalogue_bend``.
+        bends: as for ``inertia_bend``, like the other arguments and the errors.
+        fork_signs: +1 or -1 for each joint.
         speed: of the drive in rad/s.
         direction: ``"drive"`` or ``"coast"``.
-
-    Raises:
-        TypeError: values that are not real numbers.
-        ValueError: as for ``inertia_bend``.
     """
     return _excitation(inertia_bend(bends, fork_signs, direction), speed)
 
@@ -245,17 +232,13 @@ def _excitation(bend: FloatArray, speed: ArrayLike) -> Any:  # noqa: ANN401
 
 def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], FloatArray]) -> Any:  # noqa: ANN401
     """The root of the weighted squares' sum, whatever its sign; ``weights`` by number of joints."""
-    b, sign = (
-        np.atleast_1d(_bend("bends", bends)),
-        np.atleast_1d(as_float64("fork_signs", fork_signs)),
-    )
+    b = np.atleast_1d(_bend("bends", bends))
+    sign = np.atleast_1d(as_float64("fork_signs", fork_signs))
     check_elements("fork_signs", sign, np.abs(sign) == 1.0, "; each must be +1 or -1")
-    if b.shape[-1] != sign.shape[-1]:
-        raise ArgumentValueError(
-            "fork_signs", f"has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"
-        )
+    n = b.shape[-1]
+    check_shape("fork_signs", sign, sign.shape[-1] == n, f"{n} joints need (..., {n})")
     common_shape(bends=b.shape, fork_signs=sign.shape)
-    return scalar_or_array(np.sqrt(np.abs((weights(b.shape[-1]) * sign * b**2).sum(axis=-1))))
+    return scalar_or_array(np.sqrt(np.abs((weights(n) * sign * b**2).sum(axis=-1))))
 
 
 def _bend(name: str, value: ArrayLike) -> FloatArray:

@@ -1,7 +1,8 @@
 """What a designer asks again: layouts, steering, excitations, splines, slides, play and tubes.
 
 Motion comes from the turning yokes of ``cardan.reference``, forces from the equilibrium of every
-body at once, and what is round or bends is divided into rings and short beams.
+body at once, and what is round or bends is divided into rings and short beams. Loads are as for
+``reference.loads``.
 """
 
 from __future__ import annotations
@@ -168,13 +169,10 @@ def steering(shafts: Shafts, centre: float) -> tuple[float, float, float, float]
     Behind them come the least turns of the drive to where the ratio is largest and smallest.
 
     Args:
-        shafts: the driveline.
         centre: drive angle straight ahead.
     """
 
-    def ratio(angle: float) -> float:
-        return motion(shafts, angle, offset=0.0).speed_ratio
-
+    ratio = _ratio(shafts)
     (slope,) = slopes(lambda x: ratio(*x), [centre])
     quick, slow = largest(ratio)[0], largest(lambda angle: -ratio(angle))[0]
     to_quick, to_slow = (math.remainder(place - centre, math.pi) for place in (quick, slow))
@@ -185,14 +183,16 @@ def left_and_right(shafts: Shafts, centre: float) -> float:
     """Return the largest difference of the ratio after equal turns to the left and to the right.
 
     Args:
-        shafts: the driveline, as a steering column.
         centre: drive angle straight ahead.
     """
 
-    def ratio(angle: float) -> float:
-        return motion(shafts, angle, offset=0.0).speed_ratio
-
+    ratio = _ratio(shafts)
     return largest(lambda turn: abs(ratio(centre + turn) - ratio(centre - turn)))[1]
+
+
+def _ratio(shafts: Shafts) -> Callable[[float], float]:
+    """Return the speed ratio of the last shaft by the drive angle."""
+    return lambda angle: motion(shafts, angle, offset=0.0).speed_ratio
 
 
 def excitations(shafts: Shafts) -> tuple[float, float, float]:
@@ -226,8 +226,6 @@ def slides(
     to a loop, whose three components give the three slides.
 
     Args:
-        shafts: the driveline.
-        angle: drive angle.
         offsets: of each joint, in any one unit: from the driving shaft to its pin along ``u x p``,
             between the pins along ``p x q``, from the driven pin to its shaft along ``q x v``, and
             between the shafts along the bend-plane normal.
@@ -252,11 +250,8 @@ def lash(shafts: Shafts, angle: float, play: Sequence[float], shaft: int = -1) -
     """Return by how much a shaft turns between the flanks of the play, with the drive held.
 
     Args:
-        shafts: the driveline.
-        angle: drive angle.
         play: for each joint, the radial play of a pin over the arm of its bearing. Both yokes turn
             by it about the normal of the cross, one way or the other.
-        shaft: which shaft, by default the last.
     """
     driven, coasting = (
         _lead_at(with_skews(shafts, [2.0 * sign * x for x in play]), angle, shaft)
@@ -273,10 +268,7 @@ def wind_up(
     The moment of each joint brings its pins closer by the moment over the stiffness.
 
     Args:
-        shafts: the driveline.
-        angle: drive angle.
         stiffnesses: of each cross against its moment [N m/rad].
-        load: as for ``reference.loads``.
     """
     at = loads(shafts, angle, **load)
     each = zip(at.pin_moment, at.torque[1:], stiffnesses, strict=True)
@@ -374,15 +366,7 @@ def tube(
     """Return the figures of a round shaft that is divided into rings and into pieces of its length.
 
     They are its torsional stiffness [N m/rad], inertia about its axis [kg m²], mass [kg], critical
-    speed [rad/s] and largest shear stress over the torque [1/m³].
-
-    Args:
-        outer_diameter: in m.
-        wall: in m.
-        length: in m.
-        shear_modulus: in Pa.
-        elastic_modulus: in Pa.
-        density: in kg/m³.
+    speed [rad/s] and largest shear stress over the torque [1/m³]. Arguments are in m, Pa and kg/m³.
     """
     rings, pieces = 4000, 600
     step = wall / rings

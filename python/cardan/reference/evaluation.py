@@ -43,8 +43,6 @@ def outputs(
     """Return every output at a drive angle, by its name: of all shafts, joints or bearings.
 
     Args:
-        shafts: the driveline.
-        angle: drive angle.
         load: as for ``reference.loads``; without it there are no moments.
         lengths: of each shaft [m]; without them there are no forces.
         bearings: shaft of each, and its distance from the upstream end of the shaft [m].

@@ -2,9 +2,8 @@
 
 A frictionless, massless cross can transmit only a moment perpendicular to both pins; the torsion of
 the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its bearings
-must add. A shaft is balanced when the forces of its supports,
-and those of the joints that support its neighbours, cancel across it and give it the moment that
-it needs. It is slow and takes one driveline and one angle at a time; all values are in SI units.
+must add. A shaft is balanced when the forces of its supports, and those of the joints that support
+its neighbours, cancel across it and give it the moment that it needs.
 """
 
 from __future__ import annotations
@@ -78,7 +77,6 @@ def loads(
     """Return the moments in the driveline when the drive stands at ``angle``.
 
     Args:
-        shafts: the driveline.
         angle: drive angle, as for ``reference.motion``.
         drive_torque: torque put into shaft 0 [N m]; excludes ``output_torque``.
         output_torque: torque delivered by the last shaft [N m]; 0 if neither is given.
@@ -106,11 +104,10 @@ def loads(
             "inertias", f"has {len(inertias)} values; there are {count} shafts"
         )
     joints = _joints(shafts, angle)
+    moving = zip(inertias, _rates(joints), strict=True)
     kept = [
         inertia * (speed**2 * acceleration_ratio + acceleration * speed_ratio)
-        for inertia, (speed_ratio, acceleration_ratio, _) in zip(
-            inertias, _rates(joints), strict=True
-        )
+        for inertia, (speed_ratio, acceleration_ratio, _) in moving
     ]
     # The moment s n has the components s u.n and s v.n along the two shafts.
     if drive_torque is not None:
@@ -121,28 +118,21 @@ def loads(
         torque = [(output_torque or 0.0) + kept[-1]]
         for at, taken in zip(reversed(joints), reversed(kept[:-1]), strict=True):
             torque.insert(0, torque[0] / _dot(at.v, at.n) * _dot(at.u, at.n) + taken)
-    moment = [
-        _scaled(into / _dot(at.v, at.n), at.n) for at, into in zip(joints, torque[1:], strict=True)
-    ]
+    entering = zip(joints, torque[1:], strict=True)
+    moment = [_scaled(into / _dot(at.v, at.n), at.n) for at, into in entering]
     # Shaft i feels moment i - 1 and, reversed, moment i. Along the shaft they make it accelerate;
     # what they leave across it the bearings have to balance.
-    zero: Vector = (0.0, 0.0, 0.0)
+    felt = zip(shafts.directions, pairwise([_ZERO, *moment, _ZERO]), strict=True)
     support = [
-        _across(_plus(passed_on, _scaled(-1.0, received)), u)
-        for u, (received, passed_on) in zip(
-            shafts.directions, pairwise([zero, *moment, zero]), strict=True
-        )
+        _across(_plus(passed_on, _scaled(-1.0, received)), u) for u, (received, passed_on) in felt
     ]
+    pairs = list(zip(joints, moment, strict=True))
     return Loads(
         torque=tuple(torque),
         moment=tuple(moment),
         support_moment=tuple(support),
-        bending_driving=tuple(
-            _length(_cross(at.u, m)) for at, m in zip(joints, moment, strict=True)
-        ),
-        bending_driven=tuple(
-            _length(_cross(at.v, m)) for at, m in zip(joints, moment, strict=True)
-        ),
+        bending_driving=tuple(_length(_cross(at.u, m)) for at, m in pairs),
+        bending_driven=tuple(_length(_cross(at.v, m)) for at, m in pairs),
         pin_moment=tuple(map(_length, moment)),
     )
 
@@ -156,7 +146,6 @@ def forces(
     """Return the forces that go with the moments of a driveline.
 
     Args:
-        shafts: the driveline.
         loads: its moments at a drive angle.
         lengths: of each shaft [m].
         bearings: shaft of each, and its distance from the upstream end of the shaft [m].
@@ -190,19 +179,9 @@ def forces(
             acting = [(at[j], _across(_scaled(sign[j], joint_force[j]), along)) for j in others]
             held = [i for i, (place, _) in enumerate(bearings) if place == shaft]
             places = [bearings[i][1] for i in held] + [at[j] for j in own]
-            first, second = _balance(along, loads.support_moment[shaft], places, acting)
-            found = dict(
-                zip(
-                    [("bearing", i) for i in held] + [("joint", j) for j in own],
-                    (first, second),
-                    strict=True,
-                )
-            )
-            for (what, number), force in found.items():
-                if what == "bearing":
-                    bearing_force[number] = force
-                else:
-                    joint_force[number] = _scaled(sign[number], force)
+            found = iter(_balance(along, loads.support_moment[shaft], places, acting))
+            bearing_force |= {i: next(found) for i in held}
+            joint_force |= {j: _scaled(sign[j], next(found)) for j in own}
             waiting.remove(shaft)
             break
     return Forces(

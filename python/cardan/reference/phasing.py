@@ -1,9 +1,10 @@
-"""Spatial phasing again, in pure Python: the equivalent joint, its number ``q``, the best phases.
+"""Spatial phasing again: the equivalent joint, its number ``q``, the best phases.
 
 Everything is found from the turning yokes of ``cardan.reference``, by looking: where a shaft is
 fastest is where its acceleration changes its sign, the equivalent bend is that of the one joint
 whose speed varies as much, and the best phases come from a search in which the yokes of every trial
-are turned. Derivatives are differences. All angles are in radians.
+are turned. Derivatives are differences. All angles are in radians; ``shaft`` is by default the
+last one.
 
 The searches rest on one property of the angle error of a shaft, which the tests check: it has one
 largest and one smallest value in half a turn, as for one joint.
@@ -16,18 +17,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays.errors import ArgumentValueError
 from cardan.reference.evaluation import falling, slopes
-from cardan.reference.vectors import (
-    ShaftMotion,
-    Shafts,
-    _index,
-    _joints,
-    _lead,
-    from_bends,
-    motion,
-)
+from cardan.reference.vectors import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
 
 # Angles of half a turn among which the fastest and the slowest are looked for.
 _LOOKS = 64
@@ -91,16 +88,9 @@ class EquivalentJoint:
 def equivalent(shafts: Shafts, shaft: int = -1) -> EquivalentJoint:
     """Return the joint as whose driven shaft a shaft turns.
 
-    Args:
-        shafts: the driveline.
-        shaft: which shaft, by default the last.
-
     Errors: those of :func:`cardan.reference.motion`. ``bend`` has that of ``non_uniformity``
     divided by the bend, so that 1e-16 is 1e-8 rad where the shaft turns uniformly. There the
     places, and with them ``angle_offset``, mean nothing.
-
-    Raises:
-        IndexError: no such shaft.
     """
     stop = _index(shafts, shaft)
 
@@ -164,9 +154,6 @@ class Transmission:
     def motion(self, angle: float) -> ShaftMotion:
         """Return the motion at a drive angle: that of the one joint whose number is ``q``.
 
-        Args:
-            angle: drive angle.
-
         Errors: as of :func:`cardan.reference.motion` for that joint.
         """
         size = abs(self.q)
@@ -178,9 +165,6 @@ class Transmission:
         """Return the derivatives by ``q`` of angle error, speed, acceleration and jerk ratio.
 
         A change ``dq`` changes each by ``(derivative * dq).real``.
-
-        Args:
-            angle: drive angle.
 
         Errors: 1e-11, relative to the largest of each quantity over ``1 - abs(q)``.
         """
@@ -198,14 +182,7 @@ class Transmission:
 def transmission(shafts: Shafts, shaft: int = -1) -> Transmission:
     """Return how a shaft follows the drive, by a plain Fourier sum of its angle error.
 
-    Args:
-        shafts: the driveline.
-        shaft: which shaft, by default the last.
-
     Errors: those of the angle error.
-
-    Raises:
-        IndexError: no such shaft.
     """
     stop = _index(shafts, shaft)
     return Transmission(_q(shafts, stop, _enough(equivalent(shafts, stop).min_speed_ratio)))
@@ -219,12 +196,8 @@ def dq(
     Args:
         laid_out: the driveline of given parameters, such as its bends.
         parameters: where to differentiate; at least 0.002 inside the range of each.
-        shaft: which shaft, by default the last.
 
     Errors: 1e-11, relative to the smallest speed ratio.
-
-    Raises:
-        IndexError: no such shaft.
     """
     at = list(parameters)
     stop = _index(laid_out(at), shaft)
@@ -305,23 +278,19 @@ def optimal_phases(
 
 
 def best_teeth(
-    states: Shafts | Sequence[Shafts],
-    teeth: Sequence[int],
-    weights: Sequence[float] | None = None,
+    states: Shafts | Sequence[Shafts], teeth: Sequence[int], weights: Sequence[float] | None = None
 ) -> tuple[int, ...]:
     """Return by how many teeth to turn the output-side yokes from their present phases.
 
-    Every combination is tried. Of those that are as good the yokes turn least.
+    Every combination is tried. Of those that are as good the yokes turn least. States, weights and
+    exceptions are as for ``optimal_phases``.
 
     Args:
-        states: a driveline, or one per state; all have the phases of the first.
+        states: a driveline, or one per state.
         teeth: of the spline of each shaft between two joints.
-        weights: how much each state counts; by default all alike.
+        weights: of the states.
 
     Errors: those of the angle error, by which combinations are compared.
-
-    Raises:
-        ValueError: no state, states with different numbers of joints, not one weight per state.
     """
     search = _search(states, weights)
     count = _enough(min(math.prod(map(math.cos, state.bends)) for state in search.states))
@@ -340,9 +309,8 @@ def _search(states: Shafts | Sequence[Shafts], weights: Sequence[float] | None) 
     if len({len(state.phases) for state in states}) != 1:
         raise ArgumentValueError("states", "must be drivelines with the same number of joints")
     if len(weights) != len(states):
-        raise ArgumentValueError(
-            "weights", f"has {len(weights)} values; there are {len(states)} states"
-        )
+        problem = f"has {len(weights)} values; there are {len(states)} states"
+        raise ArgumentValueError("weights", problem)
     return _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
 
 
@@ -417,54 +385,29 @@ def _least(residuals: Callable[[list[float]], list[float]], start: Sequence[floa
 
     Newton's method with differences; a step is damped until it makes the sum less.
     """
-    at, n, h, damping = list(start), range(len(start)), 1e-4, 1e-3
+    at, n, h, damping = np.array(start, float), len(start), 1e-4, 1e-3
+    steps = h * np.eye(n)
+
+    def beside(*steps: NDArray[Any]) -> NDArray[Any]:
+        return np.array(residuals(sum(steps, at).tolist()))
+
     for _ in range(_STEPS):
-        here = residuals(at)
-        ahead = [residuals(_moved(at, i, h)) for i in n]
-        behind = [residuals(_moved(at, i, -h)) for i in n]
-        slopes = [
-            [(x - y) / (2.0 * h) for x, y in zip(ahead[i], behind[i], strict=True)] for i in n
-        ]
-        gradient = [_dot(slope, here) for slope in slopes]
-        hessian = [[_dot(slopes[i], slopes[j]) for j in n] for i in n]
-        if (scale := sum(hessian[i][i] for i in n)) == 0.0:
+        here = beside()
+        ahead, behind = (np.array([beside(sign * step) for step in steps]) for sign in (1.0, -1.0))
+        slopes = (ahead - behind) / (2.0 * h)
+        gradient, hessian = slopes @ here, slopes @ slopes.T
+        if (scale := float(np.trace(hessian))) == 0.0:
             break
-        for i, j in combinations_with_replacement(n, 2):
-            both = residuals(_moved(_moved(at, i, h), j, h))
-            corners = zip(both, ahead[i], ahead[j], here, strict=True)
-            curve = _dot(here, [(p - q - r + s) / h**2 for p, q, r, s in corners])
-            hessian[i][j] = hessian[j][i] = hessian[i][j] + curve
+        for i, j in combinations_with_replacement(range(n), 2):
+            curve = here @ (beside(steps[i], steps[j]) - ahead[i] - ahead[j] + here) / h**2
+            hessian[i, j] = hessian[j, i] = hessian[i, j] + curve
         size, better = math.inf, False
         while size > 1e-12 and not better:
-            step = _solved(hessian, gradient, damping * scale)
-            trial = [x - dx for x, dx in zip(at, step, strict=True)]
-            better = math.hypot(*residuals(trial)) < (1.0 - _ROUNDING) * math.hypot(*here)
+            step = np.linalg.solve(hessian + damping * scale * np.eye(n), gradient)
+            better = math.hypot(*beside(-step)) < (1.0 - _ROUNDING) * math.hypot(*here)
             size = math.hypot(*step)
             damping = max(1e-10, 0.01 * damping) if better else 10.0 * damping
         if not better:
             break
-        at = trial
-    return at
-
-
-def _solved(
-    matrix: Sequence[Sequence[float]], value: Sequence[float], damping: float
-) -> list[float]:
-    """Return the ``x`` with ``(matrix + damping) x = value``, by elimination."""
-    n = range(len(value))
-    rows = [[*row, wanted] for row, wanted in zip(matrix, value, strict=True)]
-    for i in n:
-        rows[i][i] += damping
-    for i in n:
-        for j in set(n) - {i}:
-            part = rows[j][i] / rows[i][i]
-            rows[j] = [x - part * y for x, y in zip(rows[j], rows[i], strict=True)]
-    return [rows[i][-1] / rows[i][i] for i in n]
-
-
-def _moved(values: Sequence[float], i: int, h: float) -> list[float]:
-    return [*values[:i], values[i] + h, *values[i + 1 :]]
-
-
-def _dot(values: Sequence[float], others: Sequence[float]) -> float:
-    return math.fsum(x * y for x, y in zip(values, others, strict=True))
+        at = at - step
+    return list(map(float, at))

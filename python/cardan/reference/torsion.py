@@ -20,15 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.reference.evaluation import integrated
-from cardan.reference.vectors import (
-    Shafts,
-    Vector,
-    _cross,
-    _dot,
-    _plus,
-    _scaled,
-    mean_offset,
-)
+from cardan.reference.vectors import Shafts, Vector, _cross, _dot, _plus, _scaled, mean_offset
 
 Array: TypeAlias = NDArray[np.floating[Any]]
 
@@ -188,7 +180,6 @@ def motion(system: System, angle: Value, speed: Value, state: Array) -> Motion:
     """Return what a system does in states.
 
     Args:
-        system: the system.
         angle: drive angle of each state.
         speed: of the drive [rad/s].
         state: the angles of the output ends of the compliant shafts, then their speeds [rad/s].
@@ -238,18 +229,16 @@ def orbit(
 ) -> tuple[Array, NDArray[np.complexfloating[Any]], Motion]:
     """Return the periodic motion near a start, by Newton's method.
 
+    It is the state at the drive angle 0, the multipliers, and the motion after each step.
+
     The start is moved until half a turn of the drive brings the state back. Motions from nearby
     starts show how the end depends on the start. The eigenvalues of this dependence are the
     multipliers by which deviations grow. Other starts may lead to other periodic motions.
 
     Args:
-        system: the system.
         speed: of the drive [rad/s].
         start: a state at the drive angle 0; by default that of rigid shafts.
         steps: of half a turn; the error falls with their fourth power.
-
-    Returns:
-        the state at the drive angle 0, the multipliers, and the motion after each step.
 
     Raises:
         ArithmeticError: no periodic motion is found.
@@ -280,7 +269,6 @@ def transient(
     """Return the motion in time from the drive angle 0, after each step.
 
     Args:
-        system: the system.
         speed: of the drive by time [rad/s].
         start: a state.
         end: time of the last step [s].

@@ -218,14 +218,9 @@ def from_directions(
 
 
 def from_points(points: Sequence[Sequence[float]], phases: Sequence[float] | None = None) -> Shafts:
-    """Lay out a driveline from its start, joint centres and end.
+    """Lay out a driveline from its start, joint centres and end, in any one unit of length.
 
-    Args:
-        points: these in order, in any one unit of length.
-        phases: phase of each intermediate shaft; 0 by default.
-
-    Raises:
-        ValueError: as for :func:`from_directions`.
+    Phases and errors are as for :func:`from_directions`.
     """
     steps = [[b - a for a, b in zip(p, q, strict=True)] for p, q in pairwise(points)]
     return from_directions(steps, phases)
@@ -360,13 +355,8 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     points leave less than 1e-17: 36 points when straight, 246 for one joint bent by 85 degrees, and
     from there on like ``1/c``.
 
-    Args:
-        shafts: the driveline.
-        shaft: which shaft, by default the last.
-
     Raises:
         ValueError: ``c < 2e-4`` (one joint beyond 89.988 degrees), too many points.
-        IndexError: no such shaft.
     """
     stop = _index(shafts, shaft)
     c = math.prod(_dot(u, v) for u, v in pairwise(shafts.directions[: stop + 1]))
@@ -383,10 +373,8 @@ def motion(
     """Return how a shaft turns when the drive stands at ``angle``.
 
     Args:
-        shafts: the driveline.
         angle: drive angle, of the driving pin of joint 0 from ``m_0 x u_0``; zero when that pin
             lies in the plane of the two shafts (Thoma 1920, Hauptlage A). NaN or infinity give NaN.
-        shaft: which shaft, by default the last.
         offset: ``mean_offset(shafts, shaft)`` if at hand; it does not depend on the angle.
 
     Errors: absolute, at most ``2 * 2**-52`` per joint, over ``c`` for ``angle_error`` (at bends
@@ -397,7 +385,6 @@ def motion(
 
     Raises:
         ValueError: bends too close to a right angle, see :func:`mean_offset`.
-        IndexError: no such shaft.
     """
     stop = _index(shafts, shaft)
     joints = _joints(shafts, angle)[:stop]
@@ -412,10 +399,6 @@ def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:
     other shaft. With the bend ``beta`` and the joint's input angle ``alpha`` this makes
     ``tan psi_1 = tan beta sin alpha`` and ``sin psi_2 = sin beta cos alpha`` (Grossmann 1939, (3)
     and (5)). Error as for :func:`motion`'s ``angle_error``.
-
-    Args:
-        shafts: the driveline.
-        angle: drive angle, as for ``motion``.
     """
     return tuple(
         (
@@ -433,10 +416,6 @@ def crosses(shafts: Shafts, angle: float) -> tuple[Cross, ...]:
     and ``z``. The cross allows only turns about its pins, of which this is the sum. So the part
     along the driving pin and across the driven one is the rate in the driving yoke, and the other
     way round that in the driven yoke. Error as for the speed ratio of :func:`motion`.
-
-    Args:
-        shafts: the driveline.
-        angle: drive angle, as for ``motion``.
     """
     joints = _joints(shafts, angle)
     found = []
@@ -457,10 +436,6 @@ def turning_axes(shafts: Shafts, angle: float) -> tuple[tuple[Vector, Vector, Ve
     The first points along the shaft, the second along the pin at its input side (of shaft 0, at its
     output side), and the third is their cross product. The dot products of a vector with these are
     its components with ``axes="shaft"``.
-
-    Args:
-        shafts: the driveline.
-        angle: drive angle, as for :func:`motion`.
     """
     joints = _joints(shafts, angle)
     pins = [joints[0].a, *(at.b for at in joints)]

@@ -2,7 +2,7 @@
 
 The yokes of ``cardan.reference`` are turned by one step after another. How far a pin turns in its
 bearings is the difference of the tilts of the cross, not a rate; the drive's speed follows from
-Newton's law, not from the energy. All angles are in radians.
+Newton's law, not from the energy. All angles are in radians; loads are as for ``reference.loads``.
 """
 
 from __future__ import annotations
@@ -26,17 +26,11 @@ _SLOPE = 9.0 / 8.0
 
 @dataclass(frozen=True)
 class _Step:
-    """One step of the drive, at its middle.
+    """One step of the drive, at its middle."""
 
-    Attributes:
-        loads: the moments there.
-        entering: for each joint the torque that enters it, without what its driving shaft keeps.
-        ways: for each joint how far its pins turn in the driving and in the driven yoke.
-    """
-
-    loads: Loads
-    entering: tuple[float, ...]
-    ways: tuple[tuple[float, float], ...]
+    loads: Loads  # the moments there
+    entering: tuple[float, ...]  # of each joint, the torque without what its driving shaft keeps
+    ways: tuple[tuple[float, float], ...]  # that the pins turn in the driving and the driven yoke
 
 
 def _turn(shafts: Shafts, steps: int, **load: float | Sequence[float]) -> Iterator[_Step]:
@@ -48,10 +42,8 @@ def _turn(shafts: Shafts, steps: int, **load: float | Sequence[float]) -> Iterat
             sum(a * b for a, b in zip(moment, direction, strict=True))
             for moment, direction in zip(at.moment, shafts.directions, strict=False)
         )
-        ways = tuple(
-            (abs(new[0] - old[0]), abs(new[1] - old[1]))
-            for old, new in zip(before, after, strict=True)
-        )
+        pairs = zip(before, after, strict=True)
+        ways = tuple((abs(new[0] - old[0]), abs(new[1] - old[1])) for old, new in pairs)
         yield _Step(at, entering, ways)
 
 
@@ -71,13 +63,11 @@ def losses(
     yoke; so the way in either yoke is the difference of the tilt against its shaft.
 
     Args:
-        shafts: the driveline.
         friction: coefficient of the pins' bearings.
         pin_radius: of the pins, in m.
         arm: distance of the pins' bearings from the centre of the joint, in m.
         seal_torque: constant torque of friction in N m.
         steps: of half a turn; the error is of the order of its square.
-        load: as for ``reference.loads``.
     """
     work = [0.0] * len(shafts.bends)
     drive = 0.0
@@ -99,7 +89,6 @@ def life(
     """Return the life of each joint in h by the load of its pins, and by the catalogue's law.
 
     Args:
-        shafts: the driveline.
         rating: torque in N m that gives 5000 h at 3 degrees and 100 rpm.
         speed: of the drive in rad/s.
         steps: of half a turn; the error is of the order of its square.
@@ -131,7 +120,6 @@ def free_running(
     time. The steps are those of Runge and Kutta.
 
     Args:
-        shafts: the driveline.
         inertias: of each shaft about its axis, in kg m².
         steps: of half a turn.
     """

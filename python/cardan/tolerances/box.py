@@ -139,14 +139,12 @@ class Box:
         # It contains the changes of direction of both shafts, which stay below 90 deg with it.
         where = " at six standard deviations" if self.normal else ""
         wrong = np.flatnonzero(~(most < np.pi / 2))
+        layout = "bends" if self.nominal.points is None else "points"
         if wrong.size:
             joint = int(wrong[0])
-            group = "bends" if self.nominal.points is None else "points"
-            raise ArgumentValueError(
-                group,
-                f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{where}; "
-                "every bend must stay below 90 deg",
-            )
+            bend, rule = f"{np.degrees(most[joint]):.6g} deg", "every bend must stay below 90 deg"
+            problem = f"permit a bend of {bend} at joint {joint}{where}; {rule}"
+            raise ArgumentValueError(layout, problem)
         given = [group for group in JOINT_GROUPS if any(place[0] == group for place in halves)]
         own = self.nominal.deviations
         if not given and (own is None or not wide.bend_changes.any()):
@@ -160,7 +158,7 @@ class Box:
         if wrong.size:
             joint = int(wrong[0])
             raise ArgumentValueError(
-                given[0] if given else "bends" if self.nominal.points is None else "points",
+                given[0] if given else layout,
                 f"and the others permit deviations of {np.degrees(turned[joint]):.6g} deg "
                 f"and a bend of {np.degrees(most[joint]):.6g} deg together at joint {joint}"
                 f"{where}; their sum must stay below 90 deg so that the joint can turn",

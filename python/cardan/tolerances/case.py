@@ -11,9 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import ComplexArray, FloatArray
-from cardan.design.order_quantities import OrderQuantity, farthest_signs, order_amplitude
-from cardan.design.quantities import Amplitude, MotionQuantity
-from cardan.design.reduced_quantities import ReducedQuantity
+from cardan.design.quantities import (
+    Amplitude,
+    MotionQuantity,
+    OrderQuantity,
+    ReducedQuantity,
+    farthest_signs,
+    order_amplitude,
+)
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.box import JOINT_GROUPS, Box

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import ComplexArray, FloatArray, not_negative
-from cardan.arrays.errors import ArgumentValueError, check_choice
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
 from cardan.arrays.indices import integer, item_index
-from cardan.design.order_quantities import farthest_signs, order_amplitude
+from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.as_built import DEVIATIONS, angles_of_joints
 from cardan.tolerances.worst import largest_of_corners
@@ -120,8 +120,6 @@ def order_tolerances(
         distribution: as for ``tolerances``.
 
     Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: a batch, negative tolerances, those with which a joint cannot turn, an order
             below 1, an unknown distribution.
 
@@ -131,15 +129,10 @@ def order_tolerances(
     >>> round(found.worst * (100.0 * 3.14159265) ** 2, 1)  # at 3000 rpm, in rad/s²
     97.7
     """
-    given = (driving_yoke, cross, driven_yoke)
-    n = line.n_joints
-    given_halves = [
-        angles_of_joints(name, not_negative(name, value), n, degrees)
-        for name, value in zip(DEVIATIONS, given, strict=True)
-    ]
-    halves = np.stack([np.broadcast_to(half, (n,)) for half in given_halves], axis=-1)
-    if line.shape:
-        raise ArgumentValueError("driveline", f"has shape {line.shape}; it must be one driveline")
+    n, given = line.n_joints, zip(DEVIATIONS, (driving_yoke, cross, driven_yoke), strict=True)
+    each = [angles_of_joints(name, not_negative(name, x), n, degrees) for name, x in given]
+    halves = np.stack([np.broadcast_to(half, (n,)) for half in each], axis=-1)
+    check_shape("driveline", line, not line.shape, "it must be one driveline")
     check_choice("distribution", distribution, ("uniform", "normal"))
     number = integer("order", order, 1)
     index = item_index("shaft", shaft, line.n_joints + 1)

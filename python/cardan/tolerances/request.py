@@ -16,18 +16,21 @@ from cardan.arrays.errors import (
     ArgumentValueError,
     check_choice,
     check_elements,
+    check_shape,
     nearest,
 )
 from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
-from cardan.design.order_quantities import FIRST, order_quantity
 from cardan.design.quantities import (
+    FIRST_ORDERS,
     MOTION_QUANTITIES,
     MotionQuantity,
+    ReducedQuantity,
     modulus_of_bend,
     nearest_quantity,
+    order_quantity,
+    reduced_quantity,
 )
-from cardan.design.reduced_quantities import ReducedQuantity, reduced_quantity
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.request import Reduction
@@ -122,7 +125,6 @@ def tolerances(
 
     Raises:
         IndexError: a shaft, joint or bearing, or an axis of states, that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: no tolerances, a negative one, one that permits a bend of 90°, points of a
             driveline that was not made from points, an unknown figure, shapes that do not fit,
             states with different tolerances; deviations with which a joint could not turn, and
@@ -197,10 +199,8 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
     quantities = {name: _quantity(name, i, line, figures) for i, name in enumerate(names)}
     joints = [group for group in JOINT_GROUPS if sizes.each[group] is not None]
     if line.has_deviations or joints:
-        layout = any(
-            size is not None for group, size in sizes.each.items() if group not in JOINT_GROUPS
-        )
-        layout |= sizes.teeth is not None
+        others = [size for group, size in sizes.each.items() if group not in JOINT_GROUPS]
+        layout = any(size is not None for size in (*others, sizes.teeth))
         _check_as_built(quantities, several, figures.motion_as_drawn and layout)
     for name, quantity in quantities.items():
         needs_speed = not isinstance(quantity, ReducedQuantity) and quantity.needs_speed
@@ -234,13 +234,10 @@ def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn:
     """Refuse figures of ideal joints, unless those of the drawing are meant."""
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
-            raise ArgumentValueError(
-                "of",
-                f"is {name!r}, a figure of ideal joints; joints with deviations have orders, such "
-                "as 'angle_error_order_1' and 'acceleration_order_1', and outputs, such as "
-                "'angle_error_peak'",
-                (i,) if several else (),
-            )
+            instead = "joints with deviations have orders, such as 'angle_error_order_1' and "
+            instead += "'acceleration_order_1', and outputs, such as 'angle_error_peak'"
+            problem = f"is {name!r}, a figure of ideal joints; {instead}"
+            raise ArgumentValueError("of", problem, (i,) if several else ())
 
 
 def _designs(
@@ -291,7 +288,7 @@ def _quantity(name: str, place: int, line: Driveline, figures: Figures) -> Quant
         items = {"shaft": figures.shafts, "joint": figures.joints}.get(output.per)
         found = ReducedQuantity(output, items, figures.reduce)
     elif found is None:
-        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST])
+        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST_ORDERS])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
     elif found.reduction not in REDUCTIONS:
         known = ", ".join(map(repr, REDUCTIONS))
@@ -340,8 +337,8 @@ def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """The speed of each driveline of the batch."""
     value = as_float64("speed", speed)
     check_elements("speed", value, np.isfinite(value), "; it must be finite, in rad/s")
-    if common_shape(driveline=shape, speed=value.shape) != shape:
-        raise ArgumentValueError("speed", f"has shape {value.shape}; the drivelines have {shape}")
+    right = common_shape(driveline=shape, speed=value.shape) == shape
+    check_shape("speed", value, right, f"the drivelines have {shape}")
     return np.broadcast_to(value, shape)
 
 

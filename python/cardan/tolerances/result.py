@@ -114,7 +114,6 @@ class Tolerances:
 
         Raises:
             IndexError: a state that does not exist.
-            TypeError: an index that is not an integer.
         """
         index = item_index("state", state, self.n_states or 0)
         if index not in self._in_states:
@@ -223,12 +222,10 @@ class Tolerances:
         }
         if self._several or found:
             return self._named(found)
-        raise ArgumentValueError(
-            "of",
-            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} "
-            "only, which are functions of a place in the hyperbolic plane; 'worst' searches all "
-            "combinations of tolerances",
-        )
+        known = f"a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} only"
+        reason = "which are functions of a place in the hyperbolic plane"
+        instead = "'worst' searches all combinations of tolerances"
+        raise ArgumentValueError("of", f"is {self.of[0]!r}; {known}, {reason}; {instead}")
 
     @cached_property
     def sampled(self) -> Any:  # noqa: ANN401
@@ -259,11 +256,10 @@ class Tolerances:
     def quantile(self, share: ArrayLike) -> Any:  # noqa: ANN401
         """Return the figure that this share of the random drivelines does not exceed.
 
+        Its shape is that of the batch, followed by that of ``share``.
+
         Args:
             share: within [0, 1], any shape. Between two drivelines the figure is interpolated.
-
-        Returns:
-            in the shape of the batch, followed by that of ``share``.
 
         Raises:
             TypeError: shares that are not real numbers.
@@ -360,22 +356,16 @@ class Tolerances:
 
     nominal_deg = _in_degrees("nominal")
     """``nominal`` in degrees."""
-
     worst_deg = _in_degrees("worst")
     """``worst`` in degrees."""
-
     linear_deg = _in_degrees("linear")
     """``linear`` in degrees."""
-
     guaranteed_deg = _in_degrees("guaranteed")
     """``guaranteed`` in degrees."""
-
     sampled_deg = _in_degrees("sampled")
     """``sampled`` in degrees."""
-
     ascending_deg = _in_degrees("ascending")
     """``ascending`` in degrees."""
-
     limit_deg = _in_degrees("limit")
     """``limit`` in degrees."""
 

@@ -1,10 +1,9 @@
 """Torsional vibration of drivelines with compliant shafts."""
 
 from cardan.torsion.analyses import BendRule, Mode, SideBySide, StabilityMap, UnstableRange
-from cardan.torsion.equations import TorsionalMotion
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.system import TorsionalSystem
-from cardan.torsion.transient import Transient
+from cardan.torsion.transient import TorsionalMotion, Transient
 from cardan.torsion.tube import Tube, tube
 
 __all__ = [

@@ -90,16 +90,10 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
     the logarithm of its stiffness ``c``, and the damping ratio is ``w/2 sum(share d/c)`` with the
     dampings ``d``.
 
-    Raises:
-        ValueError: a batch of systems.
-
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([0, 0])
-    >>> chain = cardan.TorsionalSystem(
-    ...     line,
-    ...     inertias=[[0, 0.02], [0.01, 0.03], [0, 0.05]],
-    ...     stiffnesses=[5000, 3000, float("inf")],
-    ... )
+    >>> ends, springs = [[0, 0.02], [0.01, 0.03], [0, 0.05]], [5000, 3000, float("inf")]
+    >>> chain = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> [(round(mode.frequency), mode.shaft) for mode in chain.modes()]
     [(149, 1), (531, 0)]
     >>> [round(share, 3) for share in chain.modes()[0].shares]
@@ -131,16 +125,10 @@ def bend_rules(self: TorsionalSystem) -> tuple[BendRule, ...]:
     (first region of the Whittaker-Hill equation). With several compliant shafts it is a guide;
     ``stability`` decides.
 
-    Raises:
-        ValueError: a batch of systems.
-
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ...     damping_ratios=0.02,
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [8000, float("inf")]}
+    >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
     >>> (rule,) = system.bend_rules()
     >>> round(rule.factor, 4), rule.exceeded
     (0.0311, True)
@@ -198,15 +186,12 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
 
     Raises:
-        TypeError: speeds that are not real numbers.
-        ValueError: a batch of systems, speeds that do not rise.
+        ValueError: speeds that do not rise.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> ends, springs = [[0, 0], [0, 0.05]], [8000, float("inf")]
+    >>> system = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> (found,) = system.unstable_ranges([300, 500])
     >>> round(found.start, 1), round(found.stop, 1)
     (387.0, 412.0)
@@ -279,10 +264,7 @@ class StabilityMap:
 
 
 def stability_map(
-    self: TorsionalSystem,
-    speed: ArrayLike,
-    bend: ArrayLike,
-    joint: SupportsIndex | None = None,
+    self: TorsionalSystem, speed: ArrayLike, bend: ArrayLike, joint: SupportsIndex | None = None
 ) -> StabilityMap:
     """Return the stability of one system over the drive speed and the bend of one joint.
 
@@ -292,15 +274,12 @@ def stability_map(
         joint: which joint, counted from 0; by default the one with the largest bend.
 
     Raises:
-        TypeError: values that are not real numbers.
-        ValueError: a batch of systems, a joint that does not exist, bends out of range.
+        ValueError: a joint that does not exist, bends out of range.
 
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[8000, float("inf")],
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> ends, springs = [[0, 0], [0, 0.05]], [8000, float("inf")]
+    >>> system = cardan.TorsionalSystem(line, inertias=ends, stiffnesses=springs)
     >>> system.stability_map([395.0, 500.0], [0.01, 0.35]).stable.tolist()
     [[True, True], [False, True]]
     """
@@ -344,25 +323,16 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
     """Search for the periodic motions of one system that exist beside each other.
 
     ``coexisting`` has all their figures; this says how far their torques differ. The search has no
-    proof that it finds all. Speeds closer to each other than 0.2 % are searched once.
+    proof that it finds all. Speeds closer to each other than 0.2 % are searched once; there is one
+    entry for each that was, rising.
 
     Args:
         speed: drive speeds in rad/s, ``(m,)``, in any order.
 
-    Returns:
-        one entry for each speed that was searched, rising.
-
-    Raises:
-        TypeError: speeds that are not real numbers.
-        ValueError: a batch of systems.
-
     >>> import cardan
-    >>> system = cardan.TorsionalSystem(
-    ...     cardan.Driveline.from_bends([20], degrees=True),
-    ...     inertias=[[0, 0], [0, 0.05]],
-    ...     stiffnesses=[float("inf"), 8000],
-    ...     damping_ratios=0.1,
-    ... )
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+    >>> system = cardan.TorsionalSystem(line, damping_ratios=0.1, **own)
     >>> (found,) = system.side_by_side([150.0])
     >>> found.count, found.stable
     (1, 1)

@@ -24,7 +24,6 @@ from cardan.evaluation.load import absorbing
 from cardan.evaluation.outputs import OUTPUTS, checked
 from cardan.evaluation.request import Axes, Reduction
 from cardan.evaluation.result import Result
-from cardan.torsion.parameters import TorsionParameters
 
 if TYPE_CHECKING:
     from cardan.torsion.system import TorsionalSystem
@@ -192,18 +191,14 @@ class SteadyState(Searched):
             each output as ``([items,] ..., samples [, 3])``; NaN where there is no orbit.
 
         Raises:
-            IndexError: a shaft or joint that does not exist.
             TypeError: samples or indices that are not integers.
             ValueError: no samples, an unknown output or one of motion, forces of a driveline that
                 is not determinate.
 
         >>> import cardan
-        >>> system = cardan.TorsionalSystem(
-        ...     cardan.Driveline.from_bends([20], degrees=True),
-        ...     inertias=[[0, 0], [0, 0.05]],
-        ...     stiffnesses=[float("inf"), 8000],
-        ...     damping_ratios=0.02,
-        ... )
+        >>> line = cardan.Driveline.from_bends([20], degrees=True)
+        >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+        >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
         >>> steady = system.steady([50.0, 200.0])
         >>> steady.evaluate(256, "bending_driven", reduce="max").bending_driven.round(1)
         array([[   4.8, 2264.7]])
@@ -226,7 +221,7 @@ class SteadyState(Searched):
         angle = orbit.drive_angle + error[0, 1]
         motion = rigid.evaluate(angle, "speed_ratio", shafts=slice(None), **options)
         ratios = np.moveaxis(motion.speed_ratio, 0, -1)
-        entering, absorbed = _torques(system._parameters, orbit, ratios)
+        entering, absorbed = _torques(system, orbit, ratios)
         result = rigid.evaluate(
             np.where(found, angle, np.nan),
             names,
@@ -244,16 +239,16 @@ class SteadyState(Searched):
 
 
 def _torques(
-    parameters: TorsionParameters, orbit: Orbit, ratios: FloatArray
+    system: TorsionalSystem, orbit: Orbit, ratios: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the torque that enters shaft 0, and what each shaft absorbs, ``(..., n + 1)``."""
     last = ratios.shape[-1] - 1
     # Dimensions of batch and samples, to which the parameters broadcast.
-    inertias = parameters.inertias[..., np.newaxis, :, :]
+    inertias = system.inertias[..., np.newaxis, :, :]
     inertial = np.moveaxis(orbit.acceleration, (0, 1), (-2, -1)) * inertias
     of_springs = dict(zip(orbit.compliant, orbit.torque, strict=True))
-    loss = parameters.load_damping[..., np.newaxis] * orbit.speed[last, 1]
-    entering = leaving = parameters.load_torque[..., np.newaxis] + loss
+    loss = system.load_damping[..., np.newaxis] * orbit.speed[last, 1]
+    entering = leaving = system.load_torque[..., np.newaxis] + loss
     absorbed = np.empty(inertial.shape[:-1])
     for shaft in range(last, -1, -1):
         if shaft in of_springs:

@@ -4,29 +4,48 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, threads
-from cardan.arrays.errors import ArgumentTypeError, exclusive
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    not_negative,
+    per_shaft,
+    threads,
+    together,
+)
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_elements,
+    check_shape,
+    exclusive,
+)
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
-from cardan.torsion.analyses import (
-    bend_rules,
-    modes,
-    side_by_side,
-    stability_map,
-    unstable_ranges,
-)
-from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
-from cardan.torsion.parameters import TorsionParameters, checked_tolerance
+from cardan.torsion.analyses import bend_rules, modes, side_by_side, stability_map, unstable_ranges
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
-from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
+from cardan.torsion.transient import (
+    Equations,
+    Event,
+    IntegrationMethod,
+    OfTime,
+    OfTimeAndSpeed,
+    Transient,
+    integrated,
+)
+
+_PARAMETERS = ("inertias", "stiffnesses", "dampings", "load_torque", "load_damping")
 
 
+@dataclass(frozen=True, eq=False, init=False, repr=False, slots=True)
 class TorsionalSystem:
     """A driveline whose shafts are torsion springs, or a batch of such drivelines.
 
@@ -36,7 +55,9 @@ class TorsionalSystem:
     nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
     rigid rotation, which is no solution behind a joint.
 
-    Leading dimensions of all arguments broadcast against the batch of the driveline.
+    Leading dimensions of all arguments broadcast against the batch of the driveline. Modes, rules
+    for bends, unstable speeds, stability maps and motions side by side are those of one system;
+    a batch is refused with a ``ValueError``, values that are not real numbers with a ``TypeError``.
 
     Args:
         line: the driveline.
@@ -59,6 +80,16 @@ class TorsionalSystem:
             load that is not finite, no compliant shaft, a compliant shaft without an inertia that
             is rigidly connected to its output end, shapes that do not fit.
 
+    Attributes:
+        line: the driveline.
+        shape: of the batch, to which driveline and parameters are broadcast.
+        compliant: indices of the compliant shafts in order, the first axis of their torques.
+        inertias: of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``.
+        stiffnesses: as given, in the shape of the batch like what follows.
+        dampings: as given, or by the damping ratios.
+        load_torque: as given.
+        load_damping: as given.
+
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
     >>> stiffnesses = [float("inf"), 8000]
@@ -70,6 +101,16 @@ class TorsionalSystem:
     >>> float(abs(system.steady(200.0).torque_orders[0, 0]).round(1))
     6223.2
     """
+
+    line: Driveline
+    shape: tuple[int, ...]
+    compliant: tuple[int, ...]
+    inertias: FloatArray
+    stiffnesses: FloatArray
+    dampings: FloatArray
+    load_torque: FloatArray
+    load_damping: FloatArray
+    _core: _core.Torsion
 
     def __init__(
         self,
@@ -87,69 +128,58 @@ class TorsionalSystem:
             raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
         exclusive(dampings=dampings, damping_ratios=damping_ratios)
         line._geometry.check_ideal("torsional systems are computed")
-        self._line = line
-        self._parameters = TorsionParameters.checked(
-            line, inertias, stiffnesses, dampings, load_torque, load_damping
+        shafts = line.n_joints + 1
+        springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
+        rule = "; a stiffness must be positive, infinite for a rigid shaft"
+        check_elements("stiffnesses", springs, springs > 0.0, rule)
+        is_compliant = (springs < np.inf).reshape(-1, shafts)[:1]
+        alike = (springs < np.inf) == is_compliant.reshape(shafts)
+        rule = "; the same shafts must be compliant in the whole batch"
+        check_elements("stiffnesses", springs, alike, rule)
+        viscosity = not_negative("dampings", 0.0 if dampings is None else dampings)
+        given = {
+            "inertias": (_pairs(not_negative("inertias", inertias), shafts), 2),
+            "stiffnesses": (springs, 1),
+            "dampings": (_per_shaft("dampings", viscosity, shafts), 1),
+            "load_torque": (finite("load_torque", load_torque), 0),
+            "load_damping": (not_negative("load_damping", load_damping), 0),
+        }
+        shape, full = together(given, driveline=line.shape)
+        compliant = tuple(int(i) for i in np.flatnonzero(is_compliant))
+        self._keep(
+            line=line, shape=shape, compliant=compliant, **dict(zip(given, full, strict=True))
         )
-        self._core = self._native()
         if damping_ratios is not None:
+            ratios = not_negative("damping_ratios", damping_ratios)
+            ratios = _per_shaft("damping_ratios", ratios, shafts)
+            if common_shape(system=shape, damping_ratios=ratios.shape[:-1]) != shape:
+                raise ArgumentValueError(
+                    "damping_ratios", f"has the batch {ratios.shape[:-1]}, the system {shape}"
+                )
+            finite_springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
             lowest = self.natural_frequencies()[..., :1]
-            self._parameters = self._parameters.with_ratios(damping_ratios, lowest, line.n_joints)
-            self._core = self._native()
+            self._keep(dampings=np.asarray(2.0 * ratios * finite_springs / lowest))
 
-    def _native(self) -> _core.Torsion:
-        shape = self._parameters.shape
-        numbers = np.arange(math.prod(self._line.shape)).reshape(self._line.shape)
-        lines = np.broadcast_to(numbers, shape).ravel()
-        return _core.Torsion(self._line._lines, shape, lines, *self._parameters.flat())
+    def _keep(self, **values: Any) -> None:  # noqa: ANN401 - of attributes
+        """Keep values, with read-only copies of arrays: the caller may change them."""
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value = value.copy()
+                value.flags.writeable = False
+            object.__setattr__(self, name, value)
+        lines = np.arange(math.prod(self.line.shape)).reshape(self.line.shape)
+        lines = np.broadcast_to(lines, self.shape).ravel()
+        own = [getattr(self, name).ravel() for name in _PARAMETERS]
+        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:])
+        object.__setattr__(self, "_core", core)
 
     def __repr__(self) -> str:
         """Show the driveline and the compliant shafts."""
-        return f"<TorsionalSystem of {self._line!r}, compliant shafts {list(self.compliant)}>"
+        return f"<TorsionalSystem of {self.line!r}, compliant shafts {list(self.compliant)}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parameters."""
-        return (_restored, (self._line, self._parameters))
-
-    @property
-    def line(self) -> Driveline:
-        """The driveline."""
-        return self._line
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch: driveline and parameters broadcast."""
-        return self._parameters.shape
-
-    @property
-    def compliant(self) -> tuple[int, ...]:
-        """Indices of the compliant shafts in order, the first axis of their torques."""
-        return self._parameters.compliant
-
-    @property
-    def inertias(self) -> FloatArray:
-        """Inertias of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``."""
-        return self._parameters.inertias
-
-    @property
-    def stiffnesses(self) -> FloatArray:
-        """Stiffness of each shaft in N m/rad, ``(..., n + 1)``; infinite for a rigid one."""
-        return self._parameters.stiffnesses
-
-    @property
-    def dampings(self) -> FloatArray:
-        """Damping of each shaft in N m s/rad, ``(..., n + 1)``."""
-        return self._parameters.dampings
-
-    @property
-    def load_torque(self) -> FloatArray:
-        """Constant torque on the last shaft in N m, in the shape of the batch."""
-        return self._parameters.load_torque
-
-    @property
-    def load_damping(self) -> FloatArray:
-        """Viscous load on the last shaft in N m s/rad, in the shape of the batch."""
-        return self._parameters.load_damping
+        return (_restored, (self.line, {name: getattr(self, name) for name in _PARAMETERS}))
 
     modes = modes
     bend_rules = bend_rules
@@ -168,14 +198,9 @@ class TorsionalSystem:
             line: the driveline; by default the same.
             stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
         """
-        return TorsionalSystem(
-            self.line if line is None else line,
-            inertias=self.inertias,
-            stiffnesses=self.stiffnesses if stiffnesses is None else stiffnesses,
-            dampings=self.dampings,
-            load_torque=self.load_torque,
-            load_damping=self.load_damping,
-        )
+        given: dict[str, Any] = {name: getattr(self, name) for name in _PARAMETERS}
+        given |= {} if stiffnesses is None else {"stiffnesses": stiffnesses}
+        return TorsionalSystem(self.line if line is None else line, **given)
 
     def natural_frequencies(self) -> FloatArray:
         """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.
@@ -218,16 +243,12 @@ class TorsionalSystem:
             workers: largest number of threads, as of ``Driveline.evaluate``. Results do not depend
                 on it.
 
-        Returns:
-            torques and orders; NaN at speeds without an orbit, which ``found`` and ``reasons``
-            show.
-
         Raises:
-            TypeError: speeds that are not real numbers, orders that are not integers.
+            TypeError: orders that are not integers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
         wanted = _orders(orders)
-        m, ends, count = len(self.compliant), self._line.n_joints + 1, len(wanted)
+        m, ends, count = len(self.compliant), self.line.n_joints + 1, len(wanted)
         of, each = (self._core.steady, wanted.tolist()), 3 * m + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
         sizes = np.cumsum([m, m, m, 2 * m * count])
@@ -267,7 +288,7 @@ class TorsionalSystem:
             workers: largest number of threads.
         """
         count = integer("samples", samples, 1)
-        m, ends = len(self.compliant), self._line.n_joints + 1
+        m, ends = len(self.compliant), self.line.n_joints + 1
         of, each = (self._core.orbits, count), count * (6 * ends + m + 1)
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         *motion, torques, of_drive = np.split(
@@ -397,19 +418,16 @@ class TorsionalSystem:
 
         >>> import numpy as np
         >>> import cardan
-        >>> system = cardan.TorsionalSystem(
-        ...     cardan.Driveline.from_bends([20], degrees=True),
-        ...     inertias=[[0, 0], [0, 0.05]],
-        ...     stiffnesses=[float("inf"), 8000],
-        ...     damping_ratios=0.02,
-        ... )
+        >>> line = cardan.Driveline.from_bends([20], degrees=True)
+        >>> own = {"inertias": [[0, 0], [0, 0.05]], "stiffnesses": [float("inf"), 8000]}
+        >>> system = cardan.TorsionalSystem(line, damping_ratios=0.02, **own)
         >>> run_up = system.transient(np.linspace(0, 2, 2001), speed=lambda t: 150 * t)
         >>> peak = int(np.abs(run_up.torque[0]).argmax())
         >>> float(run_up.drive_speed[peak].round()), float(run_up.torque[0, peak].round())
         (214.0, -4453.0)
         """
         system = Equations(self, speed, torque, drive_torque, drive_inertia)
-        permitted = checked_tolerance(tolerance)
+        permitted = _checked_tolerance(tolerance)
         return integrated(system, time, start, breaks, events, permitted, method)
 
     def _run(
@@ -424,7 +442,7 @@ class TorsionalSystem:
 
         They are those of a function of the native module, which its own arguments follow.
         """
-        options = (*of[1:], checked_tolerance(tolerance), threads.at_most(workers))
+        options = (*of[1:], _checked_tolerance(tolerance), threads.at_most(workers))
         speeds = as_float64("speed", speed)
         shape = common_shape(system=self.shape, speed=speeds.shape)
         numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
@@ -433,8 +451,7 @@ class TorsionalSystem:
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 
-def _restored(line: Driveline, parameters: TorsionParameters) -> TorsionalSystem:
-    given = {name: value for name, value in vars(parameters).items() if name != "shape"}
+def _restored(line: Driveline, given: dict[str, Any]) -> TorsionalSystem:
     return TorsionalSystem(line, **given)
 
 
@@ -450,3 +467,23 @@ def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
 def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
     """Move so many axes behind those of the batch to the front."""
     return np.moveaxis(array, range(batch, batch + axes), range(axes))
+
+
+def _checked_tolerance(tolerance: float) -> float:
+    """Return the permitted error of an orbit."""
+    value = float(as_float64("tolerance", tolerance))
+    if not 1e-12 <= value <= 1e-3:
+        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    return value
+
+
+def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
+    if inertias.shape[-2:] == (shafts, 2):
+        return inertias
+    rule = f"it needs one per shaft, (..., {shafts}), or one per end, (..., {shafts}, 2)"
+    check_shape("inertias", inertias, inertias.shape[-1:] == (shafts,), rule)
+    return np.repeat(0.5 * inertias[..., np.newaxis], 2, axis=-1)
+
+
+def _per_shaft(name: str, array: FloatArray, shafts: int) -> FloatArray:
+    return per_shaft(name, array, shafts) if array.ndim else np.full(shafts, array)

@@ -35,11 +35,7 @@ class Tube:
         """Return the largest shear stress ``T D / (2 I_p)`` in Pa, at the outer surface.
 
         Args:
-            torque: in N m; broadcasts against the tube.
-
-        Raises:
-            TypeError: torques that are not real numbers.
-            ValueError: shapes that do not broadcast.
+            torque: in N m; broadcasts against the tube. Errors are as of ``cardan.tube``.
         """
         torques = as_float64("torque", torque)
         common_shape(tube=self._shear_per_torque.shape, torque=torques.shape)

@@ -57,20 +57,16 @@ class Slides:
                 driven yoke along the driven pin, ``"shaft"`` for the driven shaft along its axis.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: an unknown slide, shapes that do not broadcast.
         """
         return np.asarray(self._at(angle)[_number("of", of)])
 
     def amplitudes(self, orders: ArrayLike = (1, 2, 3, 4), of: SlideName = "shaft") -> FloatArray:
-        """Return the amplitudes of a slide by multiples of the drive's rotation.
+        """Return the amplitudes of a slide by multiples of the drive's rotation, ``(n, ..., m)``.
 
         Args:
             orders: positive integers up to 100, ``(m,)`` or one.
             of: as for ``at``, like the errors.
-
-        Returns:
-            amplitude of each joint, ``(n, ..., m)``; of one order ``(n, ...)``.
         """
         wanted, number = checked_orders(orders, 100), _number("of", of)
         count, before = _FEWEST, np.zeros(())
@@ -111,13 +107,12 @@ class Slides:
             moves = travel > _SETTLED * largest
             if np.any(moves):
                 place = tuple(int(i) for i in np.argwhere(moves)[0])
-                raise ArgumentValueError(
-                    "blocked",
-                    f"has {name!r}, but the offsets of joint {place[0]} make it slide by "
-                    f"{travel[place]:.4g}{unit} in a turn; where it cannot slide, shafts and "
-                    "bearings yield or the joint binds, which depends on their stiffness and not "
-                    "on the geometry",
-                )
+                by = f"{travel[place]:.4g}{unit}"
+                yielding = "where it cannot slide, shafts and bearings yield or the joint binds, "
+                yielding += "which depends on their stiffness and not on the geometry"
+                slide = f"the offsets of joint {place[0]} make it slide by {by} in a turn"
+                problem = f"has {name!r}, but {slide}; {yielding}"
+                raise ArgumentValueError("blocked", problem)
 
     def _at(self, angle: ArrayLike) -> FloatArray:
         """The slides along driving pin, driven pin and driven shaft, ``(3, n, ...)``."""
@@ -169,11 +164,7 @@ def slides(
         blocked: names of slides that are not free: ``"driving_pin"``, ``"driven_pin"``,
             ``"shaft"``.
 
-    Returns:
-        the slides at any angle, their travel over a turn and their amplitudes by order.
-
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: an offset that is not finite, not one value per joint, a blocked slide that
             the offsets would move, shapes that do not broadcast.
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def lash(
     line: Driveline, angle: ArrayLike | Sweep, radial: ArrayLike, arm: ArrayLike, shaft: int = -1
 ) -> Any:  # noqa: ANN401 - a scalar or an array
-    """Return the angle by which a shaft is loose while the drive is held.
+    """Return the angle in rad by which a shaft is loose while the drive is held.
 
     For one ideal joint it is ``2 asin(sin(d)/sqrt(sin**2 a + cos**2 b cos**2 a))`` with twice
     the angle ``radial / arm`` of the play for ``d`` (derived here): largest, ``1/cos b``
@@ -32,12 +32,7 @@ def lash(
         arm: distance of the middle of a pin's bearing from the centre of the joint.
         shaft: index of the shaft, by default the last.
 
-    Returns:
-        rad, in the shape of batch and angles.
-
     Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: as for ``with_play``.
     """
     loose = line.with_play(radial, arm)
@@ -51,11 +46,11 @@ def lash(
 
 
 def wind_up(line: Driveline, angle: ArrayLike | Sweep, load: Load, stiffness: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
-    """Return the angle by which the last shaft lags because torque twists the crosses.
+    """Return the angle in rad by which the last shaft lags because torque twists the crosses.
 
     A cross is a spring against the moment that it transmits. Under a torque ``D`` in its
     driving shaft a joint of stiffness ``c`` winds its driven shaft up by ``D/(c cos b)``, the
-    same at every angle (derived here). Later joints pass it on with their ratios.
+    same at every angle (derived here), to first order. Later joints pass it on with their ratios.
 
     Args:
         angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch.
@@ -63,11 +58,7 @@ def wind_up(line: Driveline, angle: ArrayLike | Sweep, load: Load, stiffness: Ar
         stiffness: moment about the normal of the cross per angle between its pins, in N m/rad:
             one number, or one per joint ``(..., n)``.
 
-    Returns:
-        rad, in the shape of batch, load and angles; to first order in ``1/c``.
-
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a stiffness that is not positive, shapes that do not fit.
 
     >>> import cardan

@@ -90,12 +90,7 @@ def life(
             varies from sample to sample: a recorded torque, or that of torsional vibration.
             The means are sums over these samples, so there must be some hundred in a turn.
 
-    Returns:
-        hours that 90 % of the joints reach, of each joint; which joint fails first, and where
-        the pins swing too little.
-
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: a rating, speed or share that is not positive, a load without a speed,
             shares that do not fit the steps or do not add up to 1, angles that do not fit the
             load or do not change, shapes that do not broadcast.

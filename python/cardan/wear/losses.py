@@ -17,14 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import (
-    FloatArray,
-    not_negative,
-    per_joint,
-    positive,
-    scalar_or_array,
-    together,
-)
+from cardan.arrays import FloatArray, not_negative, per_joint, positive, scalar_or_array, together
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, cross_axes, dot, means_over_turn, pins_at
@@ -79,7 +72,6 @@ class Losses:
             angle: drive angle in rad; broadcasts against batch and load.
 
         Raises:
-            TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast.
         """
         return np.stack([self._lost(joint, angle) for joint in range(self._line.n_joints)])
@@ -164,12 +156,7 @@ def losses(
         seal_torque: moment in N m that seals or a preload add about the pins of each yoke,
             whatever the load.
 
-    Returns:
-        share of the drive power lost in each joint, efficiency, heat in W, and the torque that
-        friction adds at the drive at any angle.
-
     Raises:
-        TypeError: values that are not real numbers.
         ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
             that do not broadcast.
 

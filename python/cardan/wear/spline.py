@@ -65,20 +65,15 @@ class Lengths:
     def engagement(self, shaft: SupportsIndex, engaged: ArrayLike, length: ArrayLike) -> Any:  # noqa: ANN401
         """Return the engaged length of a shaft's spline in every driveline of the batch.
 
-        A longer shaft has pulled its spline out by the difference.
+        A longer shaft has pulled its spline out by the difference. The length is negative where
+        the spline has come apart, and in the unit of the points.
 
         Args:
             shaft: index of the shaft.
             engaged: engaged length of the spline at a known length of the shaft.
             length: that length of the shaft.
 
-        Returns:
-            in the unit of the points, broadcast from the batch; negative where the spline has come
-            apart.
-
         Raises:
-            IndexError: a shaft that does not exist.
-            TypeError: values that are not real numbers.
             ValueError: a length that is not positive, shapes that do not broadcast.
         """
         index = item_index("shaft", shaft, self.each.shape[-1])
@@ -147,9 +142,6 @@ def lengths(line: Driveline) -> Lengths:
     Over a batch of points, such as the positions of an axle, the travel of a shaft is what its
     spline must take up.
 
-    Returns:
-        length of every shaft of every driveline; shortest, longest and travel over the batch.
-
     Raises:
         ValueError: a driveline without lengths: one that was neither made from points nor given
             lengths by ``with_bearings``.
@@ -182,13 +174,7 @@ def spline_force(
         friction: coefficient of friction in the spline.
         radius: pitch radius of the spline in m.
 
-    Returns:
-        the force along the shaft, and on the shafts next to it as vectors and as parts along
-        and across those shafts.
-
     Raises:
-        IndexError: a shaft that does not exist.
-        TypeError: values that are not real numbers.
         ValueError: a negative friction, a radius that is not positive, shapes that do not
             broadcast.
     """

@@ -7,9 +7,15 @@ from dataclasses import dataclass
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import ListOf, Number, Rule, Schema, Text, refused, shown
 from cardan.design.limits import PRESETS, unknown_preset
-from cardan.design.order_quantities import FIRST, PATTERN, order_quantity
-from cardan.design.quantities import MOTION_QUANTITIES, nearest_quantity
-from cardan.design.reduced_quantities import pattern, reduced_quantity
+from cardan.design.quantities import (
+    FIRST_ORDERS,
+    MOTION_QUANTITIES,
+    ORDER_PATTERN,
+    nearest_quantity,
+    order_quantity,
+    pattern,
+    reduced_quantity,
+)
 from cardan.evaluation.outputs import OUTPUTS
 
 
@@ -97,7 +103,7 @@ class QuantityName(Rule):
         name = Text().read(where, value)
         other = reduced_quantity(name) or (self.outputs and order_quantity(name))
         if name not in self._names and not other:
-            known = [*self._names, *(FIRST if self.outputs and "order" in name else ())]
+            known = [*self._names, *(FIRST_ORDERS if self.outputs and "order" in name else ())]
             raise where.error(f"is {shown(name)}; {nearest_quantity(name, known)}")
         return name
 
@@ -105,6 +111,6 @@ class QuantityName(Rule):
     def schema(self) -> Schema:
         """A name of a list or of a form."""
         # Python's end of a text may have a line end behind it; that of JSON Schema may not.
-        forms = [*map(pattern, OUTPUTS.values()), *([PATTERN] if self.outputs else [])]
+        forms = [*map(pattern, OUTPUTS.values()), *([ORDER_PATTERN] if self.outputs else [])]
         outputs = f"^({'|'.join(forms)})$(?!\\n)"
         return {"anyOf": [{"enum": self._names}, {"type": "string", "pattern": outputs}]}

@@ -15,8 +15,7 @@ from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import ListOf, Number, Rule, Schema, refused
 from cardan.app.scene.language.units import ending_of
 from cardan.arrays.errors import nearest
-from cardan.design.quantities import MOTION_QUANTITIES
-from cardan.design.reduced_quantities import pattern
+from cardan.design.quantities import MOTION_QUANTITIES, pattern
 from cardan.evaluation.outputs import OUTPUTS
 
 FREE = "free"

@@ -14,9 +14,14 @@ from cardan.app.scene.study.states import States
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limits
-from cardan.design.order_quantities import OrderQuantity, order_quantity
-from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend
-from cardan.design.reduced_quantities import reduced_quantity
+from cardan.design.quantities import (
+    MOTION_QUANTITIES,
+    MotionQuantity,
+    OrderQuantity,
+    modulus_of_bend,
+    order_quantity,
+    reduced_quantity,
+)
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
