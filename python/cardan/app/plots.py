@@ -44,22 +44,20 @@ from cardan.app.answers.torsion.picture import (
 )
 from cardan.app.answers.turn.picture import plot_scene, write_picture
 from cardan.app.files.pictures import SUFFIXES
-from cardan.app.pictures.bend_vectors import plot_bend_vectors
-from cardan.app.pictures.catalogue import (
+from cardan.app.pictures.curves import plot_curves, plot_harmonics, plot_result
+from cardan.app.pictures.double_joint import plot_double_joint
+from cardan.app.pictures.driveline import plot_driveline, yoke_pins
+from cardan.app.pictures.sources import (
     plot_angle_error,
+    plot_bending_moments,
     plot_driven_angle,
     plot_largest_angle_error,
     plot_non_uniformity,
+    plot_small_angle,
+    plot_torque_ratio,
 )
-from cardan.app.pictures.curves import plot_curves
-from cardan.app.pictures.double_joint import plot_double_joint
-from cardan.app.pictures.driveline import plot_driveline, yoke_pins
-from cardan.app.pictures.grossmann import plot_bending_moments, plot_torque_ratio
-from cardan.app.pictures.harmonics import plot_harmonics
-from cardan.app.pictures.hodograph import plot_hodograph
-from cardan.app.pictures.result import plot_result
 from cardan.app.pictures.style import STYLE, save
-from cardan.app.pictures.thoma import plot_small_angle
+from cardan.app.pictures.vectors import plot_bend_vectors, plot_hodograph
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentValueError, nearest
 

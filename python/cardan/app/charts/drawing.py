@@ -8,7 +8,7 @@ import numpy as np
 
 import cardan.app.charts.dimensions as dimensions
 from cardan.app.charts.samples import Samples
-from cardan.app.pictures.drawing_positions import length_text
+from cardan.app.pictures.space import length_text
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 

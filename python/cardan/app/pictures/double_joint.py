@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan.app.pictures.style import degree_ticks, drawing, legend_above, line_style, value_ticks
+from cardan.app.pictures.style import (
+    drawing,
+    finish,
+    line_style,
+)
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
@@ -53,10 +57,5 @@ def plot_double_joint(
             axes.plot(drawn, bend, label=label, **line_style(i))
         axes.set_xlim(0.0, largest_deg)
         axes.set_ylim(0.0, None)
-        axes.set_xlabel("total bend [deg]")
-        axes.set_ylabel("equivalent bend [deg]")
-        degree_ticks(axes.xaxis, 0.0, largest_deg)
-        value_ticks(axes.yaxis)
-        axes.grid(visible=True)
-        legend_above(axes)
+        finish(axes, "total bend [deg]", "equivalent bend [deg]")
     return axes

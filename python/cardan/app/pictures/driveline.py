@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.pictures.drawing_positions import bearing_places, length_text, shaft_lengths
 from cardan.app.pictures.labels import PlacedLabels
-from cardan.app.pictures.space import DEPTH, View, tube, wedge, yoke
-from cardan.app.pictures.style import THIN, drawing, legend_above, number
+from cardan.app.pictures.space import (
+    DEPTH,
+    View,
+    bearing_places,
+    length_text,
+    shaft_lengths,
+    tube,
+    wedge,
+    yoke,
+)
+from cardan.app.pictures.style import THIN, check_single, drawing, legend_above, number
 from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
@@ -52,7 +60,7 @@ def yoke_pins(line: Driveline, angle: float = 0.0) -> FloatArray:
     Raises:
         ValueError: a batch.
     """
-    _single(line)
+    check_single(line)
     first = line.normals[0]
     pin = math.cos(angle) * np.cross(first, line.directions[0]) + math.sin(angle) * first
     pins = []
@@ -94,7 +102,7 @@ def plot_driveline(
         ImportError: matplotlib is missing.
         ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
-    _single(line)
+    check_single(line)
     if length_unit not in (None, *get_args(LengthUnit)):
         raise ArgumentValueError("length_unit", f"is {length_unit!r}; it must be 'mm' or 'm'")
     places = _places(line, points)
@@ -389,10 +397,3 @@ def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
             "points", f"and [{shaft + 1}] do not lie along shaft {shaft}", (shaft,)
         )
     return places
-
-
-def _single(line: Driveline) -> None:
-    if line.shape:
-        raise ArgumentValueError(
-            "line", f"has shape {line.shape}; this picture shows one driveline"
-        )

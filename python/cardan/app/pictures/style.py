@@ -6,6 +6,7 @@ import contextlib
 import math
 import os
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -15,13 +16,14 @@ import numpy as np
 
 from cardan.app.files.pictures import SUFFIXES
 from cardan.app.files.whole_file import whole_file
-from cardan.app.pictures.glyphs import with_glyphs
 from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 STYLE: Mapping[str, Any] = {
     "font.size": 7.0,
@@ -114,7 +116,7 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-    with matplotlib().rc_context(STYLE), with_glyphs(figure), whole_file(path) as file:
+    with matplotlib().rc_context(STYLE), _with_glyphs(figure), whole_file(path) as file:
         figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
 
 
@@ -143,6 +145,14 @@ def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str
         for axes, (_, draw) in zip(grid[:, 0], panels, strict=True):
             draw(axes)
     return figure
+
+
+def check_single(line: Driveline) -> None:
+    """Refuse a batch where a picture shows one driveline."""
+    if line.shape:
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )
 
 
 def line_style(number: int) -> Mapping[str, Any]:
@@ -205,6 +215,23 @@ def text_width(text: str, size: float) -> float:
     return 1.06 * float(np.max(path.vertices[:, 0]))
 
 
+def finish(axes: Axes, x: str, y: str, *, grid: Any = "both", **legend: Any) -> None:  # noqa: ANN401
+    """Label the axes of a picture, with round ticks, a grid and a legend above of what has a name.
+
+    An angle along x has ticks at round degrees; other options are those of the legend.
+    """
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    if x.endswith("[deg]"):
+        degree_ticks(axes.xaxis, *axes.get_xlim())
+    else:
+        value_ticks(axes.xaxis)
+    value_ticks(axes.yaxis)
+    axes.grid(visible=True, axis=grid)
+    if axes.get_legend_handles_labels()[1]:
+        legend_above(axes, **legend)
+
+
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes
     """Put the legend over the right end of the axes, where no curve is."""
     axes.legend(
@@ -221,3 +248,58 @@ def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axe
             **options,
         }
     )
+
+
+# --- fonts for the characters of texts, such as those of a Chinese title -------------------------
+
+_MOST_LACKING = 8
+
+
+@contextlib.contextmanager
+def _with_glyphs(figure: Figure) -> Iterator[None]:
+    """Give the texts of a figure fonts that have their characters, as far as any is installed.
+
+    One warning names the characters that no font has, in place of matplotlib's one for each.
+    """
+    from matplotlib.text import Text
+
+    # A dict keeps the order of the text.
+    lacking: dict[str, None] = {}
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and not text.get_text().isascii():
+            lacking |= dict.fromkeys(_supplied(text))
+    if lacking:
+        named = "".join([*lacking][:_MOST_LACKING]) + "…" * (len(lacking) > _MOST_LACKING)
+        warnings.warn(
+            f"no installed font has the characters {named}; the picture shows boxes in their place",
+            stacklevel=2,
+        )
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from")
+        yield
+
+
+def _supplied(text: Text) -> list[str]:
+    """Add the font that has most of the missing characters; return those that it lacks too."""
+    from matplotlib.font_manager import findfont, fontManager
+
+    lacking = _lacking(findfont(text.get_fontproperties()), text.get_text())
+    if not lacking:
+        return []
+    # Upright fonts of ordinary weight first; Last Resort has a box for every character.
+    entries = sorted(
+        (entry for entry in fontManager.ttflist if not entry.name.startswith("Last")),
+        key=lambda entry: (entry.style != "normal", entry.weight not in (400, "normal")),
+    )
+    found = min(entries, key=lambda entry: len(_lacking(entry.fname, lacking)))
+    left = _lacking(found.fname, lacking)
+    if len(left) < len(lacking):
+        text.set_fontfamily([*text.get_fontfamily(), found.name])
+    return left
+
+
+def _lacking(font: str, characters: str | list[str]) -> list[str]:
+    from matplotlib.font_manager import get_font
+
+    known = get_font(font).get_charmap()
+    return [c for c in characters if c.isprintable() and not c.isspace() and ord(c) not in known]

@@ -15,6 +15,7 @@ from cardan.app.answers.life.text import hours_text
 from cardan.app.pictures.style import (
     LINES,
     drawing,
+    finish,
     legend_above,
     line_style,
     stacked,
@@ -51,9 +52,7 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     with drawing(ax) as axes:
         drawn = [(f"joint {joint}", moment) for joint, moment in enumerate(moments)]
         panel.draw(axes, np.degrees(turn), drawn)
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel("moment of the pins [N m]")
-        legend_above(axes)
+        finish(axes, "drive angle [deg]", "moment of the pins [N m]")
     return axes
 
 
@@ -97,12 +96,7 @@ def plot_heat(
             axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **style)
         axes.set_xlim(0.0, float(speeds[-1] / _RPM))
         axes.set_ylim(0.0, None)
-        axes.set_xlabel("speed of the drive [rpm]")
-        axes.set_ylabel("heat [W]")
-        value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        axes.grid(visible=True)
-        legend_above(axes)
+        finish(axes, "speed of the drive [rpm]", "heat [W]")
     return axes
 
 

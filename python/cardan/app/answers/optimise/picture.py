@@ -10,8 +10,8 @@ from cardan.app.answers.optimise.figures import Optimised, unit_of
 from cardan.app.answers.states.figures import without_common
 from cardan.app.pictures.style import (
     THIN,
-    degree_ticks,
     drawing,
+    finish,
     legend_above,
     line_style,
     page,
@@ -110,15 +110,8 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         else:
             axes.set_xlim(x[0], x[-1])
         axes.set_ylim(bottom=0.0)
-        axes.grid(visible=True)
-        axes.set_xlabel(f"{own.axis.key}{unit and f' [{unit}]'}")
-        axes.set_ylabel(",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1)))
-        if unit == "deg":
-            degree_ticks(axes.xaxis, *axes.get_xlim())
-        else:
-            value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        legend_above(axes)
+        goal = ",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1))
+        finish(axes, f"{own.axis.key}{unit and f' [{unit}]'}", goal)
     return axes
 
 

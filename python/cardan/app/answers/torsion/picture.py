@@ -15,6 +15,7 @@ from cardan.app.pictures.style import (
     WIDTH,
     degree_ticks,
     drawing,
+    finish,
     legend_above,
     line_style,
     page,
@@ -92,19 +93,9 @@ def plot_torsion_response(
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
         axes.set_xlim(rpm[0], rpm[-1])
-        _finish(axes, f"torque of shaft {chosen} [N m]")
+        finish(axes, _SPEED, f"torque of shaft {chosen} [N m]")
+        axes.set_axisbelow(True)
     return axes
-
-
-def _finish(axes: Axes, heading: str) -> None:
-    """Label the axes of a picture over the drive speed."""
-    axes.set_xlabel(_SPEED)
-    axes.set_ylabel(heading)
-    axes.grid(visible=True)
-    axes.set_axisbelow(True)
-    value_ticks(axes.xaxis)
-    value_ticks(axes.yaxis)
-    legend_above(axes)
 
 
 def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
@@ -201,7 +192,8 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
         axes.set_xlim(0.0, right)
         axes.set_ylim(0.0, top)
-        _finish(axes, "frequency [Hz]")
+        finish(axes, _SPEED, "frequency [Hz]")
+        axes.set_axisbelow(True)
     return axes
 
 
