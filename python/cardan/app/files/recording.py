@@ -53,17 +53,11 @@ def read_columns(
 
 
 class Chunk(NamedTuple):
-    """Some rows of columns.
+    """Some rows of columns."""
 
-    Attributes:
-        first: the first of the rows, counted from 0.
-        columns: the columns.
-        total: the number of all rows; of a CSV file that of its lines until the last chunk.
-    """
-
-    first: int
-    columns: list[FloatArray]
-    total: int
+    first: int  # the first of the rows, counted from 0
+    columns: list[FloatArray]  # the columns
+    total: int  # the number of all rows; of a CSV file that of its lines until the last chunk
 
 
 def read_chunks(

@@ -52,15 +52,49 @@ def bearing_places(line: Driveline, points: FloatArray) -> FloatArray:
     return places
 
 
+def pins(line: Driveline, angle: FloatArray) -> FloatArray:
+    """Return unit vectors along the driving and the driven pin of every joint.
+
+    They follow from the geometry alone: a cross keeps its pins at right angles, a shaft carries
+    its output-side pin at its phase from its input-side one. Drive angles are in rad,
+    ``(samples,)``, of one driveline or of one per angle; the pins are ``(samples, n, 2, 3)``.
+    """
+    normal = line.normals[..., 0, :]
+    in_plane = np.cross(normal, line.directions[..., 0, :])
+    cosine, sine = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    driving = cosine * in_plane + sine * normal
+    found = []
+    for joint in range(line.n_joints):
+        along = line.directions[..., joint + 1, :]
+        driven = np.cross(along, driving)
+        driven = driven / np.linalg.norm(driven, axis=-1, keepdims=True)
+        found.append(np.stack([driving, driven], axis=1))
+        if joint < line.n_joints - 1:
+            phase = line.phases[..., joint, np.newaxis]
+            driving = np.cos(phase) * driven + np.sin(phase) * np.cross(along, driven)
+    return np.stack(found, axis=1)
+
+
+def right_and_up(mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the axis that shafts follow most, and upwards: y, if it is not that axis."""
+    place = int(np.argmax(np.abs(mean)))
+    right = np.zeros(3)
+    right[place] = math.copysign(1.0, mean[place])
+    return right, np.eye(3)[1 if place != 1 else 2]
+
+
+def seen_from(viewer: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return unit vectors to the right of a picture and to its viewer."""
+    viewer = viewer / np.linalg.norm(viewer)
+    across = np.cross(up, viewer)
+    return across / np.linalg.norm(across), viewer
+
+
 @dataclass(frozen=True)
 class View:
-    """A parallel projection: everything has one scale, whatever its depth.
+    """A parallel projection: everything has one scale, whatever its depth."""
 
-    Attributes:
-        axes: unit vectors to the right, upwards and to the viewer, ``(3, 3)``.
-    """
-
-    axes: FloatArray
+    axes: FloatArray  # unit vectors to the right, upwards and to the viewer, ``(3, 3)``
 
     @classmethod
     def of(cls, directions: FloatArray) -> View:
@@ -71,14 +105,8 @@ class View:
         mean = np.mean(directions, axis=0)
         # Shafts that turn back on themselves have no direction in the mean.
         mean = mean if np.linalg.norm(mean) > _LITTLE else directions[0]
-        place = int(np.argmax(np.abs(mean)))
-        right = np.zeros(3)
-        right[place] = math.copysign(1.0, mean[place])
-        up = np.eye(3)[1 if place != 1 else 2]
-        viewer = -0.5 * right + 0.35 * up + np.cross(right, up)
-        viewer /= np.linalg.norm(viewer)
-        across = np.cross(up, viewer)
-        across /= np.linalg.norm(across)
+        right, up = right_and_up(mean)
+        across, viewer = seen_from(-0.5 * right + 0.35 * up + np.cross(right, up), up)
         return cls(np.stack([across, np.cross(viewer, across), viewer]))
 
     def flat(self, points: FloatArray) -> FloatArray:

@@ -19,9 +19,9 @@ from cardan.app.answers.page import judged_table, tables_of
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
 from cardan.app.answers.yokes.figures import yoke_settings
-from cardan.app.charts.charts import chart, decimals
+from cardan.app.charts.charts import Panel, chart, decimals
 from cardan.app.charts.drawing import drawing
-from cardan.app.charts.samples import Panel, Samples, evaluated
+from cardan.app.charts.samples import Samples, evaluated
 from cardan.app.files.progress import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer

@@ -28,19 +28,13 @@ _ROWS = 256
 
 @dataclass(frozen=True, eq=False)
 class Backlash:
-    """Lash and wind-up of the last shaft over a turn, ``(samples,)`` in rad.
+    """Lash and wind-up of the last shaft over a turn, ``(samples,)`` in rad."""
 
-    Attributes:
-        lash: angle by which it is loose while the drive is held.
-        wind_up: angle by which the torque winds it up beyond its flank; 0 with rigid crosses.
-        torque: which makes the wind-up, in N m.
-        end: where the torque acts, ``"drive"`` or ``"output"``.
-    """
-
-    lash: FloatArray
+    lash: FloatArray  # angle by which it is loose while the drive is held
+    # Angle by which the torque winds it up beyond its flank; 0 with rigid crosses.
     wind_up: FloatArray
-    torque: float
-    end: str
+    torque: float  # which makes the wind-up, in N m
+    end: str  # where the torque acts, ``"drive"`` or ``"output"``
 
     def loop(self, sample: int) -> tuple[FloatArray, FloatArray]:
         """Return the loop at one sample: angle of the shaft in rad and torque in N m, ``(4,)``.

@@ -32,27 +32,18 @@ class ForcePath:
 
     It is seen along a shaft, looking from the drive towards the output. The force of a joint is
     seen along the shaft that the joint supports: it has no part along that shaft.
-
-    Attributes:
-        per: what it is a force of.
-        item: number of the joint or bearing.
-        shaft: the shaft along which it is seen.
-        up: the axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"``
-            for a shaft that runs along y.
-        angle_deg: drive angles in degrees from 0 to the period, ``(samples,)``.
-        across: part of the force to the right in N, ``(samples,)``.
-        upwards: part of the force upwards in N, ``(samples,)``.
-        state: over states, the name of the one in which the force is largest.
     """
 
-    per: ForceSource
-    item: int
-    shaft: int
+    per: ForceSource  # what it is a force of
+    item: int  # number of the joint or bearing
+    shaft: int  # the shaft along which it is seen
+    # The axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"`` for a
+    # shaft that runs along y.
     up: Literal["y", "z"]
-    angle_deg: FloatArray
-    across: FloatArray
-    upwards: FloatArray
-    state: str = ""
+    angle_deg: FloatArray  # drive angles in degrees from 0 to the period, ``(samples,)``
+    across: FloatArray  # part of the force to the right in N, ``(samples,)``
+    upwards: FloatArray  # part of the force upwards in N, ``(samples,)``
+    state: str = ""  # over states, the name of the one in which the force is largest
 
     @property
     def label(self) -> str:
