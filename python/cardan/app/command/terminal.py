@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cardan.app.files.progress import Progress
+    from cardan.app.files.whole_file import Progress
 
 
 def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data

@@ -1,4 +1,4 @@
-"""Columns of numbers into CSV, NPZ and Parquet files, each whole or not there at all."""
+"""The formats of files that are written; columns of numbers into CSV, NPZ and Parquet files."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from cardan.app.files.progress import Progress
-from cardan.app.files.whole_file import whole_file
+from cardan.app.files.whole_file import Progress, whole_file
 from cardan.arrays import FloatArray
 
 
@@ -90,3 +89,10 @@ SUFFIXES: Mapping[str, _Writer] = {
     ".parquet": _write_parquet,
 }
 """Formats of a file of curves or a study, by suffix."""
+
+PICTURES: Mapping[str, dict[str, Any]] = {
+    ".svg": {"Date": None},
+    ".png": {},
+    ".pdf": {"CreationDate": None},
+}
+"""Formats of a picture file, by suffix, and metadata: what differs from run to run is left out."""

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and how long work reports how far it is."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import errno
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
 from typing import IO
+
+Progress = Callable[[int, int], None]
+"""Takes the number of rows done and of all rows."""
 
 
 def check_writable(path: str | PathLike[str]) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.files.pictures import SUFFIXES
+from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.files.whole_file import whole_file
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline

@@ -22,7 +22,7 @@ from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.charts.charts import Panel, chart, decimals
 from cardan.app.charts.drawing import drawing
 from cardan.app.charts.samples import Samples, evaluated
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer
 from cardan.app.scene.scene import BallJointScene, Scene
