@@ -71,14 +71,10 @@ def chart(
 ) -> dict[str, Any]:
     """Return heading, ticks, curves and legend as plain data for the macro ``chart``.
 
-    Args:
-        panel: what to draw.
-        x: abscissa of the curves, ``(samples,)``.
-        x_label: what it is, with its unit.
-        first: number of the first curve, by which the script finds it to set its cursor; without
-            one the chart has no cursor.
-        named: what the samples are and the name of each, which replace ``x_label`` and the values
-            of ``x`` where they fit; the samples are then as far from each other.
+    The abscissa ``x`` is ``(samples,)``, ``first`` the number of the first curve, by which the
+    script finds it to set its cursor; without one there is no cursor. ``named`` says what the
+    samples are and the name of each; names replace ``x`` and its label where they fit, and the
+    samples are then as far from each other.
     """
     low, high, flat = _extent(panel)
     y_ticks = ticks(low, high)
@@ -215,10 +211,8 @@ class _NameAxis(NamedTuple):
 def _name_axis(names: Sequence[str], places: Sequence[float], width: float) -> _NameAxis | None:
     """Return the names below a frame, or ``None`` if they do not fit.
 
-    Args:
-        names: one or more.
-        places: where each belongs, from left to right and evenly spread, in pixels.
-        width: width of the drawing, in which the names must be.
+    Each belongs at its place, from left to right and evenly spread, in pixels; all must be within
+    the width of the drawing.
     """
     names = [name if len(name) <= _LETTERS else f"{name[: _LETTERS - 1]}…" for name in names]
     wide = [_text_width(name) for name in names]

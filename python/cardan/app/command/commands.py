@@ -34,11 +34,7 @@ SUBCOMMANDS = {
 
 
 def commands() -> click.Group:
-    """Return the command with its subcommands.
-
-    Raises:
-        ImportError: click is missing.
-    """
+    """Return the command with its subcommands."""
     import click
 
     class OneLine(click.Group):

@@ -73,12 +73,7 @@ def progress_bar(label: str = "study") -> Iterator[Progress | None]:
 
 
 def say(text: str = "", *, on_error: bool = False) -> None:
-    """Print a text without control characters; everything with text of the user goes through here.
-
-    Args:
-        text: what to print.
-        on_error: whether on standard error.
-    """
+    """Print a text without control characters; all text of the user goes through here."""
     import click
 
     click.echo(printable(text), err=on_error)

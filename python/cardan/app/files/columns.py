@@ -21,12 +21,8 @@ def write_columns(
 ) -> int:
     """Write arrays of equal size in the format of the path's suffix; return the number of rows.
 
-    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows.
-
-    Raises:
-        ImportError: Parquet without pyarrow.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
+    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows. A
+    file that cannot be written whole leaves nothing behind.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:

@@ -71,18 +71,8 @@ def read_chunks(
     """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 
     Memory is that of a chunk, however long the file is; except for NPZ files, and MDF files with a
-    raster, of which the columns must fit in memory.
-
-    Args:
-        path: the file; its suffix names the format.
-        names: the columns wanted.
-        rows: largest number of rows at a time; ``None`` for all at once.
-        raster_s: as ``read_columns`` takes it.
-
-    Raises:
-        ImportError: as for ``read_columns``.
-        OSError: the file cannot be read.
-        ValueError: as for ``read_columns``.
+    raster, of which the columns must fit in memory. At most ``rows`` come at a time, or all. Errors
+    are those of ``read_columns``.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:

@@ -17,11 +17,7 @@ Progress = Callable[[int, int], None]
 
 
 def check_writable(path: str | PathLike[str]) -> None:
-    """Refuse a file that could not be written, before the work for it is done.
-
-    Raises:
-        OSError: the folder takes no file, or the path is a folder; nothing is left behind.
-    """
+    """Refuse a file that could not be written, before the work for it is done."""
     with contextlib.suppress(_Tried), whole_file(path):
         raise _Tried
 
@@ -38,9 +34,6 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     interrupts that, an exception, Ctrl-C or a full disk, leaves nothing behind, and an earlier file
     of the name untouched. What a process left that was killed is removed when the same file is
     written again. A link stays one; a folder, device or pipe is refused.
-
-    Raises:
-        OSError: the file cannot be written; the error names ``path``.
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():

@@ -33,13 +33,8 @@ class PlacedLabels:
     def beside(self, anchor: FloatArray, text: str, away: float, *, above: bool) -> bool:
         """Write above or below a point, and return whether there is room for it.
 
-        A label that must go far gets a line to its point.
-
-        Args:
-            anchor: the point.
-            text: lines of text.
-            away: least distance from the point.
-            above: which side to try first.
+        A label that must go far gets a line to its point. A distance of at least ``away`` stays
+        free; the side ``above`` is tried first.
         """
         width, height = self._measure(text)
         places = sorted(

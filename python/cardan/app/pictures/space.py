@@ -38,11 +38,8 @@ def length_text(length: float, unit: LengthUnit) -> str:
 def bearing_places(line: Driveline, points: FloatArray) -> FloatArray:
     """Return the bearings of a driveline that is drawn at these points, ``(..., b, 3)``.
 
-    A bearing keeps its share of the length of its shaft.
-
-    Args:
-        line: one driveline.
-        points: ends and joint centres, ``(..., n + 2, 3)``, in any unit.
+    A bearing keeps its share of the length of its shaft. Ends and joint centres are ``(..., n + 2,
+    3)``, in any unit.
     """
     lengths = shaft_lengths(line)
     places = np.empty((*points.shape[:-2], line.n_bearings, 3))
@@ -122,11 +119,7 @@ class View:
 def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) -> FloatArray:
     """Return a yoke as a line, ``(points, 3)``: from one end of its pin round to the other.
 
-    Args:
-        centre: of the joint.
-        pin: direction of its pin.
-        towards: direction from the joint to the shaft of the yoke.
-        size: half its span.
+    ``towards`` leads from the joint to the shaft of the yoke; the size is half its span.
     """
     # A superellipse: straight arms, and a base across the shaft.
     turn = np.linspace(0.0, math.pi, 2 * _STEPS + 1)[:, np.newaxis]
@@ -142,12 +135,8 @@ def tube(
 ) -> tuple[FloatArray, ...]:
     """Return the outline of a shaft and its end that the viewer sees, each ``(points, 3)``.
 
-    Args:
-        start: one end of its axis.
-        end: the other.
-        size: half the span of a yoke.
-        view: from where it is seen.
-        radius: over ``size``.
+    The axis goes from ``start`` to ``end``; the size is half the span of a yoke, and the radius
+    over it.
     """
     along = (end - start) / np.linalg.norm(end - start)
     across = np.cross(along, view.axes[2])

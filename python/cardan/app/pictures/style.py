@@ -66,11 +66,7 @@ _TICKS = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)  # degrees
 
 
 def matplotlib() -> Any:  # noqa: ANN401 - a module that may be missing
-    """Return the module.
-
-    Raises:
-        ImportError: matplotlib is missing.
-    """
+    """Return the module; without it an ``ImportError`` says how to install it."""
     try:
         import matplotlib
     except ModuleNotFoundError:
@@ -134,11 +130,7 @@ def page(width: float, height: float, title: str = "", letters: int = 48) -> Ite
 
 
 def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str = "") -> Figure:
-    """Return a figure 80 mm wide of panels below each other: of each its height and what draws it.
-
-    Raises:
-        ImportError: matplotlib is missing.
-    """
+    """Return a figure of panels below each other, 80 mm wide: of each height and what draws it."""
     heights = [height for height, _ in panels]
     with page(WIDTH, sum(heights), title) as figure:
         grid = figure.subplots(len(panels), squeeze=False, height_ratios=heights)
@@ -156,11 +148,7 @@ def check_single(line: Driveline) -> None:
 
 
 def line_style(number: int) -> Mapping[str, Any]:
-    """Return colour and dashes of a picture's curve.
-
-    Raises:
-        ValueError: more curves than can be told apart.
-    """
+    """Return colour and dashes of a picture's curve."""
     if number >= len(LINES):
         raise ValueError(f"a picture shows at most {len(LINES)} curves that can be told apart")
     return LINES[number]

@@ -107,8 +107,7 @@ def _today() -> str:
 def environment() -> Environment:
     """Return what renders the templates: it escapes every text and refuses a missing name.
 
-    Raises:
-        ImportError: jinja2 is missing.
+    Without jinja2 it raises an ``ImportError``.
     """
     try:
         import jinja2

@@ -61,13 +61,7 @@ def force_figures(
 ) -> list[ForceFigures]:
     """Return the figures of every joint and bearing of one driveline at a constant load.
 
-    Args:
-        line: one driveline.
-        load: a constant load.
-        outputs: which forces.
-
-    Raises:
-        ValueError: a force that is not determinate; lengths that are missing.
+    A ``ValueError`` says which force is not determinate, or that lengths are missing.
     """
     names = tuple(outputs)
     orders = line.harmonics((1, 2, 4), outputs=names, load=load)

@@ -69,14 +69,7 @@ class ForcePath:
 def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> ForcePath:
     """Return the path of one force of one driveline at a constant load.
 
-    Args:
-        line: one driveline.
-        per: ``"joint"`` or ``"bearing"``.
-        item: number of the joint or bearing.
-        load: a constant load.
-
-    Raises:
-        ValueError: a force that is not determinate; lengths that are missing.
+    A ``ValueError`` says that the force is not determinate, or that lengths are missing.
     """
     per_turn = 360 * PER_DEGREE
     count = round(period_of(line) / math.tau * per_turn) + 1
@@ -121,10 +114,7 @@ def scene_force_paths(scene: Scene) -> list[ForcePath]:
     """Return the paths of the forces of a scene's joints and bearings that are determinate.
 
     Those that bear no force have none. Over states, each is that of the state in which the force is
-    largest.
-
-    Raises:
-        ValueError: there are none; the message says why.
+    largest. If there are none, a ``ValueError`` says why.
     """
     if scene.states:
         return _largest_paths(scene, scene.states.names)
