@@ -6,9 +6,8 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -19,25 +18,6 @@ def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data
     """Return plain data as JSON, of which no character moves the cursor of a terminal."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     return _UNSAFE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def say_answer(
-    title: str,
-    text: Callable[[], str],
-    data: Callable[[], Any],
-    picture: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    """Print the answer to a scene as JSON, or as text under its title and before its picture."""
-    if as_json:
-        say(as_json_text(data()))
-        return
-    if title:
-        say(f"{title}\n")
-    say(text())
-    if picture is not None:
-        say(f"\nwrote {picture}")
 
 
 # Control characters, and those that turn the direction of writing: a title with them could clear a
