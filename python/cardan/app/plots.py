@@ -4,7 +4,8 @@ Most ``plot_`` functions draw on the axes that they are given as ``ax`` and retu
 ``ax`` they make a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. ``plot_scene``,
 ``plot_part``, ``plot_forces``, ``plot_ball_joint``, ``plot_optimise`` and ``plot_torsion`` return
 a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in dashes as well
-as colour, so that they can be told apart in grey.
+as colour, so that they can be told apart in grey. All need matplotlib and raise an ``ImportError``
+without it.
 
 >>> import cardan.app.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -121,7 +122,6 @@ def plot_part(scene: Scene | BallJointScene, name: str) -> Figure:
         name: the picture, such as ``"forces"``; ``cardan plot --help`` lists them.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: an unknown name, a scene that lacks what the picture shows.
     """
     known = pictures()

@@ -67,7 +67,6 @@ def plot_curves(
         the axes, with angles in degrees.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a shaft, joint or bearing that does not exist.
         ValueError: an unknown output, a load that is missing, a batch of more dimensions or of
             vectors, labels that do not fit, more curves than can be told apart.
@@ -122,7 +121,6 @@ def plot_harmonics(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a shaft that does not exist.
         ValueError: an unknown quantity, an order below 1, a batch of more dimensions or more than
             can be told apart, labels that do not fit.
@@ -173,7 +171,6 @@ def plot_result(result: Result) -> Figure:
         a figure of pyplot, 80 mm wide, with angles in degrees.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a result without a row of drive angles, more curves than can be told apart.
     """
     result = result.compute()

@@ -38,7 +38,6 @@ def plot_double_joint(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: as for ``Driveline.from_double_joint``.
     """
     total = np.linspace(0.0, largest_deg, _STEPS + 1)

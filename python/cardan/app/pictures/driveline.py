@@ -91,7 +91,6 @@ def plot_driveline(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
     check_single(line)

@@ -105,7 +105,6 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
     those that none has.
 
     Raises:
-        ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix.
     """

@@ -126,7 +126,6 @@ def plot_hodograph(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a joint that does not exist.
         ValueError: a batch, a load that does not fit.
     """

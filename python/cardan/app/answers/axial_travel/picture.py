@@ -42,7 +42,6 @@ def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = No
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: the slides of a batch, an unknown slide, more joints than can be told apart.
     """
     _check_single(slides, of)

@@ -37,9 +37,6 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
 
     Returns:
         the axes, with the angle in degrees from the middle of the play.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
     apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]

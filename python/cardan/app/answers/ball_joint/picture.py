@@ -40,9 +40,6 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
     Args:
         case: the ball joint of a scene.
         title: heading.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     with page(*_PAGE, title, 90) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
@@ -72,9 +69,6 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     found = ball_joint_figures(case)
@@ -121,9 +115,6 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     fit = fitting_curve(case, theta)

@@ -55,7 +55,6 @@ def plot_force_hodograph(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a joint or bearing that does not exist.
         ValueError: a batch, forces that are not determinate, lengths that are missing.
     """
@@ -75,9 +74,6 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
     Args:
         paths: what to draw.
         title: heading.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     columns = min(_COLUMNS, len(paths))
     rows = -(-len(paths) // columns)

@@ -43,7 +43,6 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch.
     """
     _check_single(line)
@@ -78,7 +77,6 @@ def plot_heat(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, a load without a speed, and as for ``Driveline.losses``.
     """
     _check_single(line)
@@ -110,7 +108,6 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a scene without sizes whose life is known.
     """
     known = [(one, one.hours) for one in found.sizes if one.hours is not None]

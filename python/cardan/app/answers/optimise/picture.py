@@ -40,9 +40,6 @@ def plot_optimise(found: Optimised) -> Figure:
 
     Returns:
         a figure of 170 mm width with a panel for the states and one for each variable.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     panels = len(found.asked.variables) + 1
     rows = (panels + 1) // 2
@@ -65,7 +62,6 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a variable that does not exist.
     """
     if not 0 <= variable < len(found.asked.variables):
@@ -121,9 +117,6 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
     Args:
         found: the optimum of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)

@@ -45,9 +45,6 @@ def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         title: over the picture, or "".
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     shafts = found.steady.compliant
     with page(WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
@@ -71,7 +68,6 @@ def plot_torsion_response(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a shaft that is not compliant.
     """
     compliant = found.steady.compliant
@@ -156,7 +152,6 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: more orders than can be told apart.
     """
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
@@ -211,7 +206,6 @@ def plot_stability(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a joint that does not exist.
     """
     bends = np.degrees(found.torsion.system.line.bends)
