@@ -8,7 +8,7 @@ from collections.abc import Generator
 
 import pytest
 
-from cardan.app.files.ahead import read_ahead, write_behind
+from cardan.app.files.tables import read_ahead, write_behind
 
 
 def _counting(made: list[int], end: int = 5) -> Generator[int]:

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import textwrap
 import time
-from importlib import import_module
 from pathlib import Path
 
 import jsonschema
@@ -797,7 +796,7 @@ def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     def exhausted(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(import_module("cardan.app.command.stream"), "stream", exhausted)
+    monkeypatch.setattr("cardan.app.scene.recording.streaming.stream", exhausted)
     hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
     failed(run("stream", scene), hint)
 

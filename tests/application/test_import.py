@@ -15,8 +15,7 @@ import click
 import pytest
 
 import cardan
-from cardan.app.command import commands
-from cardan.app.command.commands import SUBCOMMANDS
+from cardan.app.command import SUBCOMMANDS, commands
 
 EXAMPLES = (
     next(path for path in Path(__file__).parents if (path / "examples").exists()) / "examples"
@@ -98,7 +97,6 @@ def test_the_command_says_what_it_is_without_the_library(arguments: list[str]) -
         "cardan._core",
         "cardan.app",
         "cardan.app.command",
-        "cardan.app.command.commands",
         "cardan.app.command.terminal",
     }
     assert modules.isdisjoint({"numpy", *OPTIONAL})
@@ -120,7 +118,7 @@ def test_a_scene_without_a_picture_needs_none(command: str, tmp_path: Path) -> N
     modules = loaded_by_command(command, scene)
     assert f"cardan.app.command.{command}" in modules
     assert modules.isdisjoint({"cardan.app.plots", "cardan.app.report", *OPTIONAL})
-    others = {f"cardan.app.command.{name}" for name in SUBCOMMANDS if name != command}
+    others = {f"cardan.app.command.{name}" for name in {*SUBCOMMANDS.values()} - {command}}
     assert modules.isdisjoint(others)
 
 

@@ -36,10 +36,11 @@ from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.printed import figure_text
 from cardan.app.answers.rows import rows_of
 from cardan.app.answers.study.maps import heat_map
-from cardan.app.charts.charts import chart
+from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.charts.drawing import views
-from cardan.app.charts.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
+from cardan.app.charts.samples import NOMINAL_TORQUE, evaluated
 from cardan.app.command import commands
+from cardan.app.pictures.space import pins
 from cardan.app.report import write_report
 from cardan.app.report.page import environment
 from cardan.app.scene import Scene

@@ -17,8 +17,7 @@ from cardan import Driveline
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import FRAME, chart
-from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.charts import FRAME, Curve, Panel, chart
 from cardan.app.command import commands
 from cardan.app.plots import plot_states, write_picture
 from cardan.app.report import write_report

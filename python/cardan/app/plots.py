@@ -4,7 +4,8 @@ Most ``plot_`` functions draw on the axes that they are given as ``ax`` and retu
 ``ax`` they make a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. ``plot_scene``,
 ``plot_part``, ``plot_forces``, ``plot_ball_joint``, ``plot_optimise`` and ``plot_torsion`` return
 a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in dashes as well
-as colour, so that they can be told apart in grey.
+as colour, so that they can be told apart in grey. All need matplotlib and raise an ``ImportError``
+without it.
 
 >>> import cardan.app.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -43,23 +44,21 @@ from cardan.app.answers.torsion.picture import (
     plot_torsion_response,
 )
 from cardan.app.answers.turn.picture import plot_scene, write_picture
-from cardan.app.files.pictures import SUFFIXES
-from cardan.app.pictures.bend_vectors import plot_bend_vectors
-from cardan.app.pictures.catalogue import (
+from cardan.app.files.columns import PICTURES as SUFFIXES
+from cardan.app.pictures.curves import plot_curves, plot_harmonics, plot_result
+from cardan.app.pictures.double_joint import plot_double_joint
+from cardan.app.pictures.driveline import plot_driveline, yoke_pins
+from cardan.app.pictures.sources import (
     plot_angle_error,
+    plot_bending_moments,
     plot_driven_angle,
     plot_largest_angle_error,
     plot_non_uniformity,
+    plot_small_angle,
+    plot_torque_ratio,
 )
-from cardan.app.pictures.curves import plot_curves
-from cardan.app.pictures.double_joint import plot_double_joint
-from cardan.app.pictures.driveline import plot_driveline, yoke_pins
-from cardan.app.pictures.grossmann import plot_bending_moments, plot_torque_ratio
-from cardan.app.pictures.harmonics import plot_harmonics
-from cardan.app.pictures.hodograph import plot_hodograph
-from cardan.app.pictures.result import plot_result
 from cardan.app.pictures.style import STYLE, save
-from cardan.app.pictures.thoma import plot_small_angle
+from cardan.app.pictures.vectors import plot_bend_vectors, plot_hodograph
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentValueError, nearest
 
@@ -123,7 +122,6 @@ def plot_part(scene: Scene | BallJointScene, name: str) -> Figure:
         name: the picture, such as ``"forces"``; ``cardan plot --help`` lists them.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: an unknown name, a scene that lacks what the picture shows.
     """
     known = pictures()

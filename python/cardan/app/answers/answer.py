@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.design.check import Check
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cardan.app.answers.printed import given, judged_text, lines_of, place_of, quantity, table_of
 from cardan.app.answers.rows import Entry, Judged, rows_of, worst_of
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Table
 
 if TYPE_CHECKING:
     from cardan.app.answers.answer import JudgedFigure

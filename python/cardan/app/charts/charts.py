@@ -1,17 +1,46 @@
-"""Charts as data for SVG: axes with units, curves that dashes alone tell apart, a cursor."""
+"""Charts as data for SVG: axes with units, curves that dashes alone tell apart; tables."""
 
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.charts.name_axis import NameAxis, name_axis
-from cardan.app.charts.samples import Panel
 from cardan.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line of a chart: what it is of and its values, ``(samples,)``; NaN where it has none."""
+
+    label: str
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One chart."""
+
+    heading: str  # the quantity
+    unit: str  # of its values, "" for a ratio
+    curves: tuple[Curve, ...]  # the lines
+    scale: float = 1.0  # a size beside which a billionth is rounding
+    left_out: int = 0  # how many smaller curves there would be beside them
+
+
+class Table(NamedTuple):
+    """What the macro ``table`` takes; the first cell of a row is its heading."""
+
+    caption: str  # what it is about
+    head: Sequence[str]  # heading of each column
+    rows: Sequence[Sequence[str]]  # the cells
+    prose: bool = False  # whether the last column has sentences, which break
 
 
 class _Frame(NamedTuple):
@@ -42,14 +71,10 @@ def chart(
 ) -> dict[str, Any]:
     """Return heading, ticks, curves and legend as plain data for the macro ``chart``.
 
-    Args:
-        panel: what to draw.
-        x: abscissa of the curves, ``(samples,)``.
-        x_label: what it is, with its unit.
-        first: number of the first curve, by which the script finds it to set its cursor; without
-            one the chart has no cursor.
-        named: what the samples are and the name of each, which replace ``x_label`` and the values
-            of ``x`` where they fit; the samples are then as far from each other.
+    The abscissa ``x`` is ``(samples,)``, ``first`` the number of the first curve, by which the
+    script finds it to set its cursor; without one there is no cursor. ``named`` says what the
+    samples are and the name of each; names replace ``x`` and its label where they fit, and the
+    samples are then as far from each other.
     """
     low, high, flat = _extent(panel)
     y_ticks = ticks(low, high)
@@ -94,10 +119,10 @@ def chart(
     }
 
 
-def _names(names: Sequence[str]) -> NameAxis | None:
+def _names(names: Sequence[str]) -> _NameAxis | None:
     """The names below the frame, each in the middle of its share of the axis, if they fit."""
     edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)
-    return name_axis(names, ((edges[:-1] + edges[1:]) / 2.0).tolist(), FRAME.width)
+    return _name_axis(names, ((edges[:-1] + edges[1:]) / 2.0).tolist(), FRAME.width)
 
 
 def decimals(panel: Panel) -> int:
@@ -159,3 +184,56 @@ def _degree_ticks(low: float, high: float) -> Sequence[float]:
     span = high - low
     step = next((step for step in _DEGREES if span <= 5 * step), 360 * math.ceil(span / 1800.0))
     return [float(step * i) for i in range(math.ceil(low / step), math.floor(high / step) + 1)]
+
+
+# --- names below a chart: level where they fit, else aslant, none where they are many ------------
+
+# Pixels: the font of the page's charts, what a line takes of it, and the least gap between names.
+_FONT, _LINE, _GAP = 11.0, 13.0, 7.0
+
+# Degrees by which names are tilted, the least that suffices.
+_TILTS = (0, 30, 45, 60, 90)
+
+# Letters of a name; the tables of the report have all of it.
+_LETTERS = 24
+
+
+class _NameAxis(NamedTuple):
+    """The names of an axis."""
+
+    # The names, cut if they are long. A level one has its middle at its place, a tilted one its
+    # end.
+    texts: list[str]
+    tilt: int  # degrees by which the names rise to the right
+    room: float  # pixels that they need more than level names
+
+
+def _name_axis(names: Sequence[str], places: Sequence[float], width: float) -> _NameAxis | None:
+    """Return the names below a frame, or ``None`` if they do not fit.
+
+    Each belongs at its place, from left to right and evenly spread, in pixels; all must be within
+    the width of the drawing.
+    """
+    names = [name if len(name) <= _LETTERS else f"{name[: _LETTERS - 1]}…" for name in names]
+    wide = [_text_width(name) for name in names]
+    step = min((b - a for a, b in pairwise(places)), default=math.inf)
+    for tilt in _TILTS:
+        cosine, sine = math.cos(math.radians(tilt)), math.sin(math.radians(tilt))
+        if tilt:
+            fits = step * sine >= _LINE
+            fits &= all(x - own * cosine >= 0.0 for x, own in zip(places, wide, strict=True))
+            fits &= places[-1] + _FONT * sine <= width
+            room = max(wide) * sine
+        else:
+            ends = [(x - own / 2.0, x + own / 2.0) for x, own in zip(places, wide, strict=True)]
+            fits = all(left[1] + _GAP <= right[0] for left, right in pairwise(ends))
+            fits &= ends[0][0] >= 0.0 and ends[-1][1] <= width
+            room = 0.0
+        if fits:
+            return _NameAxis(names, tilt, room)
+    return None
+
+
+def _text_width(name: str) -> float:
+    """Pixels that a name takes at most in the fonts of browsers."""
+    return _FONT * sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.62 for c in name)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-import cardan.app.charts.dimensions as dimensions
 from cardan.app.charts.samples import Samples
-from cardan.app.pictures.drawing_positions import length_text
+from cardan.app.pictures.space import length_text, right_and_up, seen_from
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 
@@ -29,6 +30,14 @@ _AXIS, _HEAD, _NAME, _FLOW, _WORDS = 50.0, 13.0, 20.0, 240.0, 18.0
 
 # Pixels from those words to the edge.
 _MARGIN = 6.0
+
+# Pixels: the font of the views, and what a letter of it takes at most.
+_FONT = 34.0
+_LETTER = 0.64 * _FONT
+
+# Pixels between texts, of the head of a dimension line, of its ends, and from the line to the
+# middle of its text.
+_GAP, _POINT, _TICK, _BELOW = 14.0, 12.0, 16.0, 28.0
 
 _DIGITS = 4
 
@@ -77,21 +86,12 @@ def _bearings(samples: Samples) -> list[tuple[int, float]]:
 def views(directions: FloatArray) -> dict[str, FloatArray]:
     """Directions to the right, down and to the viewer for each view, by its name.
 
-    In side view and top view the drive is on the left. None of them is a mirror image.
-
-    Args:
-        directions: of the shafts, ``(samples, n + 1, 3)``.
+    In side view and top view the drive is on the left. None of them is a mirror image. The
+    directions are those of the shafts, ``(samples, n + 1, 3)``.
     """
-    mean = np.mean(directions, axis=(0, 1))
-    place = int(np.argmax(np.abs(mean)))
-    right = np.zeros(3)
-    right[place] = np.copysign(1.0, mean[place])
-    up = np.eye(3)[1 if place != 1 else 2]
+    right, up = right_and_up(np.mean(directions, axis=(0, 1)))
     side = np.cross(right, up)
-    viewer = -0.55 * right + 0.5 * up + side
-    viewer /= np.linalg.norm(viewer)
-    across = np.cross(up, viewer)
-    across /= np.linalg.norm(across)
+    across, viewer = seen_from(-0.55 * right + 0.5 * up + side, up)
     names = [
         f"{'-' if axis.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(axis)))]}"
         for axis in (right, up, side)
@@ -147,12 +147,44 @@ def _dimensions(
     made = []
     if rows[0]:
         bends = [f"{bend:.3g}°" for bend in np.degrees(scene.line.bends).ravel()]
-        made += dimensions.bends(joints, bends, _ROW)
+        made += _bend_texts(joints, bends, _ROW)
     if rows[1]:
         each = scene.line.lengths().each.ravel()[1:-1]
         texts = [length_text(length, scene.length_unit) for length in each.tolist()]
-        made += dimensions.lengths(joints, texts, height - rows[1] + _LINE)
+        made += _length_lines(joints, texts, height - rows[1] + _LINE)
     return made
+
+
+def _bend_texts(joints: FloatArray, texts: list[str], y: float) -> list[dict[str, Any]]:
+    """The bends of the joints ``(n, 2)`` in a row above a view; none if one of them has no room."""
+    places = sorted(zip(joints[:, 0].tolist(), texts, strict=True))
+    ends = [(x - _half(text), x + _half(text)) for x, text in places]
+    if any(left[1] + _GAP > right[0] for left, right in pairwise(ends)):
+        return []
+    return [_dimension("", x, y, text) for x, text in places]
+
+
+def _length_lines(joints: FloatArray, texts: list[str], y: float) -> Iterator[dict[str, Any]]:
+    """A dimension line with its text for each shaft between two joints that has room for it."""
+    for (start, end), text in zip(pairwise(joints[:, 0].tolist()), texts, strict=True):
+        left, right = min(start, end), max(start, end)
+        if right - left < 2.0 * _half(text) + _GAP:
+            continue
+        path = "".join(f"M{x:.1f} {y - _TICK:.1f}V{y + _TICK:.1f}" for x in (left, right))
+        path += f"M{left:.1f} {y:.1f}H{right:.1f}"
+        over, under = y - _POINT / 3.0, y + _POINT / 3.0
+        for x, back in ((left, left + _POINT), (right, right - _POINT)):
+            path += f"M{back:.1f} {over:.1f}L{x:.1f} {y:.1f}L{back:.1f} {under:.1f}"
+        yield _dimension(path, (left + right) / 2.0, y + _BELOW, text)
+
+
+def _dimension(path: str, x: float, y: float, words: str) -> dict[str, Any]:
+    text = _text(words, np.array([x, y]), "middle")
+    return {"class": "dimension", "path": path, "texts": [text]}
+
+
+def _half(text: str) -> float:
+    return 0.5 * _LETTER * len(text)
 
 
 def _triad(axes: FloatArray, middle: float) -> list[dict[str, Any]]:
@@ -172,7 +204,7 @@ def _flow(along: FloatArray, middle: float) -> dict[str, Any]:
     """The arrow of view, from the drive towards the output."""
     along = along / np.linalg.norm(along)
     # The words at its ends stay within the strip.
-    way = along * min(_FLOW, (_STRIP - dimensions.SIZE - 2.0 * _MARGIN) / max(abs(along[1]), 1e-9))
+    way = along * min(_FLOW, (_STRIP - _FONT - 2.0 * _MARGIN) / max(abs(along[1]), 1e-9))
     centre = np.array([_WIDTH / 2.0, middle])
     foot, head = centre - way / 2.0, centre + way / 2.0
     aside = np.array([_WORDS, 0.0])

@@ -15,19 +15,12 @@ from cardan.motion.equivalent import EquivalentJoint
 
 
 class TurnMotion(NamedTuple):
-    """The extremes of a shaft's motion over a turn, ``(...)`` of a batch of drivelines.
+    """The extremes of a shaft's motion over a turn, ``(...)`` of a batch of drivelines."""
 
-    Attributes:
-        angle_error: largest magnitude in rad.
-        slowest: least speed ratio.
-        fastest: largest speed ratio.
-        acceleration: largest magnitude of the acceleration ratio.
-    """
-
-    angle_error: FloatArray
-    slowest: FloatArray
-    fastest: FloatArray
-    acceleration: FloatArray
+    angle_error: FloatArray  # largest magnitude in rad
+    slowest: FloatArray  # least speed ratio
+    fastest: FloatArray  # largest speed ratio
+    acceleration: FloatArray  # largest magnitude of the acceleration ratio
 
 
 def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:

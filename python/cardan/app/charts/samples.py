@@ -11,7 +11,9 @@ import numpy as np
 
 from cardan.app.answers.rounding import alike, first_peak
 from cardan.app.answers.turn.extremes import magnitudes, peak, shortest_arm, values_of
+from cardan.app.charts.charts import Curve, Panel
 from cardan.app.charts.motion import as_built
+from cardan.app.pictures.space import pins
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.recording.angles import Angles
 from cardan.app.scene.scene import Scene, SceneResult
@@ -41,66 +43,24 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """One line of a chart: what it is of and its values, ``(samples,)``; NaN where it has none."""
-
-    label: str
-    values: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """One chart.
-
-    Attributes:
-        heading: the quantity.
-        unit: of its values, "" for a ratio.
-        curves: the lines.
-        scale: a size beside which a billionth is rounding.
-        left_out: how many smaller curves there would be beside them.
-    """
-
-    heading: str
-    unit: str
-    curves: tuple[Curve, ...]
-    scale: float = 1.0
-    left_out: int = 0
-
-
-@dataclass(frozen=True, eq=False)
 class PeakSample:
-    """Where a quantity of a shaft or joint is largest.
+    """Where a quantity of a shaft or joint is largest."""
 
-    Attributes:
-        output: the quantity.
-        item: the shaft or joint.
-        size: magnitude, in the unit of the output.
-        at_deg: first such drive angle in degrees; ``None`` where all are alike.
-        vector: the components there, ``(3,)``; ``None`` of a scalar.
-        state: over states, the name of the one in which it is largest.
-    """
-
-    output: Output
-    item: int
-    size: float
-    at_deg: float | None
-    vector: FloatArray | None
-    state: str = ""
+    output: Output  # the quantity
+    item: int  # the shaft or joint
+    size: float  # magnitude, in the unit of the output
+    at_deg: float | None  # first such drive angle in degrees; ``None`` where all are alike
+    vector: FloatArray | None  # the components there, ``(3,)``; ``None`` of a scalar
+    state: str = ""  # over states, the name of the one in which it is largest
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """A scene evaluated for the page.
+    """A scene evaluated for the page."""
 
-    Attributes:
-        result: motion of all shafts, torques and moments at every sample.
-        nominal: whether ``NOMINAL_TORQUE`` is assumed for the load.
-        shown: which of the samples the curves and the drawing show.
-    """
-
-    result: SceneResult
-    nominal: bool
-    shown: slice
+    result: SceneResult  # motion of all shafts, torques and moments at every sample
+    nominal: bool  # whether ``NOMINAL_TORQUE`` is assumed for the load
+    shown: slice  # which of the samples the curves and the drawing show
 
     @property
     def angle_deg(self) -> FloatArray:
@@ -285,34 +245,3 @@ def _loaded_in_states(scene: Scene) -> bool:
     states = scene.states
     loads = [states.load(i) for i in range(states.count)] if states else []
     return any(load is not None and bool(np.any(load.torque)) for load in loads)
-
-
-def pins(line: Driveline, angle: FloatArray) -> FloatArray:
-    """Return unit vectors along the driving and the driven pin of every joint.
-
-    They follow from the geometry alone: a cross keeps its pins at right angles, a shaft carries
-    its output-side pin at its phase from its input-side one.
-
-    Args:
-        line: one driveline, or one per angle.
-        angle: drive angles in rad, ``(samples,)``.
-
-    Returns:
-        ``(samples, n, 2, 3)``.
-    """
-    return np.stack(list(_crosses(line, angle)), axis=1)
-
-
-def _crosses(line: Driveline, angle: FloatArray) -> Iterator[FloatArray]:
-    normal = line.normals[..., 0, :]
-    in_plane = np.cross(normal, line.directions[..., 0, :])
-    cosine, sine = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
-    driving = cosine * in_plane + sine * normal
-    for joint in range(line.n_joints):
-        along = line.directions[..., joint + 1, :]
-        driven = np.cross(along, driving)
-        driven = driven / np.linalg.norm(driven, axis=-1, keepdims=True)
-        yield np.stack([driving, driven], axis=1)
-        if joint < line.n_joints - 1:
-            phase = line.phases[..., joint, np.newaxis]
-            driving = np.cos(phase) * driven + np.sin(phase) * np.cross(along, driven)

@@ -1,4 +1,4 @@
-"""The command ``cardan``."""
+"""The command ``cardan``, and the table of its subcommands."""
 
 from __future__ import annotations
 
@@ -6,11 +6,114 @@ import io
 import signal
 import sys
 import warnings
+from contextlib import suppress
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from cardan.app.command.commands import commands
-from cardan.app.command.terminal import say
+from cardan import __version__
+from cardan.app.command.terminal import give_up_output, say
 
-__all__ = ["commands", "main"]
+if TYPE_CHECKING:
+    import click
+
+__all__ = ["SUBCOMMANDS", "commands", "main"]
+
+# The subcommands, each in one line, by the module that has their options and their help.
+_MODULES = {
+    "check": {"check": "Check a scene against the limits."},
+    "about": {
+        "explain": "Describe how a scene is evaluated.",
+        "new": "Write a scene to start from.",
+        "schema": "Print the JSON Schema of scenes.",
+    },
+    "identify": {"identify": "Find the bend in a recording."},
+    "parts": {
+        "life": "Say how long the joints last.",
+        "tolerances": "Say how much tolerances matter.",
+        "torsion": "Find resonances of the shafts.",
+    },
+    "optimise": {"optimise": "Find the best values of a scene."},
+    "phase": {"phase": "Say how to set the yokes."},
+    "draw": {"plot": "Draw a scene.", "report": "Write a page to share."},
+    "run": {"run": "Evaluate a scene."},
+    "stream": {"stream": "Evaluate a recording of any length."},
+}
+
+SUBCOMMANDS = {name: module for module, names in _MODULES.items() for name in names}
+"""The module of each subcommand, in which it is a function of its name."""
+
+
+def commands() -> click.Group:
+    """Return the command with its subcommands."""
+    import click
+
+    class OneLine(click.Group):
+        """A group that imports a subcommand when it is run, and reports every error in one line."""
+
+        def resolve_command(
+            self, context: click.Context, args: list[str]
+        ) -> tuple[str | None, click.Command | None, list[str]]:
+            name, listed, rest = super().resolve_command(context, args)
+            if listed:
+                module = import_module(f"cardan.app.command.{SUBCOMMANDS[str(listed.name)]}")
+                listed = getattr(module, str(listed.name))
+            return name, listed, rest
+
+        def main(self, *args: Any, **extra: Any) -> Any:  # noqa: ANN401 - as click has it
+            try:
+                status = super().main(*args, **{**extra, "standalone_mode": False})
+                sys.stdout.flush()
+            except click.Abort:
+                sys.exit(130)
+            except click.ClickException as error:
+                message = error.format_message()
+            except SystemExit as ended:
+                # So click ends where whoever reads has stopped, as in "cardan schema | head"; its 1
+                # would say that a check had failed. What it completed for a shell ends with 0.
+                if ended.code and hasattr(signal, "SIGPIPE"):
+                    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+                    signal.raise_signal(signal.SIGPIPE)
+                raise
+            except OSError as error:
+                if error.filename is None:
+                    give_up_output()
+                message = f"{error.filename or 'output'}: {error.strerror or error}"
+            except MemoryError:
+                message = "not enough memory; fewer samples or a smaller study need less"
+            except (ValueError, ImportError) as error:
+                message = str(error)
+            else:
+                sys.exit(status or 0)
+            with suppress(BrokenPipeError):
+                say(f"cardan: {' '.join(message.split())}", on_error=True)
+            sys.exit(2)
+
+    @click.group(cls=OneLine, invoke_without_command=True)
+    @click.version_option(__version__, prog_name="cardan", message="%(prog)s %(version)s")
+    @click.pass_context
+    def cardan(context: click.Context) -> None:
+        """Motion, loads and life of universal joints and drivelines.
+
+        A short TOML file, a scene, describes a driveline, its load and the results you want. Start
+        with one that is ready to run:
+
+        \b
+          cardan new z-shaft shaft.toml
+          cardan run shaft.toml
+          cardan check shaft.toml
+
+        "cardan run --help" lists all keys of a scene. "cardan COMMAND --help" shows more examples.
+
+        Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid
+        input (one line says what is wrong), 130 for an interrupt.
+        """
+        if context.invoked_subcommand is None:
+            click.echo(context.get_help())
+
+    for names in _MODULES.values():
+        for name, meaning in names.items():
+            cardan.add_command(click.Command(name, short_help=meaning))
+    return cardan
 
 
 def main() -> None:

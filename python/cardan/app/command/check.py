@@ -22,7 +22,7 @@ from cardan.app.scene.scene import Scene
 @click.command()
 @scene_argument
 @json_option
-def command(scene: Path, as_json: bool) -> int:
+def check(scene: Path, as_json: bool) -> int:
     """Compare a scene with the limits of driveshaft catalogues and of practice.
 
     By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section

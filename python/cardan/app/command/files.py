@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cardan.app.command.terminal import progress_bar
-from cardan.app.files import pictures
+from cardan.app.files import columns
 from cardan.app.files.whole_file import check_writable
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.scene import BallJointScene, Scene, SceneResult
@@ -130,7 +130,7 @@ def check_output(scene: Scene | BallJointScene, path: Path) -> None:
 def check_picture(path: Path) -> None:
     """Refuse a file that cannot be written, and a picture without what draws it."""
     check_writable(path)
-    if path.suffix in pictures.SUFFIXES:
+    if path.suffix in columns.PICTURES:
         from cardan.app.pictures.style import matplotlib
 
         matplotlib()

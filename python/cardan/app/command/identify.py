@@ -23,7 +23,7 @@ from cardan.app.command.terminal import as_json_text, say
     help="Angles in the file and in the answer; by default in degrees.",
 )
 @json_option
-def command(
+def identify(
     file: Path,
     drive: str,
     driven: str | None,

@@ -28,7 +28,7 @@ from cardan.app.scene.scene import Scene
     "Also draw the quantity over each variable and each state, before and after.",
 )
 @json_option
-def command(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
+def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
     """Find the best values of what a scene lets change, over all its states.
 
     The section [optimise] names the keys that may change, how far, what to minimise and which

@@ -16,7 +16,7 @@ from cardan.app.scene.scene import Scene
 @click.command()
 @scene_argument
 @json_option
-def command(scene: Path, as_json: bool) -> None:
+def phase(scene: Path, as_json: bool) -> None:
     """Say how to set the yokes so that the last shaft turns as evenly as possible.
 
     Each setting is an angle and a sense, looking from the drive towards the output. If the scene

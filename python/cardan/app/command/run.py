@@ -63,7 +63,7 @@ SCENE is a TOML file with these sections and keys:
 )
 @units_option
 @json_option
-def command(
+def run(
     scene: Path,
     into: Path,
     local: int | None,

@@ -12,14 +12,14 @@ from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_
 from cardan.app.command.files import missing_samples
 from cardan.app.command.options import into_option, scene_argument, units_option
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.scene.recording.streaming import stream
+from cardan.app.scene.recording import streaming
 
 
 @click.command()
 @scene_argument
 @into_option
 @units_option
-def command(scene: Path, into: Path, radians: bool) -> None:
+def stream(scene: Path, into: Path, radians: bool) -> None:
     """Evaluate a recording of any length, in chunks that fit in memory.
 
     The scene needs a section [angles], and curves that end in .parquet. Only the curves are
@@ -32,7 +32,7 @@ def command(scene: Path, into: Path, radians: bool) -> None:
     begun = time.perf_counter()
     try:
         with progress_bar("rows") as progress:
-            done = stream(scene, into, radians=radians, progress=progress)
+            done = streaming.stream(scene, into, radians=radians, progress=progress)
     except MemoryError:
         # It takes the angles by chunks already.
         hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"

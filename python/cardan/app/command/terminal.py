@@ -6,38 +6,18 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cardan.app.files.progress import Progress
+    from cardan.app.files.whole_file import Progress
 
 
 def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data
     """Return plain data as JSON, of which no character moves the cursor of a terminal."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     return _UNSAFE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def say_answer(
-    title: str,
-    text: Callable[[], str],
-    data: Callable[[], Any],
-    picture: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    """Print the answer to a scene as JSON, or as text under its title and before its picture."""
-    if as_json:
-        say(as_json_text(data()))
-        return
-    if title:
-        say(f"{title}\n")
-    say(text())
-    if picture is not None:
-        say(f"\nwrote {picture}")
 
 
 # Control characters, and those that turn the direction of writing: a title with them could clear a
@@ -73,12 +53,7 @@ def progress_bar(label: str = "study") -> Iterator[Progress | None]:
 
 
 def say(text: str = "", *, on_error: bool = False) -> None:
-    """Print a text without control characters; everything with text of the user goes through here.
-
-    Args:
-        text: what to print.
-        on_error: whether on standard error.
-    """
+    """Print a text without control characters; all text of the user goes through here."""
     import click
 
     click.echo(printable(text), err=on_error)

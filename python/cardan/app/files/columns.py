@@ -1,4 +1,4 @@
-"""Columns of numbers into CSV, NPZ and Parquet files, each whole or not there at all."""
+"""The formats of files that are written; columns of numbers into CSV, NPZ and Parquet files."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from cardan.app.files.progress import Progress
-from cardan.app.files.whole_file import whole_file
+from cardan.app.files.whole_file import Progress, whole_file
 from cardan.arrays import FloatArray
 
 
@@ -22,12 +21,8 @@ def write_columns(
 ) -> int:
     """Write arrays of equal size in the format of the path's suffix; return the number of rows.
 
-    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows.
-
-    Raises:
-        ImportError: Parquet without pyarrow.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
+    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows. A
+    file that cannot be written whole leaves nothing behind.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
@@ -90,3 +85,10 @@ SUFFIXES: Mapping[str, _Writer] = {
     ".parquet": _write_parquet,
 }
 """Formats of a file of curves or a study, by suffix."""
+
+PICTURES: Mapping[str, dict[str, Any]] = {
+    ".svg": {"Date": None},
+    ".png": {},
+    ".pdf": {"CreationDate": None},
+}
+"""Formats of a picture file, by suffix, and metadata: what differs from run to run is left out."""

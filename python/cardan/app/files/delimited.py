@@ -29,16 +29,9 @@ def read_csv(
 ) -> Iterator[tuple[list[FloatArray], int]]:
     """Yield columns of a CSV file and the number of all rows; an empty cell is NaN.
 
-    Args:
-        path: the file.
-        names: the columns wanted.
-        rows: largest number of rows at a time, of which some 4000 are read together; ``None`` for
-            all. The number of all rows is then that of the lines until the last piece.
-
-    Raises:
-        OSError: the file cannot be read.
-        ValueError: a column that is missing, a cell that is no number, a row that does not fit the
-            header, a file that is not a table.
+    At most ``rows`` come at a time, some 4000 read together, or all. The number of all rows is then
+    that of the lines until the last piece. A ``ValueError`` says which column is missing, which
+    cell is no number or which row does not fit the header.
     """
     lines = 0 if rows is None else _lines(path)
     held: list[list[FloatArray]] = []

@@ -11,8 +11,7 @@ _MOST = 300
 def place_of_column(name: str, columns: Sequence[str]) -> int:
     """Return the place of a column.
 
-    Raises:
-        ValueError: none or more than one of that name; the nearest ones are named.
+    A ``ValueError`` names the nearest of a name that is missing or not the only one.
     """
     if name not in columns:
         raise ValueError(f"no column {name!r}{_meant(name, columns)}; {_listed(name, columns)}")

@@ -33,19 +33,10 @@ def read_mdf(
     """Yield channels of an MDF file as columns, and the number of all rows; invalid ones are NaN.
 
     The channels are those of one channel group, whose master channel, the time, is a column like
-    the others. With a raster they may belong to any groups and are interpolated linearly.
-
-    Args:
-        path: the file, of version 3 or 4.
-        names: the channels wanted.
-        rows: largest number of rows at a time; ``None`` for all.
-        raster_s: interpolate at steps of so many seconds, while all of the channels are recorded.
-
-    Raises:
-        ImportError: asammdf is missing.
-        OSError: the file cannot be read.
-        ValueError: channels that are missing, not of numbers or of several groups without a raster,
-            a damaged file.
+    the others. With a raster they may belong to any groups and are interpolated linearly. At most
+    ``rows`` come at a time, or all; ``raster_s`` are the steps of a raster, while all of the
+    channels are recorded. A ``ValueError`` tells channels that are missing, not of numbers or of
+    several groups without a raster, and a damaged file.
     """
     with _opened(path) as file:
         groups = _groups(file, names)

@@ -26,15 +26,9 @@ def plain_blocks(
 
     Numbers are plain if PyArrow reads them as Python does: digits, a decimal point, an exponent,
     ``nan`` or nothing, without quotes and one per column of the header. What is left is for whoever
-    knows what is wrong with it. Without PyArrow, and of small files, nothing is plain.
-
-    Args:
-        path: a CSV file.
-        names: the columns wanted.
-        rows: largest number of rows at a time; ``None`` for as many as are read together.
-
-    Returns:
-        how many rows were read, and whether that is all.
+    knows what is wrong with it. Without PyArrow, and of small files, nothing is plain. At most
+    ``rows`` come at a time, or as many as are read together. Return how many rows were read, and
+    whether that is all.
     """
     done = 0
     if os.path.getsize(path) < _LARGE:

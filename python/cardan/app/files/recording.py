@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import os
+import zipfile
+import zlib
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -53,17 +55,11 @@ def read_columns(
 
 
 class Chunk(NamedTuple):
-    """Some rows of columns.
+    """Some rows of columns."""
 
-    Attributes:
-        first: the first of the rows, counted from 0.
-        columns: the columns.
-        total: the number of all rows; of a CSV file that of its lines until the last chunk.
-    """
-
-    first: int
-    columns: list[FloatArray]
-    total: int
+    first: int  # the first of the rows, counted from 0
+    columns: list[FloatArray]  # the columns
+    total: int  # the number of all rows; of a CSV file that of its lines until the last chunk
 
 
 def read_chunks(
@@ -75,18 +71,8 @@ def read_chunks(
     """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 
     Memory is that of a chunk, however long the file is; except for NPZ files, and MDF files with a
-    raster, of which the columns must fit in memory.
-
-    Args:
-        path: the file; its suffix names the format.
-        names: the columns wanted.
-        rows: largest number of rows at a time; ``None`` for all at once.
-        raster_s: as ``read_columns`` takes it.
-
-    Raises:
-        ImportError: as for ``read_columns``.
-        OSError: the file cannot be read.
-        ValueError: as for ``read_columns``.
+    raster, of which the columns must fit in memory. At most ``rows`` come at a time, or all. Errors
+    are those of ``read_columns``.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
@@ -204,10 +190,54 @@ def _of_arrow(table: Any, names: Sequence[str]) -> _Columns:  # noqa: ANN401 - o
     return columns
 
 
-def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
-    from cardan.app.files.npz import read_npz
+# A RuntimeError is a flag of the archive that asks for what it does not have, as a password.
+_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError)
 
-    return read_npz(path, names, rows)
+
+def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
+    with open(path, "rb") as source:
+        try:
+            _check_archive(source)
+            with np.load(source, allow_pickle=False) as file:
+                for name in names:
+                    place_of_column(name, file.files)
+                read = [_array(file, name) for name in names]
+        except _DAMAGED as error:
+            raise ValueError(f"not a readable NPZ file: {error}") from None
+    for name, column in zip(names, read, strict=True):
+        if column.ndim != 1 or column.dtype.kind not in "fiu":
+            raise ValueError(
+                f"column {name!r} has shape {column.shape} and dtype {column.dtype}; "
+                "it must hold numbers in one dimension"
+            )
+    total = max(map(len, read))
+    step = rows or max(1, total)
+    for first in range(0, max(1, total), step):
+        part = slice(first, first + step)
+        yield [column[part].astype(np.float64) for column in read], total
+
+
+def _check_archive(source: IO[bytes]) -> None:
+    """Refuse what is no archive of arrays before NumPy takes it for a pickle."""
+    if source.read(6) == b"\x93NUMPY":
+        raise ValueError("one array without a name; a column needs one, as np.savez gives it")
+    if not zipfile.is_zipfile(source):
+        raise ValueError("not a readable NPZ file; np.savez writes one")
+    with zipfile.ZipFile(source) as archive:
+        # Whatever else an archive holds is none of a message's business.
+        if not all(name.endswith(".npy") for name in archive.namelist()):
+            raise ValueError("a ZIP file, but not one of arrays; np.savez writes one")
+    source.seek(0)
+
+
+def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and an array of it
+    try:
+        return file[name]
+    except _DAMAGED:
+        raise
+    except ValueError:
+        # NumPy would advise to read pickles, which may run anything.
+        raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
 
 
 def _mdf(

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from itertools import chain
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from numpy.typing import NDArray
 
-from cardan.app.files.ahead import read_ahead, write_behind
-from cardan.app.files.progress import Progress
 from cardan.app.files.recording import read_chunks
-from cardan.app.files.whole_file import whole_file
+from cardan.app.files.whole_file import Progress, whole_file
 from cardan.arrays import import_optional
 from cardan.evaluation.result import Result
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 ROWS = 1 << 18
 """Rows of a chunk: enough to keep all threads busy, and few enough for the caches."""
@@ -88,3 +89,51 @@ def write_pieces(
             if progress:
                 progress(done, total)
     return done
+
+
+# --- a second thread that reads ahead and writes behind, in bounded memory ------------------------
+
+_Item = TypeVar("_Item")
+
+
+def read_ahead(items: Generator[_Item]) -> Generator[_Item]:
+    """Yield the items of a generator, while a second thread makes the next one.
+
+    One item at most is ready ahead. The generator is closed with this one.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    # After the thread has ended, because a generator that runs cannot be closed.
+    with closing(items), ThreadPoolExecutor(1, "cardan-read") as thread:
+        coming = thread.submit(_next, items)
+        while item := coming.result():
+            coming = thread.submit(_next, items)
+            yield item[0]
+
+
+def _next(items: Generator[_Item]) -> tuple[_Item] | None:
+    for item in items:
+        return (item,)
+    return None
+
+
+def write_behind(write: Callable[[_Item], None], items: Iterable[_Item]) -> Generator[_Item]:
+    """Yield the items that are written, which a second thread does while the next one is made.
+
+    One item at most is being written. Close the generator to wait for it.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1, "cardan-write") as thread:
+        writing: tuple[Future[None], _Item] | None = None
+        for item in items:
+            if writing:
+                yield _written(*writing)
+            writing = thread.submit(write, item), item
+        if writing:
+            yield _written(*writing)
+
+
+def _written(writing: Future[None], item: _Item) -> _Item:
+    writing.result()
+    return item

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and how long work reports how far it is."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ import errno
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
 from typing import IO
 
+Progress = Callable[[int, int], None]
+"""Takes the number of rows done and of all rows."""
+
 
 def check_writable(path: str | PathLike[str]) -> None:
-    """Refuse a file that could not be written, before the work for it is done.
-
-    Raises:
-        OSError: the folder takes no file, or the path is a folder; nothing is left behind.
-    """
+    """Refuse a file that could not be written, before the work for it is done."""
     with contextlib.suppress(_Tried), whole_file(path):
         raise _Tried
 
@@ -35,9 +34,6 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     interrupts that, an exception, Ctrl-C or a full disk, leaves nothing behind, and an earlier file
     of the name untouched. What a process left that was killed is removed when the same file is
     written again. A link stays one; a folder, device or pipe is refused.
-
-    Raises:
-        OSError: the file cannot be written; the error names ``path``.
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():

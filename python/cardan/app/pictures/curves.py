@@ -1,25 +1,37 @@
-"""One quantity over the turn, of a driveline or of several to compare."""
+"""Quantities over the turn and by order, of a driveline, of several or of a result."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import cardan.app.answers.turn.panel as panel
-from cardan.app.pictures.style import drawing, legend_above
+from cardan.app.pictures.style import (
+    LINES,
+    MM,
+    STYLE,
+    WIDTH,
+    drawing,
+    finish,
+    legend_above,
+    matplotlib,
+)
 from cardan.arrays import as_float64
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.evaluation.outputs import OUTPUTS, checked
+from cardan.evaluation.outputs import OUTPUTS, Output, checked
+from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def plot_curves(
@@ -55,7 +67,6 @@ def plot_curves(
         the axes, with angles in degrees.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a shaft, joint or bearing that does not exist.
         ValueError: an unknown output, a load that is missing, a batch of more dimensions or of
             vectors, labels that do not fit, more curves than can be told apart.
@@ -84,8 +95,144 @@ def plot_curves(
     names = panel.names(line, labels, "xyz" if what.vector else None)
     with drawing(ax) as axes:
         panel.draw(axes, np.degrees(turn), zip(names, rows, strict=True))
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel(f"{what.label}\n{what.per} {item}{unit}")
-        if axes.get_legend_handles_labels()[1]:
+        finish(axes, "drive angle [deg]", f"{what.label}\n{what.per} {item}{unit}")
+    return axes
+
+
+def plot_harmonics(
+    line: Driveline,
+    quantity: Literal["angle_error", "speed_ratio"] = "angle_error",
+    *,
+    orders: ArrayLike = (2, 4, 6, 8),
+    shaft: int = -1,
+    labels: Sequence[str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the amplitudes of a shaft's motion over the order, on a logarithmic scale.
+
+    A batch ``(m,)`` is drawn side by side. Amplitudes of 0 stay out.
+
+    Args:
+        line: one driveline or a batch of one dimension.
+        quantity: which motion.
+        orders: multiples of the drive's speed; odd ones have no amplitude.
+        shaft: index of the shaft, by default the last.
+        labels: what to call the drivelines of a batch.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        IndexError: a shaft that does not exist.
+        ValueError: an unknown quantity, an order below 1, a batch of more dimensions or more than
+            can be told apart, labels that do not fit.
+    """
+    if quantity not in ("angle_error", "speed_ratio"):
+        raise ArgumentValueError("quantity", f"is {quantity!r}; known are angle_error, speed_ratio")
+    if len(line.shape) > 1:
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; a picture shows a batch of one dimension"
+        )
+    item = item_index("shaft", shaft, line.n_joints + 1)
+    found = line.harmonics(orders, shaft)
+    amplitudes, unit = panel.in_unit(OUTPUTS[quantity], np.atleast_2d(getattr(found, quantity)))
+    names = panel.names(line, labels)
+    with drawing(ax, height_mm=45.0) as axes:
+        curves = list(zip(names, amplitudes, strict=True))
+        width = 0.8 * _least_step(found.orders)
+        panel.draw_stems(axes, np.asarray(found.orders, np.float64), curves, width)
+        if np.any(amplitudes > 0.0):
+            least = float(np.min(amplitudes[amplitudes > 0.0]))
+            axes.set_yscale("log")
+            axes.set_ylim(10.0 ** math.floor(math.log10(least) - 0.1), None)
+        axes.set_xticks(found.orders)
+        axes.set_xlabel("order of the drive's rotation")
+        axes.set_ylabel(f"{quantity.replace('_', ' ')}\nshaft {item}{unit}")
+        axes.grid(visible=True, axis="y")
+        if any(names):
             legend_above(axes)
     return axes
+
+
+def _least_step(orders: NDArray[np.int64]) -> float:
+    return float(np.min(np.diff(np.unique(orders)), initial=2))
+
+
+_PANEL, _FRAME = 32.0 * MM, 10.0 * MM
+
+
+def plot_result(result: Result) -> Figure:
+    """Draw every output of a result over the drive angle, one panel per output.
+
+    A panel has one curve per shaft, joint or bearing, driveline and component.
+
+    Args:
+        result: one that ``Driveline.evaluate`` has returned, over a row of angles.
+
+    Returns:
+        a figure of pyplot, 80 mm wide, with angles in degrees.
+
+    Raises:
+        ValueError: a result without a row of drive angles, more curves than can be told apart.
+    """
+    result = result.compute()
+    angle = np.asarray(result.drive_angle)
+    assert result._labels is not None  # drive_angle has raised without labels
+    if angle.ndim != 1 or result._labels[3] is not None:
+        raise ArgumentValueError(
+            "result", "is not over a row of drive angles; a curve needs (samples,) of them"
+        )
+    if result.units["drive_angle"] == "rad":
+        angle = np.degrees(angle)
+    curves = {name: _curves(result, OUTPUTS[name], len(angle)) for name in result}
+    with matplotlib().rc_context(STYLE):
+        from matplotlib import pyplot
+
+        height = _FRAME + _PANEL * len(curves)
+        figure, rows = pyplot.subplots(
+            len(curves),
+            figsize=(WIDTH * MM, height),
+            layout="constrained",
+            sharex=True,
+            squeeze=False,
+        )
+        for axes, (name, (labels, values)) in zip(rows[:, 0], curves.items(), strict=True):
+            output, unit = OUTPUTS[name], result.units[name]
+            if unit == "rad":
+                values, unit = np.degrees(values), "deg"
+            panel.draw(axes, angle, zip(labels, values, strict=True))
+            axes.set_ylabel(output.label + ("" if unit == "1" else f"\n[{unit}]"))
+            if len(labels) > 1:
+                legend_above(axes)
+        rows[-1, 0].set_xlabel("drive angle [deg]")
+    return figure
+
+
+def _curves(result: Result, output: Output, samples: int) -> tuple[list[str], NDArray[Any]]:
+    """Labels and values of the curves of one output, ``(curves, samples)``."""
+    assert result._labels is not None
+    shafts, joints, *_ = result._labels
+    items = {"shaft": shafts, "joint": joints, "bearing": result._bearings}[output.per]
+    array = np.asarray(result[output.name])
+    parts = [f"{output.per} {item}" for item in np.atleast_1d(items)]
+    components = ["x", "y", "z"] if output.vector else [""]
+    per_item = array.reshape(len(parts), -1, samples, len(components))
+    lines = [f"driveline {i}" for i in range(per_item.shape[1])]
+    lines = lines if len(lines) > 1 else [""]
+    labels = [
+        ", ".join(filter(None, (part, line, component)))
+        for part in parts
+        for line in lines
+        for component in components
+    ]
+    if len(labels) > len(LINES):
+        # The bearings are evaluated all or not at all.
+        fewer = (
+            "draw each bearing with cardan.plots.plot_curves"
+            if output.per == "bearing"
+            else "evaluate fewer shafts, joints or drivelines"
+        )
+        raise ArgumentValueError(
+            "result",
+            f"has {len(labels)} curves of {output.name}; a picture shows at most {len(LINES)} "
+            f"that can be told apart, so {fewer}",
+        )
+    return labels, np.moveaxis(per_item, 3, 2).reshape(len(labels), samples)

@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cardan.app.pictures.style import degree_ticks, drawing, legend_above, line_style, value_ticks
+from cardan.app.pictures.style import (
+    drawing,
+    finish,
+    line_style,
+)
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
@@ -34,7 +38,6 @@ def plot_double_joint(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: as for ``Driveline.from_double_joint``.
     """
     total = np.linspace(0.0, largest_deg, _STEPS + 1)
@@ -53,10 +56,5 @@ def plot_double_joint(
             axes.plot(drawn, bend, label=label, **line_style(i))
         axes.set_xlim(0.0, largest_deg)
         axes.set_ylim(0.0, None)
-        axes.set_xlabel("total bend [deg]")
-        axes.set_ylabel("equivalent bend [deg]")
-        degree_ticks(axes.xaxis, 0.0, largest_deg)
-        value_ticks(axes.yaxis)
-        axes.grid(visible=True)
-        legend_above(axes)
+        finish(axes, "total bend [deg]", "equivalent bend [deg]")
     return axes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -10,10 +9,19 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.pictures.drawing_positions import bearing_places, length_text, shaft_lengths
 from cardan.app.pictures.labels import PlacedLabels
-from cardan.app.pictures.space import DEPTH, View, tube, wedge, yoke
-from cardan.app.pictures.style import THIN, drawing, legend_above, number
+from cardan.app.pictures.space import (
+    DEPTH,
+    View,
+    bearing_places,
+    length_text,
+    pins,
+    shaft_lengths,
+    tube,
+    wedge,
+    yoke,
+)
+from cardan.app.pictures.style import THIN, check_single, drawing, legend_above, number
 from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
@@ -52,17 +60,9 @@ def yoke_pins(line: Driveline, angle: float = 0.0) -> FloatArray:
     Raises:
         ValueError: a batch.
     """
-    _single(line)
-    first = line.normals[0]
-    pin = math.cos(angle) * np.cross(first, line.directions[0]) + math.sin(angle) * first
-    pins = []
-    for along, phase in zip(line.directions[1:], (*line.phases, 0.0), strict=True):
-        # The cross keeps the pins perpendicular, and the driven one is so to its shaft.
-        driven = np.cross(along, pin)
-        driven /= np.linalg.norm(driven)
-        pins.append((pin, driven))
-        pin = math.cos(phase) * driven + math.sin(phase) * np.cross(along, driven)
-    return np.array(pins)
+    check_single(line)
+    found: FloatArray = pins(line, np.array([angle]))[0]
+    return found
 
 
 def plot_driveline(
@@ -91,10 +91,9 @@ def plot_driveline(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
-    _single(line)
+    check_single(line)
     if length_unit not in (None, *get_args(LengthUnit)):
         raise ArgumentValueError("length_unit", f"is {length_unit!r}; it must be 'mm' or 'm'")
     places = _places(line, points)
@@ -107,31 +106,18 @@ def plot_driveline(
 
 @dataclass
 class _Sketch:
-    """A drawing on its way.
+    """A drawing on its way."""
 
-    Attributes:
-        axes: where, of ``box`` points.
-        line: what.
-        places: its ends and joint centres, ``(n + 2, 3)``.
-        bearings: where its bearings are, ``(b, 3)``.
-        view: from where it is seen.
-        size: half the span of its yokes.
-        scale: points per unit of length.
-        corner: what lies in the lower left corner, ``(2,)``.
-        box: width and height of the axes in points.
-        drawn: what no label may cover.
-    """
-
-    axes: Axes
-    line: Driveline
-    places: FloatArray
-    bearings: FloatArray
-    view: View
-    size: float
-    scale: float
-    corner: FloatArray
-    box: tuple[float, float]
-    drawn: list[FloatArray]
+    axes: Axes  # where, of ``box`` points
+    line: Driveline  # what
+    places: FloatArray  # its ends and joint centres, ``(n + 2, 3)``
+    bearings: FloatArray  # where its bearings are, ``(b, 3)``
+    view: View  # from where it is seen
+    size: float  # half the span of its yokes
+    scale: float  # points per unit of length
+    corner: FloatArray  # what lies in the lower left corner, ``(2,)``
+    box: tuple[float, float]  # width and height of the axes in points
+    drawn: list[FloatArray]  # what no label may cover
 
     @classmethod
     def begin(cls, axes: Axes, line: Driveline, places: FloatArray) -> _Sketch:
@@ -232,10 +218,10 @@ class _Sketch:
             # For the legend, which needs no yoke of a driveline that is too small to be seen.
             self.axes.plot([], [], linewidth=_ARM - side, label=name, **_YOKES[side], **_rim(_ARM))
         pieces: list[tuple[FloatArray, dict[str, Any]]] = []
-        for joint, pins in enumerate(yoke_pins(self.line, angle)):
+        for joint, both in enumerate(yoke_pins(self.line, angle)):
             centre = self.places[joint + 1]
             towards = (-self.line.directions[joint], self.line.directions[joint + 1])
-            for side, pin in enumerate(pins):
+            for side, pin in enumerate(both):
                 arms = yoke(centre, pin, towards[side], self.size)
                 style = {"linewidth": width, "label": f"_{_SIDES[side]} {joint}", **_rim(width)}
                 # Cut at its base, so that its arms lie on either side of the cross.
@@ -389,10 +375,3 @@ def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
             "points", f"and [{shaft + 1}] do not lie along shaft {shaft}", (shaft,)
         )
     return places
-
-
-def _single(line: Driveline) -> None:
-    if line.shape:
-        raise ArgumentValueError(
-            "line", f"has shape {line.shape}; this picture shows one driveline"
-        )

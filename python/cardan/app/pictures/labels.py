@@ -23,30 +23,18 @@ _LINE = 1.25  # height of a line over the size of its font
 
 @dataclass
 class PlacedLabels:
-    """What is taken of a drawing, in points from its lower left corner.
+    """What is taken of a drawing, in points from its lower left corner."""
 
-    Attributes:
-        axes: where to write.
-        size: width and height of the axes.
-        drawn: what no label may cover, ``(n, 2)``.
-        boxes: the labels that are placed.
-    """
-
-    axes: Axes
-    size: tuple[float, float]
-    drawn: FloatArray
-    boxes: list[Bounds] = field(default_factory=list)
+    axes: Axes  # where to write
+    size: tuple[float, float]  # width and height of the axes
+    drawn: FloatArray  # what no label may cover, ``(n, 2)``
+    boxes: list[Bounds] = field(default_factory=list)  # the labels that are placed
 
     def beside(self, anchor: FloatArray, text: str, away: float, *, above: bool) -> bool:
         """Write above or below a point, and return whether there is room for it.
 
-        A label that must go far gets a line to its point.
-
-        Args:
-            anchor: the point.
-            text: lines of text.
-            away: least distance from the point.
-            above: which side to try first.
+        A label that must go far gets a line to its point. A distance of at least ``away`` stays
+        free; the side ``above`` is tried first.
         """
         width, height = self._measure(text)
         places = sorted(

@@ -1,4 +1,4 @@
-"""The driveline in space as points to draw: a view, tubes, yokes and wedges of bend."""
+"""The driveline in space as points to draw: places, a view, tubes, yokes and wedges of bend."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
 
 _STEPS = 24
 DEPTH = 1.3
@@ -17,15 +19,79 @@ _LITTLE = 0.3
 _TUBE = 0.34  # radius over half the span of a yoke
 
 
+def shaft_lengths(line: Driveline) -> FloatArray:
+    """Return the length of every shaft of one driveline, ``(n + 1,)``; all are 1 if not known."""
+    lengths = line._geometry.lengths
+    return lengths if lengths.shape[-1] else np.ones(line.n_joints + 1)
+
+
+def length_text(length: float, unit: LengthUnit) -> str:
+    """Return a length in m as a drawing gives it, to four digits.
+
+    >>> length_text(1.30019, "mm"), length_text(12.3456, "m")
+    ('1300 mm', '12.35 m')
+    """
+    value = {"mm": 1e3, "m": 1.0}[unit] * length
+    return f"{float(f'{value:.4g}'):.10g} {unit}"
+
+
+def bearing_places(line: Driveline, points: FloatArray) -> FloatArray:
+    """Return the bearings of a driveline that is drawn at these points, ``(..., b, 3)``.
+
+    A bearing keeps its share of the length of its shaft. Ends and joint centres are ``(..., n + 2,
+    3)``, in any unit.
+    """
+    lengths = shaft_lengths(line)
+    places = np.empty((*points.shape[:-2], line.n_bearings, 3))
+    for bearing, (shaft, position) in enumerate(line.bearings):
+        first, last = points[..., shaft, :], points[..., shaft + 1, :]
+        places[..., bearing, :] = first + position / lengths[shaft] * (last - first)
+    return places
+
+
+def pins(line: Driveline, angle: FloatArray) -> FloatArray:
+    """Return unit vectors along the driving and the driven pin of every joint.
+
+    They follow from the geometry alone: a cross keeps its pins at right angles, a shaft carries
+    its output-side pin at its phase from its input-side one. Drive angles are in rad,
+    ``(samples,)``, of one driveline or of one per angle; the pins are ``(samples, n, 2, 3)``.
+    """
+    normal = line.normals[..., 0, :]
+    in_plane = np.cross(normal, line.directions[..., 0, :])
+    cosine, sine = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    driving = cosine * in_plane + sine * normal
+    found = []
+    for joint in range(line.n_joints):
+        along = line.directions[..., joint + 1, :]
+        driven = np.cross(along, driving)
+        driven = driven / np.linalg.norm(driven, axis=-1, keepdims=True)
+        found.append(np.stack([driving, driven], axis=1))
+        if joint < line.n_joints - 1:
+            phase = line.phases[..., joint, np.newaxis]
+            driving = np.cos(phase) * driven + np.sin(phase) * np.cross(along, driven)
+    return np.stack(found, axis=1)
+
+
+def right_and_up(mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the axis that shafts follow most, and upwards: y, if it is not that axis."""
+    place = int(np.argmax(np.abs(mean)))
+    right = np.zeros(3)
+    right[place] = math.copysign(1.0, mean[place])
+    return right, np.eye(3)[1 if place != 1 else 2]
+
+
+def seen_from(viewer: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return unit vectors to the right of a picture and to its viewer."""
+    viewer = viewer / np.linalg.norm(viewer)
+    across = np.cross(up, viewer)
+    return across / np.linalg.norm(across), viewer
+
+
 @dataclass(frozen=True)
 class View:
-    """A parallel projection: everything has one scale, whatever its depth.
+    """A parallel projection: everything has one scale, whatever its depth."""
 
-    Attributes:
-        axes: unit vectors to the right, upwards and to the viewer, ``(3, 3)``.
-    """
-
-    axes: FloatArray
+    axes: FloatArray  # unit vectors to the right, upwards and to the viewer, ``(3, 3)``
 
     @classmethod
     def of(cls, directions: FloatArray) -> View:
@@ -36,14 +102,8 @@ class View:
         mean = np.mean(directions, axis=0)
         # Shafts that turn back on themselves have no direction in the mean.
         mean = mean if np.linalg.norm(mean) > _LITTLE else directions[0]
-        place = int(np.argmax(np.abs(mean)))
-        right = np.zeros(3)
-        right[place] = math.copysign(1.0, mean[place])
-        up = np.eye(3)[1 if place != 1 else 2]
-        viewer = -0.5 * right + 0.35 * up + np.cross(right, up)
-        viewer /= np.linalg.norm(viewer)
-        across = np.cross(up, viewer)
-        across /= np.linalg.norm(across)
+        right, up = right_and_up(mean)
+        across, viewer = seen_from(-0.5 * right + 0.35 * up + np.cross(right, up), up)
         return cls(np.stack([across, np.cross(viewer, across), viewer]))
 
     def flat(self, points: FloatArray) -> FloatArray:
@@ -59,11 +119,7 @@ class View:
 def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) -> FloatArray:
     """Return a yoke as a line, ``(points, 3)``: from one end of its pin round to the other.
 
-    Args:
-        centre: of the joint.
-        pin: direction of its pin.
-        towards: direction from the joint to the shaft of the yoke.
-        size: half its span.
+    ``towards`` leads from the joint to the shaft of the yoke; the size is half its span.
     """
     # A superellipse: straight arms, and a base across the shaft.
     turn = np.linspace(0.0, math.pi, 2 * _STEPS + 1)[:, np.newaxis]
@@ -79,12 +135,8 @@ def tube(
 ) -> tuple[FloatArray, ...]:
     """Return the outline of a shaft and its end that the viewer sees, each ``(points, 3)``.
 
-    Args:
-        start: one end of its axis.
-        end: the other.
-        size: half the span of a yoke.
-        view: from where it is seen.
-        radius: over ``size``.
+    The axis goes from ``start`` to ``end``; the size is half the span of a yoke, and the radius
+    over it.
     """
     along = (end - start) / np.linalg.norm(end - start)
     across = np.cross(along, view.axes[2])

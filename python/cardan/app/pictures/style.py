@@ -6,6 +6,7 @@ import contextlib
 import math
 import os
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -13,15 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.files.pictures import SUFFIXES
+from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.files.whole_file import whole_file
-from cardan.app.pictures.glyphs import with_glyphs
 from cardan.arrays.errors import ArgumentValueError
+from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 STYLE: Mapping[str, Any] = {
     "font.size": 7.0,
@@ -64,11 +66,7 @@ _TICKS = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)  # degrees
 
 
 def matplotlib() -> Any:  # noqa: ANN401 - a module that may be missing
-    """Return the module.
-
-    Raises:
-        ImportError: matplotlib is missing.
-    """
+    """Return the module; without it an ``ImportError`` says how to install it."""
     try:
         import matplotlib
     except ModuleNotFoundError:
@@ -107,14 +105,13 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
     those that none has.
 
     Raises:
-        ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-    with matplotlib().rc_context(STYLE), with_glyphs(figure), whole_file(path) as file:
+    with matplotlib().rc_context(STYLE), _with_glyphs(figure), whole_file(path) as file:
         figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
 
 
@@ -132,11 +129,7 @@ def page(width: float, height: float, title: str = "", letters: int = 48) -> Ite
 
 
 def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str = "") -> Figure:
-    """Return a figure 80 mm wide of panels below each other: of each its height and what draws it.
-
-    Raises:
-        ImportError: matplotlib is missing.
-    """
+    """Return a figure of panels below each other, 80 mm wide: of each height and what draws it."""
     heights = [height for height, _ in panels]
     with page(WIDTH, sum(heights), title) as figure:
         grid = figure.subplots(len(panels), squeeze=False, height_ratios=heights)
@@ -145,12 +138,16 @@ def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str
     return figure
 
 
-def line_style(number: int) -> Mapping[str, Any]:
-    """Return colour and dashes of a picture's curve.
+def check_single(line: Driveline) -> None:
+    """Refuse a batch where a picture shows one driveline."""
+    if line.shape:
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )
 
-    Raises:
-        ValueError: more curves than can be told apart.
-    """
+
+def line_style(number: int) -> Mapping[str, Any]:
+    """Return colour and dashes of a picture's curve."""
     if number >= len(LINES):
         raise ValueError(f"a picture shows at most {len(LINES)} curves that can be told apart")
     return LINES[number]
@@ -205,6 +202,23 @@ def text_width(text: str, size: float) -> float:
     return 1.06 * float(np.max(path.vertices[:, 0]))
 
 
+def finish(axes: Axes, x: str, y: str, *, grid: Any = "both", **legend: Any) -> None:  # noqa: ANN401
+    """Label the axes of a picture, with round ticks, a grid and a legend above of what has a name.
+
+    An angle along x has ticks at round degrees; other options are those of the legend.
+    """
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    if x.endswith("[deg]"):
+        degree_ticks(axes.xaxis, *axes.get_xlim())
+    else:
+        value_ticks(axes.xaxis)
+    value_ticks(axes.yaxis)
+    axes.grid(visible=True, axis=grid)
+    if axes.get_legend_handles_labels()[1]:
+        legend_above(axes, **legend)
+
+
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes
     """Put the legend over the right end of the axes, where no curve is."""
     axes.legend(
@@ -221,3 +235,58 @@ def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axe
             **options,
         }
     )
+
+
+# --- fonts for the characters of texts, such as those of a Chinese title -------------------------
+
+_MOST_LACKING = 8
+
+
+@contextlib.contextmanager
+def _with_glyphs(figure: Figure) -> Iterator[None]:
+    """Give the texts of a figure fonts that have their characters, as far as any is installed.
+
+    One warning names the characters that no font has, in place of matplotlib's one for each.
+    """
+    from matplotlib.text import Text
+
+    # A dict keeps the order of the text.
+    lacking: dict[str, None] = {}
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and not text.get_text().isascii():
+            lacking |= dict.fromkeys(_supplied(text))
+    if lacking:
+        named = "".join([*lacking][:_MOST_LACKING]) + "…" * (len(lacking) > _MOST_LACKING)
+        warnings.warn(
+            f"no installed font has the characters {named}; the picture shows boxes in their place",
+            stacklevel=2,
+        )
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from")
+        yield
+
+
+def _supplied(text: Text) -> list[str]:
+    """Add the font that has most of the missing characters; return those that it lacks too."""
+    from matplotlib.font_manager import findfont, fontManager
+
+    lacking = _lacking(findfont(text.get_fontproperties()), text.get_text())
+    if not lacking:
+        return []
+    # Upright fonts of ordinary weight first; Last Resort has a box for every character.
+    entries = sorted(
+        (entry for entry in fontManager.ttflist if not entry.name.startswith("Last")),
+        key=lambda entry: (entry.style != "normal", entry.weight not in (400, "normal")),
+    )
+    found = min(entries, key=lambda entry: len(_lacking(entry.fname, lacking)))
+    left = _lacking(found.fname, lacking)
+    if len(left) < len(lacking):
+        text.set_fontfamily([*text.get_fontfamily(), found.name])
+    return left
+
+
+def _lacking(font: str, characters: str | list[str]) -> list[str]:
+    from matplotlib.font_manager import get_font
+
+    known = get_font(font).get_charmap()
+    return [c for c in characters if c.isprintable() and not c.isspace() and ord(c) not in known]

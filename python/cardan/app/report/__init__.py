@@ -6,8 +6,7 @@ import os
 from os import PathLike
 from pathlib import Path
 
-from cardan.app.files.progress import Progress
-from cardan.app.files.whole_file import whole_file
+from cardan.app.files.whole_file import Progress, whole_file
 from cardan.app.report.page import page
 from cardan.app.scene.scene import BallJointScene, Scene
 

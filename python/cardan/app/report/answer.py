@@ -49,13 +49,7 @@ _SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the 
 
 
 def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None) -> dict[str, Any]:
-    """Return the three answers as plain data for ``answer.html``.
-
-    Args:
-        answer: the answer to the scene.
-        samples: the scene evaluated for the page.
-        yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
-    """
+    """Return the three answers as plain data for ``answer.html``."""
     scene = answer.scene
     return {
         "verdict": {

@@ -19,10 +19,10 @@ from cardan.app.answers.page import judged_table, tables_of
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
 from cardan.app.answers.yokes.figures import yoke_settings
-from cardan.app.charts.charts import chart, decimals
+from cardan.app.charts.charts import Panel, chart, decimals
 from cardan.app.charts.drawing import drawing
-from cardan.app.charts.samples import Panel, Samples, evaluated
-from cardan.app.files.progress import Progress
+from cardan.app.charts.samples import Samples, evaluated
+from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer
 from cardan.app.scene.scene import BallJointScene, Scene
@@ -107,8 +107,7 @@ def _today() -> str:
 def environment() -> Environment:
     """Return what renders the templates: it escapes every text and refuses a missing name.
 
-    Raises:
-        ImportError: jinja2 is missing.
+    Without jinja2 it raises an ``ImportError``.
     """
     try:
         import jinja2

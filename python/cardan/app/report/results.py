@@ -12,9 +12,9 @@ from cardan.app.answers.limits.root_rule import fork_signs
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import is_cancelled
 from cardan.app.answers.turn.figures import within_turn
+from cardan.app.charts.charts import Table
 from cardan.app.charts.motion import deviates, equivalent, turn_motion
 from cardan.app.charts.samples import PeakSample, Samples
-from cardan.app.charts.tables import Table
 from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.bearing import has_lengths

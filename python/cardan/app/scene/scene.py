@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.files.ahead import read_ahead
-from cardan.app.files.progress import Progress
+from cardan.app.files.tables import read_ahead
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.document import Document, read_text
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe, scene_schema

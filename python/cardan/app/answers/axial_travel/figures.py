@@ -56,11 +56,7 @@ def _of_joints(scene: Scene, slides: Slides, name: SlideName) -> tuple[Slide, ..
 
 
 def drawn_slides(scene: Scene) -> Slides:
-    """Return the slides in mm to draw: over states where a shaft slides farthest.
-
-    Raises:
-        ValueError: a scene without the section [offsets].
-    """
+    """Return the slides in mm to draw: over states where a shaft slides farthest."""
     offsets = scene.service.offsets
     if offsets is None:
         raise ValueError(f"{scene.name}: slides need a section [offsets]")

@@ -9,9 +9,8 @@ import numpy as np
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.pictures.style import drawing, legend_above, line_style, stacked
+from cardan.app.charts.charts import Curve, Panel, chart
+from cardan.app.pictures.style import drawing, finish, legend_above, line_style, stacked
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.wear.axial_travel import SlideName, Slides
@@ -43,7 +42,6 @@ def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = No
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: the slides of a batch, an unknown slide, more joints than can be told apart.
     """
     _check_single(slides, of)
@@ -51,9 +49,7 @@ def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = No
     curves = slides.at(turn, of)
     with drawing(ax) as axes:
         panel.draw(axes, np.degrees(turn), list(zip(_names(curves), curves, strict=True)))
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel(f"slide of the {of.replace('_', ' ')}")
-        legend_above(axes)
+        finish(axes, "drive angle [deg]", f"slide of the {of.replace('_', ' ')}")
     return axes
 
 

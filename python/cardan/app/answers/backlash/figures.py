@@ -28,19 +28,13 @@ _ROWS = 256
 
 @dataclass(frozen=True, eq=False)
 class Backlash:
-    """Lash and wind-up of the last shaft over a turn, ``(samples,)`` in rad.
+    """Lash and wind-up of the last shaft over a turn, ``(samples,)`` in rad."""
 
-    Attributes:
-        lash: angle by which it is loose while the drive is held.
-        wind_up: angle by which the torque winds it up beyond its flank; 0 with rigid crosses.
-        torque: which makes the wind-up, in N m.
-        end: where the torque acts, ``"drive"`` or ``"output"``.
-    """
-
-    lash: FloatArray
+    lash: FloatArray  # angle by which it is loose while the drive is held
+    # Angle by which the torque winds it up beyond its flank; 0 with rigid crosses.
     wind_up: FloatArray
-    torque: float
-    end: str
+    torque: float  # which makes the wind-up, in N m
+    end: str  # where the torque acts, ``"drive"`` or ``"output"``
 
     def loop(self, sample: int) -> tuple[FloatArray, FloatArray]:
         """Return the loop at one sample: angle of the shaft in rad and torque in N m, ``(4,)``.
@@ -62,16 +56,8 @@ def backlash(
 ) -> Backlash:
     """Return lash and wind-up of one driveline over ``TURN``.
 
-    Args:
-        line: one driveline.
-        radial: play of the pins, as for ``Driveline.with_play``.
-        arm: of the joints, likewise.
-        load: its torque alone acts, which must be one number.
-        stiffness: of the crosses, as for ``Driveline.wind_up``; rigid by default.
-
-    Raises:
-        TypeError: values that are not real numbers.
-        ValueError: a batch, a torque that is 0 or recorded, and as for ``Driveline.lash``.
+    The torque of the load alone acts, which must be one number and not 0; other arguments and
+    errors are those of ``Driveline.lash`` and ``wind_up``.
     """
     if line.shape:
         raise ArgumentValueError(
@@ -164,8 +150,7 @@ def _ends(values: FloatArray) -> FloatArray:
 def drawn_backlash(scene: Scene) -> Backlash:
     """Return lash and wind-up to draw, over states those of the one with the largest lash.
 
-    Raises:
-        ValueError: a scene without play, without one torque, or with recorded bends.
+    A scene without play, without one torque or with recorded bends raises a ``ValueError``.
     """
     play, load = scene.service.play, scene.load_case
     if play is None or load is None or scene.line.shape or load.torque.ndim or not load.torque:

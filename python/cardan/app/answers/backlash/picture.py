@@ -10,9 +10,8 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
 from cardan.app.pictures.style import (
     THIN,
-    degree_ticks,
     drawing,
-    legend_above,
+    finish,
     line_style,
     stacked,
     value_ticks,
@@ -38,9 +37,6 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
 
     Returns:
         the axes, with the angle in degrees from the middle of the play.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
     apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]
@@ -56,12 +52,9 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
                 label=f"at {turn[sample]:.4g}°: loose by {np.degrees(found.lash[sample]):.4g}°",
                 **line_style(place),
             )
-        axes.set_xlabel("angle of the last shaft, drive held [deg]")
-        axes.set_ylabel(f"torque at the {found.end} [N m]")
+        held = "angle of the last shaft, drive held [deg]"
+        finish(axes, held, f"torque at the {found.end} [N m]", ncols=2)
         value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        axes.grid(visible=True)
-        legend_above(axes, ncols=2)
     return axes
 
 
@@ -79,12 +72,7 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
             axes.plot(turn, np.degrees(both), label=label, **line_style(1))
         axes.set_xlim(0.0, 360.0)
         axes.set_ylim(0.0, 1.1 * np.degrees(np.max(both)))
-        degree_ticks(axes.xaxis, 0.0, 360.0)
-        value_ticks(axes.yaxis)
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel("angle of the last shaft [deg]")
-        axes.grid(visible=True)
-        legend_above(axes)
+        finish(axes, "drive angle [deg]", "angle of the last shaft [deg]")
     return axes
 
 

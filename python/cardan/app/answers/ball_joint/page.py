@@ -16,8 +16,7 @@ from cardan.app.answers.ball_joint.figures import (
 from cardan.app.answers.page import section_of
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 

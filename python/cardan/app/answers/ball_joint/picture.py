@@ -16,12 +16,10 @@ from cardan.app.answers.ball_joint.figures import (
 from cardan.app.answers.printed import quantity
 from cardan.app.pictures.style import (
     THIN,
-    degree_ticks,
     drawing,
-    legend_above,
+    finish,
     line_style,
     page,
-    value_ticks,
 )
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
@@ -42,9 +40,6 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
     Args:
         case: the ball joint of a scene.
         title: heading.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     with page(*_PAGE, title, 90) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
@@ -74,9 +69,6 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     found = ball_joint_figures(case)
@@ -123,9 +115,6 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     fit = fitting_curve(case, theta)
@@ -140,14 +129,9 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
             label = f"allowable, {found.weaker}"
             axes.axhline(1e-6 * case.allowable_pressure, label=label, **line_style(3))
             top = max(top, case.allowable_pressure)
-        axes.grid(visible=True)
         axes.set_xlim(degrees[0], degrees[-1])
         axes.set_ylim(0.0, 1.05e-6 * top)
-        degree_ticks(axes.xaxis, degrees[0], degrees[-1])
-        value_ticks(axes.yaxis)
-        axes.set_xlabel("angle from the line of the load [deg]")
-        axes.set_ylabel("pressure [MPa]")
-        legend_above(axes)
+        finish(axes, "angle from the line of the load [deg]", "pressure [MPa]")
     return axes
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
-from cardan.app.pictures.style import drawing, legend_above, stacked
+from cardan.app.pictures.style import drawing, finish, stacked
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
@@ -50,9 +50,7 @@ def plot_drive_speed(
     with drawing(ax) as axes:
         drawn = list(zip(names, 100.0 * (curves - 1.0), strict=True))
         panel.draw(axes, np.degrees(turn), drawn)
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel("drive speed, off its mean [%]")
-        legend_above(axes)
+        finish(axes, "drive angle [deg]", "drive speed, off its mean [%]")
     return axes
 
 

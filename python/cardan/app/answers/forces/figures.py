@@ -40,31 +40,20 @@ def force_source(output: str) -> ForceSource:
 
 @dataclass(frozen=True)
 class ForceFigures:
-    """The force of one joint or bearing over a turn, in N if lengths are in metres.
+    """The force of one joint or bearing over a turn, in N if lengths are in metres."""
 
-    Attributes:
-        output: name of the output.
-        per: what it is a force of.
-        item: number of the joint or bearing.
-        largest: the largest length of the force.
-        places: drive angles in rad within the period of the driveline, half a turn or with
-            deviations a whole one, at which it occurs, each again a period later; none if the force
-            has the same length at every angle.
-        mean: length of the mean force.
-        order_1: largest length of the part that changes once per turn; 0 of ideal joints.
-        order_2: largest length of the part that changes twice per turn.
-        order_4: likewise four times.
-    """
-
-    output: str
-    per: ForceSource
-    item: int
-    largest: float
+    output: str  # name of the output
+    per: ForceSource  # what it is a force of
+    item: int  # number of the joint or bearing
+    largest: float  # the largest length of the force
+    # Drive angles in rad within the period of the driveline, half a turn or with deviations a whole
+    # one, at which it occurs, each again a period later; none if the force has the same length at
+    # every angle.
     places: tuple[float, ...]
-    mean: float
-    order_1: float
-    order_2: float
-    order_4: float
+    mean: float  # length of the mean force
+    order_1: float  # largest length of the part that changes once per turn; 0 of ideal joints
+    order_2: float  # largest length of the part that changes twice per turn
+    order_4: float  # likewise four times
 
 
 def force_figures(
@@ -72,13 +61,7 @@ def force_figures(
 ) -> list[ForceFigures]:
     """Return the figures of every joint and bearing of one driveline at a constant load.
 
-    Args:
-        line: one driveline.
-        load: a constant load.
-        outputs: which forces.
-
-    Raises:
-        ValueError: a force that is not determinate; lengths that are missing.
+    A ``ValueError`` says which force is not determinate, or that lengths are missing.
     """
     names = tuple(outputs)
     orders = line.harmonics((1, 2, 4), outputs=names, load=load)

@@ -32,27 +32,18 @@ class ForcePath:
 
     It is seen along a shaft, looking from the drive towards the output. The force of a joint is
     seen along the shaft that the joint supports: it has no part along that shaft.
-
-    Attributes:
-        per: what it is a force of.
-        item: number of the joint or bearing.
-        shaft: the shaft along which it is seen.
-        up: the axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"``
-            for a shaft that runs along y.
-        angle_deg: drive angles in degrees from 0 to the period, ``(samples,)``.
-        across: part of the force to the right in N, ``(samples,)``.
-        upwards: part of the force upwards in N, ``(samples,)``.
-        state: over states, the name of the one in which the force is largest.
     """
 
-    per: ForceSource
-    item: int
-    shaft: int
+    per: ForceSource  # what it is a force of
+    item: int  # number of the joint or bearing
+    shaft: int  # the shaft along which it is seen
+    # The axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"`` for a
+    # shaft that runs along y.
     up: Literal["y", "z"]
-    angle_deg: FloatArray
-    across: FloatArray
-    upwards: FloatArray
-    state: str = ""
+    angle_deg: FloatArray  # drive angles in degrees from 0 to the period, ``(samples,)``
+    across: FloatArray  # part of the force to the right in N, ``(samples,)``
+    upwards: FloatArray  # part of the force upwards in N, ``(samples,)``
+    state: str = ""  # over states, the name of the one in which the force is largest
 
     @property
     def label(self) -> str:
@@ -78,14 +69,7 @@ class ForcePath:
 def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> ForcePath:
     """Return the path of one force of one driveline at a constant load.
 
-    Args:
-        line: one driveline.
-        per: ``"joint"`` or ``"bearing"``.
-        item: number of the joint or bearing.
-        load: a constant load.
-
-    Raises:
-        ValueError: a force that is not determinate; lengths that are missing.
+    A ``ValueError`` says that the force is not determinate, or that lengths are missing.
     """
     per_turn = 360 * PER_DEGREE
     count = round(period_of(line) / math.tau * per_turn) + 1
@@ -130,10 +114,7 @@ def scene_force_paths(scene: Scene) -> list[ForcePath]:
     """Return the paths of the forces of a scene's joints and bearings that are determinate.
 
     Those that bear no force have none. Over states, each is that of the state in which the force is
-    largest.
-
-    Raises:
-        ValueError: there are none; the message says why.
+    largest. If there are none, a ``ValueError`` says why.
     """
     if scene.states:
         return _largest_paths(scene, scene.states.names)

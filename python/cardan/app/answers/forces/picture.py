@@ -13,7 +13,7 @@ from cardan.app.answers.forces.figures import Forces
 from cardan.app.answers.forces.paths import PER_DEGREE, ForcePath, force_path, scene_force_paths
 from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import number, ticks
-from cardan.app.pictures.style import LINES, THIN, drawing, page, value_ticks
+from cardan.app.pictures.style import LINES, THIN, check_single, drawing, finish, page, value_ticks
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
@@ -55,14 +55,10 @@ def plot_force_hodograph(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         IndexError: a joint or bearing that does not exist.
         ValueError: a batch, forces that are not determinate, lengths that are missing.
     """
-    if line.shape:
-        raise ArgumentValueError(
-            "line", f"has shape {line.shape}; this picture shows one driveline"
-        )
+    check_single(line)
     if per not in ("joint", "bearing"):
         raise ArgumentValueError("per", f"is {per!r}; it must be 'joint' or 'bearing'")
     count = line.n_joints if per == "joint" else line.n_bearings
@@ -78,9 +74,6 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
     Args:
         paths: what to draw.
         title: heading.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     columns = min(_COLUMNS, len(paths))
     rows = -(-len(paths) // columns)
@@ -129,11 +122,9 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
     axes.margins(0.32)
+    finish(axes, "force to the right [N]", f"force upwards, towards {path.up} [N]")
     value_ticks(axes.xaxis, 4)
     value_ticks(axes.yaxis, 4)
-    axes.set_xlabel("force to the right [N]")
-    axes.set_ylabel(f"force upwards, towards {path.up} [N]")
-    axes.grid(visible=True)
     heading = f"{path.per.capitalize()} {path.item}, up to {quantity(size, 'N')}"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
     text = f"{heading}\n{state}seen along shaft {path.shaft}"

@@ -11,8 +11,7 @@ from cardan.app.answers.life.figures import LifeFigures
 from cardan.app.answers.life.text import hours_text
 from cardan.app.answers.page import section_of
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
+from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.wear.pin_loads import pins_at
 
 _SAMPLES = 181

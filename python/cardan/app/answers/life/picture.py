@@ -15,6 +15,7 @@ from cardan.app.answers.life.text import hours_text
 from cardan.app.pictures.style import (
     LINES,
     drawing,
+    finish,
     legend_above,
     line_style,
     stacked,
@@ -42,7 +43,6 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch.
     """
     _check_single(line)
@@ -51,9 +51,7 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     with drawing(ax) as axes:
         drawn = [(f"joint {joint}", moment) for joint, moment in enumerate(moments)]
         panel.draw(axes, np.degrees(turn), drawn)
-        axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel("moment of the pins [N m]")
-        legend_above(axes)
+        finish(axes, "drive angle [deg]", "moment of the pins [N m]")
     return axes
 
 
@@ -79,7 +77,6 @@ def plot_heat(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, a load without a speed, and as for ``Driveline.losses``.
     """
     _check_single(line)
@@ -97,12 +94,7 @@ def plot_heat(
             axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **style)
         axes.set_xlim(0.0, float(speeds[-1] / _RPM))
         axes.set_ylim(0.0, None)
-        axes.set_xlabel("speed of the drive [rpm]")
-        axes.set_ylabel("heat [W]")
-        value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        axes.grid(visible=True)
-        legend_above(axes)
+        finish(axes, "speed of the drive [rpm]", "heat [W]")
     return axes
 
 
@@ -116,7 +108,6 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a scene without sizes whose life is known.
     """
     known = [(one, one.hours) for one in found.sizes if one.hours is not None]

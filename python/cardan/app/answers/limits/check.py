@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.rounding import alike
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray

@@ -12,12 +12,7 @@ from cardan.app.answers.table import PARTS
 
 
 def check_data(found: Answer, advice: Sequence[str] = ()) -> dict[str, Any]:
-    """Return a check as plain data for JSON, as ``check_schema`` describes it.
-
-    Args:
-        found: the answer to the scene.
-        advice: what would bring it within the limits, a sentence each.
-    """
+    """Return a check as plain data for JSON, as ``check_schema`` describes it."""
     return answer(
         "check",
         found.of.title,

@@ -57,12 +57,7 @@ def _is_limited(each: JudgedFigure) -> bool:
 
 
 def check_text(answer: Answer, advice: Sequence[str] = ()) -> str:
-    """Return the verdict, what makes it, what would help and every part, as plain text, 79 wide.
-
-    Args:
-        answer: the answer to a scene.
-        advice: what would bring it within the limits, a sentence each.
-    """
+    """Return the verdict, what makes it, what would help and every part, as plain text, 79 wide."""
     lists = {
         "Beyond": list(findings(answer, "beyond")),
         "Tolerable": list(findings(answer, "tolerable")),

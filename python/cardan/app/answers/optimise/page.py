@@ -13,9 +13,7 @@ from cardan.app.answers.optimise.text import (
     result_text,
     table_of,
 )
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.scene.scene import Scene
 from cardan.motion.workshop import VIEW
 

@@ -10,8 +10,8 @@ from cardan.app.answers.optimise.figures import Optimised, unit_of
 from cardan.app.answers.states.figures import without_common
 from cardan.app.pictures.style import (
     THIN,
-    degree_ticks,
     drawing,
+    finish,
     legend_above,
     line_style,
     page,
@@ -40,9 +40,6 @@ def plot_optimise(found: Optimised) -> Figure:
 
     Returns:
         a figure of 170 mm width with a panel for the states and one for each variable.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     panels = len(found.asked.variables) + 1
     rows = (panels + 1) // 2
@@ -65,7 +62,6 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a variable that does not exist.
     """
     if not 0 <= variable < len(found.asked.variables):
@@ -110,15 +106,8 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         else:
             axes.set_xlim(x[0], x[-1])
         axes.set_ylim(bottom=0.0)
-        axes.grid(visible=True)
-        axes.set_xlabel(f"{own.axis.key}{unit and f' [{unit}]'}")
-        axes.set_ylabel(",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1)))
-        if unit == "deg":
-            degree_ticks(axes.xaxis, *axes.get_xlim())
-        else:
-            value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        legend_above(axes)
+        goal = ",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1))
+        finish(axes, f"{own.axis.key}{unit and f' [{unit}]'}", goal)
     return axes
 
 
@@ -128,9 +117,6 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
     Args:
         found: the optimum of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)

@@ -14,9 +14,7 @@ from cardan.app.answers.printed import figure_text, quantity
 from cardan.app.answers.states.figures import StateFigures, state_name, without_common
 from cardan.app.answers.study.extremes import extremes
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.states import StatesResult

@@ -45,7 +45,6 @@ def plot_states(
         the axes, with angles in degrees.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: an unknown column.
     """
     if column not in states.values:

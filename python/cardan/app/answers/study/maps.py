@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.charts.charts import FRAME, number, scale_of, some, ticks, ticks_of
-from cardan.app.charts.samples import Panel
+from cardan.app.charts.charts import FRAME, Panel, number, scale_of, some, ticks, ticks_of
 from cardan.arrays import FloatArray
 
 # More cells than that are finer than the page shows.

@@ -17,9 +17,7 @@ from cardan.app.answers.rounding import ROUNDING, alike
 from cardan.app.answers.study.extremes import End, extremes
 from cardan.app.answers.study.maps import heat_map
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import chart, number, some
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Curve, Panel, Table, chart, number, some
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.axes import Axis

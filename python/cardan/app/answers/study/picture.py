@@ -57,7 +57,6 @@ def plot_study(
         the axes, with angles in degrees.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: an unknown column, a study of no key or more than two.
     """
     if column not in study.values:

@@ -20,9 +20,7 @@ from cardan.app.answers.tolerances.figures import (
     with_symbol,
 )
 from cardan.app.answers.tolerances.text import percent, permitted_texts, state_rows
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.tolerances import Tolerances
 
 _POINTS, _MOST_BARS = 200, 10

@@ -54,7 +54,6 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         the axes of the histogram, with angles in degrees. Limit and worst case are marked.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, a figure that was not asked for.
     """
     name = _checked(found, of)
@@ -110,7 +109,6 @@ def plot_tolerance_shares(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a batch, a figure that was not asked for.
     """
     name = _checked(found, of)

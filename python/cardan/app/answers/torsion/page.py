@@ -15,9 +15,7 @@ from cardan.app.answers.torsion.text import (
     torque_lines,
     torsion_sentences,
 )
-from cardan.app.charts.charts import chart
-from cardan.app.charts.samples import Curve, Panel
-from cardan.app.charts.tables import Table
+from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.scene.language.units import RPM
 
 _CLASSES = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear": "good"}

@@ -15,6 +15,7 @@ from cardan.app.pictures.style import (
     WIDTH,
     degree_ticks,
     drawing,
+    finish,
     legend_above,
     line_style,
     page,
@@ -44,9 +45,6 @@ def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         title: over the picture, or "".
-
-    Raises:
-        ImportError: matplotlib is missing.
     """
     shafts = found.steady.compliant
     with page(WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
@@ -70,7 +68,6 @@ def plot_torsion_response(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a shaft that is not compliant.
     """
     compliant = found.steady.compliant
@@ -92,19 +89,9 @@ def plot_torsion_response(
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
         axes.set_xlim(rpm[0], rpm[-1])
-        _finish(axes, f"torque of shaft {chosen} [N m]")
+        finish(axes, _SPEED, f"torque of shaft {chosen} [N m]")
+        axes.set_axisbelow(True)
     return axes
-
-
-def _finish(axes: Axes, heading: str) -> None:
-    """Label the axes of a picture over the drive speed."""
-    axes.set_xlabel(_SPEED)
-    axes.set_ylabel(heading)
-    axes.grid(visible=True)
-    axes.set_axisbelow(True)
-    value_ticks(axes.xaxis)
-    value_ticks(axes.yaxis)
-    legend_above(axes)
 
 
 def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
@@ -165,7 +152,6 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: more orders than can be told apart.
     """
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
@@ -201,7 +187,8 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
         axes.set_xlim(0.0, right)
         axes.set_ylim(0.0, top)
-        _finish(axes, "frequency [Hz]")
+        finish(axes, _SPEED, "frequency [Hz]")
+        axes.set_axisbelow(True)
     return axes
 
 
@@ -219,7 +206,6 @@ def plot_stability(
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: a joint that does not exist.
     """
     bends = np.degrees(found.torsion.system.line.bends)

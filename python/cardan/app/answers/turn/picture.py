@@ -63,7 +63,6 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
             rotation; by default the time where it was recorded, and else the turns.
 
     Raises:
-        ImportError: matplotlib is missing.
         ValueError: times that were not recorded; orders of less than a turn or of a drive that
             turns back.
     """
@@ -99,7 +98,6 @@ def write_picture(
         over: what to draw the scene over, as ``plot_scene`` takes it.
 
     Raises:
-        ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix or column, a study of no key or more than two, what
             ``plot_scene`` cannot draw.

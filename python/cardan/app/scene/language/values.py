@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cardan import tolerances
-from cardan.app.files import columns, pictures, recording
+from cardan.app.files import columns, recording
 from cardan.app.scene.language.rules import (
     FileName,
     ListOf,
@@ -103,7 +103,7 @@ DTYPE = Kind("name", OneOf(("float64", "float32")))
 WORKERS = Kind("whole number", Whole(1, also=-1))
 CURVES_FILE = Kind("curves file", FileName(columns.SUFFIXES))
 TABLE_FILE = Kind("table file", FileName(columns.SUFFIXES))
-PICTURE_FILE = Kind("picture file", FileName(pictures.SUFFIXES))
+PICTURE_FILE = Kind("picture file", FileName(columns.PICTURES))
 RECORDING = Kind("file", FileName(recording.SUFFIXES, folders=True))
 COLUMNS = Kind("texts", ListOf(Text(), "texts", distinct=True))
 AXIS = Kind("values", AxisValues())

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.files.ahead import read_ahead
 from cardan.app.files.headings import short
 from cardan.app.files.recording import Chunk, place_of, read_chunks
+from cardan.app.files.tables import read_ahead
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.recording.angles import Angles
 from cardan.app.scene.recording.motion import Integral, derivatives

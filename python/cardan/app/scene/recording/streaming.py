@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from cardan.app.files.progress import Progress
 from cardan.app.files.tables import ROWS, write_pieces
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.recording.signals import Signal, Way, joined
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.curves import columns

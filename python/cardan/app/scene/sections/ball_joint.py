@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 import cardan.app.scene.language.values as kinds
-from cardan.app.files import pictures
+from cardan.app.files import columns
 from cardan.app.scene.language.section import Key, Section
 from cardan.arrays.errors import ArgumentValueError
 from cardan.ball_joint import BallJoint, layer_compliance
@@ -45,7 +45,7 @@ BALL_JOINT = Section(
         "picture": Key(
             kinds.PICTURE_FILE,
             "file for the picture of the pressure on the seat; its name ends in "
-            + " or ".join(pictures.SUFFIXES),
+            + " or ".join(columns.PICTURES),
         ),
     },
     needed=(("load_N",),),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import cardan.app.scene.language.values as kinds
-from cardan.app.files import columns, pictures, recording
+from cardan.app.files import columns, recording
 from cardan.app.scene.language.section import Key, Section
 from cardan.app.scene.sections.ball_joint import BALL_JOINT
 from cardan.app.scene.sections.bearing_section import BEARING, LENGTHS
@@ -221,7 +221,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "table": Key(kinds.TABLE_FILE, "file for the table of the study; same endings"),
                 "picture": Key(
                     kinds.PICTURE_FILE,
-                    f"file for the picture; its name ends in {' or '.join(pictures.SUFFIXES)}",
+                    f"file for the picture; its name ends in {' or '.join(columns.PICTURES)}",
                 ),
                 "axes": Key(
                     kinds.VECTOR_AXES,

@@ -24,8 +24,7 @@ import numpy as np
 
 from cardan._core import __version__
 from cardan.app.files.columns import write_columns
-from cardan.app.files.progress import Progress
-from cardan.app.files.whole_file import whole_file
+from cardan.app.files.whole_file import Progress, whole_file
 from cardan.app.scene.language.units import converted
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.curves import study_columns

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cardan.app.files.columns import write_columns
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.units import converted
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.study import StudyPart, StudyResult

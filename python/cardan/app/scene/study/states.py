@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StatePointError
 from cardan.app.scene.sections.parts import make_load
 from cardan.app.scene.sections.table import FORMAT, OF_STATES

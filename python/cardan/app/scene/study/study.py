@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.files.progress import Progress
+from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.language.units import converted, split
 from cardan.app.scene.language.values import VECTORS

@@ -1,4 +1,4 @@
-"""The command ``cardan plot``."""
+"""The commands that draw: ``plot`` and ``report``."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from cardan.app.answers.turn.abscissa import Over
 from cardan.app.command.files import check_output
 from cardan.app.command.options import file_option, scene_argument
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.files.pictures import SUFFIXES
+from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.plots import plot_part, save, write_picture
+from cardan.app.report import write_report
 from cardan.app.scene import load_scene
 from cardan.app.scene.scene import BallJointScene
+from cardan.arrays import import_optional
 from cardan.arrays.errors import ArgumentValueError
 
 _ENDINGS = " or ".join((", ".join([*SUFFIXES][:-1]), [*SUFFIXES][-1]))
@@ -50,7 +52,7 @@ _EPILOG = "\b\nNAME is one of\n" + "\n".join(
     help="Draw over this; default: the time where it was recorded, else the turns. Orders "
     "are multiples of the drive's rotation.",
 )
-def command(
+def plot(
     scene: Path, output: Path | None, what: str | None, study: str | None, over: Over | None
 ) -> None:
     """Draw a scene and write the picture to a file.
@@ -87,4 +89,28 @@ def command(
         if option is None:
             raise
         raise ValueError(f"{option} {error.problem}") from None
+    say(f"wrote {path}")
+
+
+@click.command()
+@scene_argument
+@file_option("--output", "Page to write; default: the scene's name with .html.")
+def report(scene: Path, output: Path | None) -> None:
+    """Write a page to share, with a slider that turns the driveline.
+
+    The page says whether the driveline runs smoothly, which loads the bearings carry and how to set
+    the yokes. It shows the inputs, tables and curves. It is a single HTML file that needs no
+    network.
+
+    \b
+    Examples:
+      cardan report shaft.toml
+      cardan report shaft.toml --output shaft.html
+    """
+    path = output or Path(f"{scene.stem}.html")
+    loaded = load_scene(scene)
+    check_output(loaded, path)
+    import_optional("jinja2", "app")
+    with progress_bar() as progress:
+        write_report(loaded, path, progress)
     say(f"wrote {path}")
