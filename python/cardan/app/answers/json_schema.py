@@ -81,5 +81,6 @@ def one_of(
     """Return the schema of an object that also has exactly one key of each choice."""
     chosen = {key: value for choice in choices for key, value in choice.items()}
     schema = record(needed, {**chosen, **(optional or {})})
-    schema["allOf"] = [{"oneOf": [{"required": [key]} for key in choice]} for choice in choices]
+    if choices:
+        schema["allOf"] = [{"oneOf": [{"required": [key]} for key in choice]} for choice in choices]
     return schema
