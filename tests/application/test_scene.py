@@ -1138,7 +1138,7 @@ def test_places_are_places() -> None:
 
 def peak(name: str, shaft: int, value: float, unit: str) -> SummaryRow:
     """The largest value of a shaft that has it at every drive angle."""
-    return SummaryRow("shaft", unit, name, shaft, "peak", value, "turn", None)
+    return SummaryRow("shaft", unit, name, shaft, "peak", "turn", value, None)
 
 
 def test_compensated_shaft_has_no_place() -> None:
@@ -1251,8 +1251,8 @@ def test_table_as_text() -> None:
             name,
             item,
             rest.get("statistic", "value"),
-            value,
             rest.get("of", "turn"),
+            value,
             rest.get("at"),
         )
 

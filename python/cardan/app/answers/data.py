@@ -139,7 +139,10 @@ def _word(hint: Any) -> dict[str, Any]:  # noqa: ANN401 - any annotation
     if get_origin(hint) is Literal:
         return {"enum": list(get_args(hint))}
     if get_origin(hint) is tuple:
-        return {"type": "array", "items": {"type": "string"}}
+        return {
+            "type": "array",
+            "items": {"type": "integer" if int in get_args(hint) else "string"},
+        }
     return {"type": ["string", "null"] if NoneType in get_args(hint) else "string"}
 
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import UNITS, Judged
-from cardan.app.scene.axes import Axis
-from cardan.app.scene.duty import DutyCycle
+from cardan.app.scene.language.units import split
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.units import split
+from cardan.app.scene.sections.life import DutyCycle
+from cardan.app.scene.study.axes import Axis
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load

@@ -10,7 +10,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.figures import FIGURES
 from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, word, worst_of
 from cardan.app.answers.study.figures import End, Extremes, extremes
-from cardan.app.scene.states import STATE, StatesResult
+from cardan.app.scene.study.states import STATE, StatesResult
 
 
 @dataclass(frozen=True)

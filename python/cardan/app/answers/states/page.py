@@ -18,6 +18,7 @@ from cardan.app.answers.states.figures import (
     without_common,
 )
 from cardan.app.answers.table import PARTS
+from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.charts.charts import chart
 from cardan.app.charts.samples import Curve, Panel
 from cardan.app.charts.tables import Table
@@ -29,7 +30,7 @@ from cardan.arrays import FloatArray
 _MOST_DRAWN = 8
 
 
-def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) -> dict[str, Any]:
+def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> dict[str, Any]:
     """Return verdicts, tables and charts of the states as plain data for ``page.html``.
 
     Args:
@@ -73,9 +74,7 @@ def _worst(found: StatesFigures) -> Table:
     return Table("Least and largest", ("Figure", "Least", "in state", "Largest", "in state"), rows)
 
 
-def _charts(
-    scene: Scene, table: StatesResult, yokes: dict[str, Any] | None
-) -> list[dict[str, Any]]:
+def _charts(scene: Scene, table: StatesResult, yokes: YokeFigures | None) -> list[dict[str, Any]]:
     axes, count = table.states.axes, table.states.count
     if count < 2:
         return []
@@ -99,13 +98,12 @@ def _charts(
     return made
 
 
-def _compared(scene: Scene, yokes: dict[str, Any] | None, count: int) -> list[Curve]:
+def _compared(scene: Scene, yokes: YokeFigures | None, count: int) -> list[Curve]:
     """Curves beside the equivalent bend: with the best common setting, and the limit."""
     limit = scene.limits.figures["equivalent_bend_deg"].limit
     curves = []
-    if yokes:
-        bends = yokes["states"]["equivalent_bend_deg"]
-        setting = "on_teeth" if "on_teeth" in bends else "best"
-        best: FloatArray = np.array(bends[setting])
+    if yokes and yokes.states:
+        bends = yokes.states.equivalent_bend_deg
+        best: FloatArray = np.array(bends.on_teeth or bends.best)
         curves.append(Curve("with the best common setting", best))
     return [*curves, Curve(f"limit {limit:g} deg", np.full(count, limit))]

@@ -12,9 +12,9 @@ import numpy as np
 from cardan.app.answers.over import at_keys
 from cardan.app.answers.rounding import CANCELLED, ROUNDING, alike
 from cardan.app.answers.rows import as_shown, count, figure, item, optional, parts, place, word
-from cardan.app.scene.axes import Axis
-from cardan.app.scene.cluster import StudyFolder
-from cardan.app.scene.study import Column, StudyResult
+from cardan.app.scene.study.axes import Axis
+from cardan.app.scene.study.cluster import StudyFolder
+from cardan.app.scene.study.study import Column, StudyResult
 from cardan.arrays import FloatArray
 
 # Closed forms and statistics by which the driveline with the least figure is the best one. Mean

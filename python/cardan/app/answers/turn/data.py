@@ -12,7 +12,7 @@ from cardan.app.answers.states.figures import StatesFigures, states_figures
 from cardan.app.answers.study.figures import StudyFigures, StudyTable, study_figures
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import TurnFigures
-from cardan.app.scene.states import StatesResult
+from cardan.app.scene.study.states import StatesResult
 
 
 def run_data(

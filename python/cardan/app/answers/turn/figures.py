@@ -29,10 +29,9 @@ from cardan.app.answers.turn.extremes import (
     period_of,
     shortest_arm,
 )
+from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.recording.signals import Measured, Signal, Way
 from cardan.app.scene.scene import Scene, SceneResult
-from cardan.app.scene.signals import Measured, Signal
-from cardan.app.scene.units import in_degrees
-from cardan.app.scene.way import Way
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.outputs import OUTPUTS, Output
@@ -67,8 +66,8 @@ class SummaryRow:
     quantity: str = word("quantity", "an output, or what the driveline has")
     item: int = item("own")
     statistic: Statistic = word("statistic", "peak is the largest magnitude")
-    value: float = as_shown(figure("value", "each", "null if it is not finite"))
     of: Of = word("of", "over what the statistic is")
+    value: float = as_shown(figure("value", "each", "null if it is not finite"))
     at_drive_angle: float | None = optional(
         as_shown(figure("at", "deg", "absent if every angle has it, or none of the scene"))
     )
@@ -245,10 +244,10 @@ def _equivalent(scene: Scene) -> Iterator[SummaryRow]:
 def _extent(name: str, per: Per, item: int, values: FloatArray, unit: str) -> Iterator[SummaryRow]:
     """The value, or the ends of what was recorded."""
     if not np.ndim(values):
-        yield SummaryRow(per, unit, name, item, "value", float(values), "driveline", None)
+        yield SummaryRow(per, unit, name, item, "value", "driveline", float(values), None)
         return
     for statistic, end in zip(_ENDS, (np.nanmin(values), np.nanmax(values)), strict=True):
-        yield SummaryRow(per, unit, name, item, statistic, float(end), "samples", None)
+        yield SummaryRow(per, unit, name, item, statistic, "samples", float(end), None)
 
 
 def _recorded(result: SceneResult) -> Iterator[SummaryRow]:
@@ -264,7 +263,7 @@ def _recorded(result: SceneResult) -> Iterator[SummaryRow]:
             if value <= noise(result.scene, output.unit):
                 value, at = 0.0, None
             unit = key_of(output.unit)
-            yield SummaryRow(output.per, unit, output.name, number, "peak", value, "samples", at)
+            yield SummaryRow(output.per, unit, output.name, number, "peak", "samples", value, at)
 
 
 def _motion(scene: Scene) -> Iterator[SummaryRow]:
@@ -278,7 +277,7 @@ def _motion(scene: Scene) -> Iterator[SummaryRow]:
             found = motion_peak(scene, line, output, shaft, is_least=is_least)
             value = found.value * speed**power * UNITS[unit].factor
             at = first_place(scene, found.places)
-            yield SummaryRow("shaft", unit, quantity, shaft, statistic, value, "turn", at)
+            yield SummaryRow("shaft", unit, quantity, shaft, statistic, "turn", value, at)
 
 
 def motion_peak(
@@ -308,7 +307,7 @@ def _searched(scene: Scene) -> Iterator[SummaryRow]:
             if found.value <= least:
                 found = Peak(0.0, ())
             value, at = found.value * UNITS[unit].factor, first_place(scene, found.places)
-            yield SummaryRow(output.per, unit, name, number, "peak", value, "turn", at)
+            yield SummaryRow(output.per, unit, name, number, "peak", "turn", value, at)
 
 
 def _shafts(scene: Scene) -> tuple[int, ...]:
