@@ -12,7 +12,7 @@ import numpy as np
 from cardan import _core
 from cardan.arrays import FloatArray, html_table
 from cardan.arrays.libraries import draw
-from cardan.design.check import catalogue_bend, check
+from cardan.design.check import catalogue_bend, check, fork_signs
 from cardan.evaluation.evaluate import evaluate, harmonics, plan
 from cardan.geometry.as_built import with_deviations, with_play
 from cardan.geometry.batch import (
@@ -36,7 +36,7 @@ from cardan.geometry.constructors import (
 from cardan.geometry.geometry import Geometry
 from cardan.motion.equivalent import equivalent, transmission
 from cardan.motion.free_running import free_running
-from cardan.motion.phases import optimal_phases
+from cardan.motion.phases import arrangement, bend_ranges, optimal_phases
 from cardan.motion.steering import steering
 from cardan.tolerances.order_tolerances import order_tolerances
 from cardan.tolerances.request import tolerances
@@ -131,11 +131,14 @@ class Driveline:
     equivalent = equivalent
     transmission = transmission
     optimal_phases = optimal_phases
+    arrangement = arrangement
+    bend_ranges = bend_ranges
     steering = steering
     free_running = free_running
 
     check = check
     catalogue_bend = catalogue_bend
+    fork_signs = fork_signs
     tolerances = tolerances
     order_tolerances = order_tolerances
 

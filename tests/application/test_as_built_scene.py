@@ -19,7 +19,7 @@ from cardan.app.answers.as_built.text import BY_DRAWING
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.data import run_data
-from cardan.app.answers.turn.figures import SummaryRow, summary
+from cardan.app.answers.turn.figures import SummaryRow, summary, turn_figures
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, SceneError
@@ -88,7 +88,7 @@ def test_extremes_are_those_of_a_whole_turn_as_built() -> None:
     }
     for key, value in wanted.items():
         assert rows[key].value == pytest.approx(value, rel=1e-6), key
-    place = rows["angle_error", 2, "peak"].at_deg
+    place = rows["angle_error", 2, "peak"].at_drive_angle
     assert place is not None
     size = abs(BUILT.evaluate(np.radians(place), "angle_error").angle_error)
     assert np.degrees(size) == pytest.approx(wanted["angle_error", 2, "peak"], rel=1e-6)
@@ -114,7 +114,7 @@ def test_commands_and_report_show_order_1(tmp_path: Path) -> None:
 @pytest.mark.parametrize("radians", [False, True])
 def test_answers_have_the_orders(radians: bool) -> None:
     scene = Scene.parse(TEXT)
-    data = run_data(Answer(scene), summary(scene.run()), None, [], radians=radians)
+    data = run_data(Answer(scene), turn_figures(scene.run()), None, [], radians=radians)
     ANSWERS.validate(data)
     first = data["as_built"][0]
     assert (first["shaft"], first["order"]) == (2, 1)

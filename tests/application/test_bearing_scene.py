@@ -107,7 +107,7 @@ def test_rows_of_the_table_are_the_largest_over_the_turn() -> None:
     for row in rows:
         values = LINE.evaluate(turn, row.quantity, load=LOAD)[row.quantity][row.item]
         assert row.value == pytest.approx(np.linalg.norm(values, axis=-1).max(), rel=1e-6)
-        assert row.at_deg is not None
+        assert row.at_drive_angle is not None
 
 
 def test_a_study_moves_points_and_keeps_the_bearings() -> None:
@@ -399,7 +399,7 @@ quantities = ["joint_force", "bearing_force"]
         assert min(force.largest.value, force.order_2, force.mean) > 1e6
         assert force.order_4 == 0.0
     rows = [row for row in summary(scene.run()) if row.per == "joint" and row.unit == "N"]
-    assert [(row.value, row.at_deg) for row in rows] == [(0.0, None)] * 2
+    assert [(row.value, row.at_drive_angle) for row in rows] == [(0.0, None)] * 2
     peaks = [each for each in evaluated(scene).peaks if each.output.name == "joint_force"]
     assert [(each.size, each.at_deg) for each in peaks] == [(0.0, None)] * 2
 

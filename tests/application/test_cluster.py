@@ -20,8 +20,9 @@ from click.testing import CliRunner
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
+from cardan.app.answers.data import data_of  # noqa: E402
 from cardan.app.answers.schema import answers_schema  # noqa: E402
-from cardan.app.answers.study.extremes import study_data  # noqa: E402
+from cardan.app.answers.study.figures import study_figures  # noqa: E402
 from cardan.app.answers.study.text import study_text  # noqa: E402
 from cardan.app.answers.turn.figures import drive_angles  # noqa: E402
 from cardan.app.command import commands  # noqa: E402
@@ -193,7 +194,7 @@ def test_the_command_writes_a_folder_and_goes_on(
     one = Scene.load(scene)
     result = one.run().study
     assert result
-    text = study_text(result, drive_angles(one))
+    text = study_text(study_figures(result, 72), drive_angles(one))
     assert "Best drivelines\n" in text
     assert first.output.endswith(f"\n\n{text}\n")
     assert parquet.read_table(folder).equals(in_one_process(scene))
@@ -201,7 +202,7 @@ def test_the_command_writes_a_folder_and_goes_on(
     again = CliRunner().invoke(commands(), [*arguments, "--json"])
     answer = json.loads(again.output)
     assert answer["files"] == [{"file": str(folder), "rows": 183, "parts": 4, "found": 3}]
-    assert answer["study"] == study_data(result, 72)
+    assert answer["study"] == data_of(study_figures(result, 72))
     jsonschema.Draft202012Validator(answers_schema()).validate(answer)
     assert parquet.read_table(folder).equals(in_one_process(scene))
 

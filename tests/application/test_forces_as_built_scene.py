@@ -20,7 +20,7 @@ from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.data import run_data
-from cardan.app.answers.turn.figures import summary
+from cardan.app.answers.turn.figures import summary, turn_figures
 from cardan.app.command import commands
 from cardan.app.plots import plot_force_hodograph, plot_hodograph
 from cardan.app.report import write_report
@@ -130,7 +130,7 @@ def test_words_and_answers_have_order_1(tmp_path: Path) -> None:
     assert "it is passed once in a turn, since the joints have deviations." in words
     assert "over a turn" in views_of(Scene.parse(TEXT))[0]["spoken"]
     assert "over half a turn" in views_of(scene)[0]["spoken"]
-    said = run_data(Answer(Scene.parse(TEXT)), summary(Scene.parse(TEXT).run()), None, [])
+    said = run_data(Answer(Scene.parse(TEXT)), turn_figures(Scene.parse(TEXT).run()), None, [])
     ANSWERS.validate(said)
 
 

@@ -254,15 +254,15 @@ def test_the_turns_of_a_counter_that_starts_anew(tmp_path: Path, timed: bool) ->
     )
     scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=angle)
     found = drive_angles(scene)
-    assert found["turns"] == pytest.approx(10.0)
-    assert found["samples_per_turn"] == pytest.approx(18.0)
+    assert found.turns == pytest.approx(10.0)
+    assert found.samples_per_turn == pytest.approx(18.0)
     (tmp_path / "run.toml").write_text(text)
     for rows in (1, 50, 1000):
         streamed = stream(tmp_path / "run.toml", tmp_path, rows=rows)
         assert streamed.turns == pytest.approx(10.0)
     # An angle that goes on, however far from sample to sample, is taken as it is.
     scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=350.0 * np.arange(181.0))
-    assert drive_angles(scene)["turns"] == pytest.approx(175.0)
+    assert drive_angles(scene).turns == pytest.approx(175.0)
 
 
 def test_samples_alone_among_missing_ones(tmp_path: Path) -> None:
@@ -330,8 +330,8 @@ def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: i
         np.testing.assert_array_equal(streamed[name].to_numpy(), whole[name].to_numpy(), name)
     found = drive_angles(scene)
     assert (done.rows, done.missing) == (time.size, scene.missing)
-    assert done.ends_deg == (found["first_deg"], found["last_deg"])
-    assert done.turns == pytest.approx(found["turns"], rel=1e-12)
+    assert done.ends_deg == (found.first, found.last)
+    assert done.turns == pytest.approx(found.turns, rel=1e-12)
     assert done.signals == scene.signals
 
 

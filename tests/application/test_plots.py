@@ -346,15 +346,16 @@ def test_key_figures_of_a_page() -> None:
 def test_key_figures_that_are_too_many() -> None:
     """Of many joints the largest stays, and its joint is named; a last line counts the rest."""
     loads = [
-        SummaryRow("moment", "joint", j, "peak", float(j % 3), "N m", at_deg=30.0) for j in range(4)
+        SummaryRow("joint", "Nm", "moment", j, "peak", "turn", float(j % 3), 30.0) for j in range(4)
     ]
     bends = [
-        SummaryRow("bend", "joint", j, "value", float(j % 7), "deg", "driveline") for j in range(9)
+        SummaryRow("joint", "deg", "bend", j, "value", "driveline", float(j % 7), None)
+        for j in range(9)
     ]
     assert len(key_figures(loads, 9)) == 4
     assert key_figures(loads, 3) == [("largest moment, joint 2", "2.000 N m at 30.00°")]
     assert key_figures(bends, 9) == [("largest bend, joint 6", "6.000°")]
-    rows = [*loads, *bends, SummaryRow("twist", "shaft", 1, "value", 0.0, "deg", "driveline")]
+    rows = [*loads, *bends, SummaryRow("shaft", "deg", "twist", 1, "value", "driveline", 0.0, None)]
     assert key_figures(rows, 2)[-1] == ("and 2 more", "")
 
 

@@ -145,14 +145,14 @@ def test_a_drive_that_turns_back(tmp_path: Path) -> None:
     rpm = np.concatenate([np.full(500, 6000.0), np.full(500, -6000.0)])
     angles = drive_angles(scene(tmp_path, TIME, rpm))
     half = 6000.0 / 60.0 * 0.499
-    assert angles["max_deg"] == pytest.approx(360.0 * half)
-    assert angles["turns"] == pytest.approx(2.0 * half, rel=0.01)
+    assert angles.max == pytest.approx(360.0 * half)
+    assert angles.turns == pytest.approx(2.0 * half, rel=0.01)
     text = angles_text(angles)
     assert re.match(r"first 0\.00°, last .*, least -?[0-9.]+°, largest 17964\.00°, .* back", text)
     done = CliRunner().invoke(commands(), ["run", str(tmp_path / "a.toml"), "--json"])
     jsonschema.Draft202012Validator(answers_schema()).validate(json.loads(done.stdout))
     ahead = drive_angles(scene(tmp_path, TIME, np.abs(rpm)))
-    assert "max_deg" not in ahead
+    assert ahead.max is None
 
 
 def test_noise_of_an_encoder_and_counters_do_not_turn_back() -> None:

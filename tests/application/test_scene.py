@@ -11,7 +11,8 @@ import pytest
 
 import example_scenes
 from cardan import Driveline, Limits, Load, Sweep
-from cardan.app.answers.turn.figures import SummaryRow, drive_angles, summary
+from cardan.app.answers.data import data_of
+from cardan.app.answers.turn.figures import SummaryRow, TurnFigures, drive_angles, summary
 from cardan.app.answers.turn.text import summary_lines, summary_text
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.language.schema import describe
@@ -1028,22 +1029,22 @@ def test_foeppl() -> None:
     exact = inertia * speed**2 * largest
     torque = table["torque_1_peak"]
     assert torque.value == pytest.approx(exact, rel=1e-12)
-    assert torque.at_deg == pytest.approx(math.degrees(place), abs=1e-5)
+    assert torque.at_drive_angle == pytest.approx(math.degrees(place), abs=1e-5)
     small_angles = 2 * inertia * speed**2 * (1 - c)
     assert torque.value / small_angles - 1 == pytest.approx(0.0056, abs=2e-4)
     acceleration = table["acceleration_at_steady_drive_1_peak"]
     assert acceleration.value == pytest.approx(exact / inertia, rel=1e-12)
-    assert acceleration.at_deg == pytest.approx(math.degrees(place), rel=1e-12)
+    assert acceleration.at_drive_angle == pytest.approx(math.degrees(place), rel=1e-12)
 
     # The bending moments beside it: |M| / Mt is 1 / cos of the angle between M and the shaft.
     assert table["moment_0_peak"].value == pytest.approx(43.855, abs=0.001)
 
     error = table["angle_error_1_peak"]
     assert error.value == pytest.approx(math.degrees(math.atan((1 - c) / (2 * math.sqrt(c)))))
-    assert error.at_deg == pytest.approx(math.degrees(math.atan(math.sqrt(c))))
+    assert error.at_drive_angle == pytest.approx(math.degrees(math.atan(math.sqrt(c))))
     for statistic, ratio, at in (("min", c, 90), ("max", 1 / c, 0)):
         found = table[f"speed_ratio_1_{statistic}"]
-        assert (found.value, found.at_deg) == pytest.approx((ratio, at))
+        assert (found.value, found.at_drive_angle) == pytest.approx((ratio, at))
         assert table[f"speed_1_{statistic}"].value == pytest.approx(3000 * ratio)
     assert table["non_uniformity_1_value"].value == pytest.approx(1 / c - c)
     assert table["equivalent_bend_1_value"].value == pytest.approx(8.5)
@@ -1093,10 +1094,10 @@ def test_three_joints_by_points() -> None:
     assert [table[f"bend_{joint}_value"].value for joint in range(3)] == pytest.approx(bends)
     assert table["equivalent_bend_3_value"].value < 3.0
     error = table["angle_error_3_peak"]
-    assert error.at_deg is not None
-    at_place = scene.line.evaluate(math.radians(error.at_deg), "angle_error").angle_error
+    assert error.at_drive_angle is not None
+    at_place = scene.line.evaluate(math.radians(error.at_drive_angle), "angle_error").angle_error
     assert abs(math.degrees(at_place)) == pytest.approx(error.value)
-    assert 0 < error.at_deg < 90
+    assert 0 < error.at_drive_angle < 90
     # Bending is torque times about the tangent of the bend, at most.
     for joint, bend in enumerate(bends):
         largest = table[f"bending_driven_{joint}_peak"].value
@@ -1120,7 +1121,7 @@ def test_places_are_places() -> None:
         ("torque_2_peak", "torque", 1.0, ()),
         ("moment_1_peak", "moment", 1.0, (1,)),
     ):
-        place = table[label].at_deg
+        place = table[label].at_drive_angle
         assert place is not None
         assert -400 <= place < -220
         values = scene.line.evaluate(math.radians(place), name, load=scene.load_case)[name]
@@ -1135,6 +1136,11 @@ def test_places_are_places() -> None:
         assert table[f"speed_2_{statistic}"].value == pytest.approx(ratio * 100 * 30 / math.pi)
 
 
+def peak(name: str, shaft: int, value: float, unit: str) -> SummaryRow:
+    """The largest value of a shaft that has it at every drive angle."""
+    return SummaryRow("shaft", unit, name, shaft, "peak", "turn", value, None)
+
+
 def test_compensated_shaft_has_no_place() -> None:
     """Rounding is not reported as motion, and no place is given for what happens nowhere."""
     scene = Scene.parse(
@@ -1142,11 +1148,11 @@ def test_compensated_shaft_has_no_place() -> None:
         "[load]\nspeed_rpm = 1000\ninertias_kgm2 = [0, 0, 1]\n"
     )
     table = rows(scene)
-    assert table["angle_error_2_peak"] == SummaryRow("angle_error", "shaft", 2, "peak", 0.0, "deg")
+    assert table["angle_error_2_peak"] == peak("angle_error", 2, 0.0, "deg")
     assert table["equivalent_bend_2_value"].value == 0.0
     assert table["speed_ratio_2_min"].value == table["speed_ratio_2_max"].value == 1.0
     assert table["acceleration_at_steady_drive_2_peak"].value == 0.0
-    assert table["torque_2_peak"] == SummaryRow("torque", "shaft", 2, "peak", 0.0, "N m")
+    assert table["torque_2_peak"] == peak("torque", 2, 0.0, "Nm")
     # A phase that is off by a thousandth of a degree is motion.
     almost = rows(Scene.parse("[driveline]\nbends_deg = [15, 15]\nphases_deg = [0.001]"))
     assert almost["angle_error_2_peak"].value > 1e-6
@@ -1154,8 +1160,8 @@ def test_compensated_shaft_has_no_place() -> None:
 
 def test_straight_driveline() -> None:
     table = rows(Scene.parse("[driveline]\nbends_deg = [0]\n[load]\noutput_torque_Nm = 5"))
-    assert table["angle_error_1_peak"] == SummaryRow("angle_error", "shaft", 1, "peak", 0.0, "deg")
-    assert table["torque_1_peak"] == SummaryRow("torque", "shaft", 1, "peak", 5.0, "N m")
+    assert table["angle_error_1_peak"] == peak("angle_error", 1, 0.0, "deg")
+    assert table["torque_1_peak"] == peak("torque", 1, 5.0, "Nm")
 
 
 STEADY_JOINT = """\
@@ -1186,7 +1192,7 @@ def test_largest_values_are_of_the_turn_whatever_is_swept(sweep: str) -> None:
         assert found.value == pytest.approx(value, rel=1e-12)
         # A sweep has no angle for what it does not reach.
         reached = at == 0.0 or "turns" not in sweep
-        assert found.at_deg == (pytest.approx(at, abs=1e-5) if reached else None)
+        assert found.at_drive_angle == (pytest.approx(at, abs=1e-5) if reached else None)
 
 
 def test_speed_of_a_drive_that_turns_backwards() -> None:
@@ -1194,7 +1200,10 @@ def test_speed_of_a_drive_that_turns_backwards() -> None:
     cosine = math.cos(math.radians(8.5))
     assert table["speed_1_min"].value == pytest.approx(-100 / cosine)
     assert table["speed_1_max"].value == pytest.approx(-100 * cosine)
-    assert (table["speed_1_min"].at_deg, table["speed_1_max"].at_deg) == pytest.approx((0, 90))
+    assert (
+        table["speed_1_min"].at_drive_angle,
+        table["speed_1_max"].at_drive_angle,
+    ) == pytest.approx((0, 90))
 
 
 def test_recordings_tell_their_samples(tmp_path: Path) -> None:
@@ -1203,7 +1212,7 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text("\n".join(["turn", *map(str, degrees), "", '""']))
     text = STEADY_JOINT.replace("[sweep]", "[angles]\nfile = 'run.csv'\nangle_column_deg = 'turn'")
     scene = Scene.parse(text.replace('["', '["angle_error", "'), folder=tmp_path)
-    assert drive_angles(scene) == {
+    assert data_of(drive_angles(scene)) == {
         "source": "recording",
         "samples": 5,
         "missing_samples": 1,
@@ -1218,7 +1227,7 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
     driving = [100 * math.tan(math.pi / 6) * abs(math.sin(math.radians(at))) for at in degrees]
     found = table["bending_driving_0_peak"]
     assert found.value == pytest.approx(max(driving))
-    assert found.at_deg == 100.0
+    assert found.at_drive_angle == 100.0
     kinds = {row.quantity: row.of for row in table.values()}
     assert {name for name, of in kinds.items() if of == "driveline"} == {
         *("bend", "equivalent_bend", "non_uniformity")
@@ -1226,7 +1235,8 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
     assert {name for name, of in kinds.items() if of == "samples"} == {
         *("angle_error", "torque", "bending_driven", "bending_driving", "moment")
     }
-    lines = summary_text(list(table.values()), drive_angles(scene)).splitlines()
+    turn = TurnFigures(drive_angles(scene), tuple(table.values()))
+    lines = summary_text(turn).splitlines()
     heading = lines.index(
         "In these 4 samples, first -30.00°, last 60.00°, least -30.00°, largest 100.00°,"
     )
@@ -1236,30 +1246,31 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
 def test_table_as_text() -> None:
     def row(name: str, item: int, value: float, unit: str = "", **rest: Any) -> SummaryRow:  # noqa: ANN401
         return SummaryRow(
-            name,
             "joint" if name in ("bend", "moment") else "shaft",
-            item,
-            rest.pop("statistic", "value"),
-            value,
             unit,
-            **rest,
+            name,
+            item,
+            rest.get("statistic", "value"),
+            rest.get("of", "turn"),
+            value,
+            rest.get("at"),
         )
 
     table = [
         *(row("bend", i, 10.0 + i, "deg", of="driveline") for i in range(20)),
         row("twist", 1, -0.0, "deg", of="driveline"),
-        row("angle_error", 2, 0.31639, "deg", statistic="peak", at_deg=44.8416),
-        row("speed_ratio", 2, 0.999862, statistic="min", at_deg=90.0),
-        row("speed_ratio", 2, 1.000138, statistic="max", at_deg=0.0),
+        row("angle_error", 2, 0.31639, "deg", statistic="peak", at=44.8416),
+        row("speed_ratio", 2, 0.999862, statistic="min", at=90.0),
+        row("speed_ratio", 2, 1.000138, statistic="max", at=0.0),
         row("speed", 2, 3000.0, "rpm", statistic="min"),
         row("speed", 2, 3000.0, "rpm", statistic="max"),
-        row("acceleration_at_steady_drive", 2, 1.23456e-7, "rad/s²", statistic="peak"),
-        row("torque", 0, 1234567.8, "N m", statistic="peak"),
-        row("torque", 2, 1.23456e8, "N m", statistic="peak", at_deg=-1e-9),
-        row("moment", 0, 0.0, "N m", statistic="peak"),
+        row("acceleration_at_steady_drive", 2, 1.23456e-7, "rad_s2", statistic="peak"),
+        row("torque", 0, 1234567.8, "Nm", statistic="peak"),
+        row("torque", 2, 1.23456e8, "Nm", statistic="peak", at=-1e-9),
+        row("moment", 0, 0.0, "Nm", statistic="peak"),
     ]
     angles = drive_angles(Scene.parse(JOINT))
-    assert summary_text(table, angles).splitlines() == [
+    assert summary_text(TurnFigures(angles, tuple(table))).splitlines() == [
         "Driveline",
         "  bend, joints 0 to 19               10.00°, 11.00°, 12.00°, 13.00°, 14.00°,",
         "                                     15.00°, 16.00°, 17.00°, 18.00°, 19.00°,",

@@ -17,9 +17,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.study.figures import study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
-from cardan.app.answers.turn.figures import drive_angles, summary
+from cardan.app.answers.turn.figures import turn_figures
 from cardan.app.answers.turn.text import summary_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene
@@ -221,13 +222,14 @@ def shows(scene: Scene) -> None:
         assert "[study] at " in str(error)  # noqa: PT017 - either may be
         return
     for radians in (False, True):
-        rows, angles = summary(result), drive_angles(scene, radians=radians)
-        assert summary_text(rows, angles, radians=radians)
-        answer = run_data(Answer(scene), rows, result.study, [], radians=radians)
+        turn = turn_figures(result)
+        assert summary_text(turn, radians=radians)
+        answer = run_data(Answer(scene), turn, result.study, [], radians=radians)
         ANSWERS.validate(json.loads(json.dumps(answer, allow_nan=False)))
         assert columns(result, radians=radians)
         if result.study:
-            assert study_text(result.study, angles, radians=radians)
+            found = study_figures(result.study, 1, radians=radians)
+            assert study_text(found, turn.drive_angles, radians=radians)
             assert study_columns(result.study, radians=radians)
 
 

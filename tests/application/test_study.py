@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.app.answers.study.extremes import End, extremes, study_data
+from cardan.app.answers.data import data_of
+from cardan.app.answers.study.figures import End, extremes, study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.scene import Scene
@@ -314,17 +315,18 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
     }
     columns = tuple(Column(name, "1", "k", "shaft", 1, "value") for name in values)
     result = StudyResult((axis,), columns, values)
-    figures = {each.name: each for each in extremes(result)}
-    assert figures["some"].least == End(0.5, {"bends_deg": 3.0})
-    assert figures["some"].largest == End(7.0, {"bends_deg": 4.0})
+    figures = {each.column: each for each in extremes(result)}
+    assert figures["some"].least == End("", 0.5, {"bends_deg": 3.0})
+    assert figures["some"].largest == End("", 7.0, {"bends_deg": 4.0})
     assert math.isnan(figures["none"].least.value)
-    assert figures["endless"].least == End(1.0, {"bends_deg": 1.0})
-    assert figures["endless"].largest == End(math.inf, {"bends_deg": 2.0})
+    assert figures["endless"].least == End("", 1.0, {"bends_deg": 1.0})
+    assert figures["endless"].largest == End("", math.inf, {"bends_deg": 2.0})
     assert figures["alike"].least.at == {}
-    entries = {entry["column"]: entry for entry in study_data(result, 1)["figures"]}
+    found = study_figures(result, 1)
+    entries = {entry["column"]: entry for entry in data_of(found)["figures"]}
     assert entries["none"]["least"] == {"value": None, "at": []}
     assert entries["endless"]["largest"]["value"] is None
-    assert study_text(result, {}).split("\n\n")[1].splitlines() == [
+    assert study_text(found, drive_angles(Scene.parse(TWO))).split("\n\n")[1].splitlines() == [
         "some",
         "  least    0.50 at bends_deg = 3",
         "  largest  7.00 at bends_deg = 4",
@@ -348,7 +350,7 @@ def test_the_best_driveline_is_named_by_what_it_depends_on() -> None:
     )
     result = scene.run().study
     assert result
-    text = study_text(result, drive_angles(scene))
+    text = study_text(study_figures(result, 1), drive_angles(scene))
     assert text.split("\n\n")[2].splitlines() == [
         "Best driveline",
         "  by equivalent_bend_deg, non_uniformity, max_angle_error_deg, torque_peak_Nm:",

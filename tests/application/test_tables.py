@@ -72,8 +72,8 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     )
     assert (path, written, missing) == (tmp_path / "out.parquet", ROWS, 0)
     found = drive_angles(Scene.load(scene))
-    assert ends == (found["first_deg"], found["last_deg"])
-    assert turns == pytest.approx(found["turns"])
+    assert ends == (found.first, found.last)
+    assert turns == pytest.approx(found.turns)
     assert signals == ()
     assert parquet.read_table(path).equals(parquet.read_table(whole))
     assert steps[-1] == (ROWS, ROWS)
@@ -88,7 +88,7 @@ def test_the_command_says_how_fast(scene: Path, tmp_path: Path) -> None:
     assert rate.endswith(" million a second)")
     found = drive_angles(Scene.load(scene))
     assert angles == f"drive angles {angles_text(found)}"
-    assert result.stderr == (f"cardan: {few_samples_text(found['samples_per_turn'])}\n")
+    assert result.stderr == (f"cardan: {few_samples_text(found)}\n")
 
 
 def test_a_plan_for_a_column(scene: Path, tmp_path: Path) -> None:

@@ -16,10 +16,9 @@ from numpy.typing import ArrayLike
 
 from cardan import Driveline, approximations
 from cardan.app.answers.json_schema import VERSION
-from cardan.app.answers.limits.remedies import advice, arrangement, scene_advice
-from cardan.app.answers.limits.remedies_text import remedies
-from cardan.app.answers.limits.root_rule import fork_signs
-from cardan.app.answers.yokes import figures as yokes
+from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.yokes.figures import advice, scene_advice
+from cardan.app.answers.yokes.text import remedies
 from cardan.app.command import commands
 from cardan.app.scene import Scene
 from cardan.app.scene.starters import STARTERS
@@ -32,6 +31,7 @@ YOKED = [
     for path in EXAMPLES
     if path.stem not in {"ball_joint", "drive_inertia", "foeppl", "recorded_run", "rig_torsion"}
 ]
+SCHEMA = answers_schema()["$defs"]["phase"]
 OPPOSITE = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 
@@ -138,9 +138,9 @@ def test_every_scene_that_uses_axes_says_them() -> None:
 
 @pytest.mark.parametrize("path", YOKED, ids=lambda path: path.stem)
 def test_json_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(yokes.PHASE_SCHEMA)
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
     assert list(data)[:3] == ["answer", "version", "title"]
     assert (data["answer"], data["version"], data["view"]) == ("phase", VERSION, VIEW)
     line = Scene.load(path).line
@@ -194,17 +194,19 @@ def test_text_names_view_symmetry_and_arrangement(path: Path) -> None:
 )
 def test_the_arrangement_has_a_name(bends: list[float], twists: list[float], name: str) -> None:
     line = Driveline.from_bends(bends, twists, degrees=True)
-    assert arrangement(line) == name
-    assert advice(line)["arrangement"] == name
+    assert line.arrangement() == name
+    assert advice(line).arrangement == name
 
 
 def test_arrangements_of_a_drawing() -> None:
     """Rounding of points does not make a shaft bent in space, nor a straight joint bent."""
     points = np.array([[0, 0, 0], [300, 0, 0], [1300, -100, 0], [1600, -100, 0]], dtype=float)
     turned = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-    assert arrangement(Driveline.from_points(points @ turned.T)) == "Z"
+    assert Driveline.from_points(points @ turned.T).arrangement() == "Z"
     inline = np.arange(4.0)[:, np.newaxis] * turned[0]
-    assert arrangement(Driveline.from_points(inline)) == "straight"
+    assert Driveline.from_points(inline).arrangement() == "straight"
+    with pytest.raises(ValueError, match="an arrangement is that of one driveline"):
+        Driveline.from_points([inline]).arrangement()
 
 
 BENDS = [[14, 9], [9, 14], [25, 4, 3, 2, 5], [4, 20, 6], [7, 7], [12, 0], [10, 6, 6]]
@@ -216,25 +218,27 @@ def test_ranges_of_bends_end_where_the_best_setting_reaches_the_limit(
     bends: list[float], limit: float
 ) -> None:
     data = advice(Driveline.from_bends(bends, degrees=True), math.radians(limit))
-    assert len(data["bend_ranges"]) == len(bends)
+    assert len(data.bend_ranges) == len(bends)
 
     def best(joint: int, bend: float) -> float:
         changed = [*bends[:joint], bend, *bends[joint + 1 :]]
         line = Driveline.from_bends(changed, degrees=True)
         return bend_deg(line, line.optimal_phases())
 
-    for found in data["bend_ranges"]:
-        joint, low, high = found["joint"], found["from_deg"], found["to_deg"]
-        assert found["bend_deg"] == pytest.approx(bends[joint])
+    for found in data.bend_ranges:
+        joint, low, high = found.joint, found.from_deg, found.to_deg
+        assert found.bend_deg == pytest.approx(bends[joint])
         assert best(joint, high) == pytest.approx(limit, abs=1e-6)
         assert best(joint, high + 0.01) > limit
         assert best(joint, (low + high) / 2) < limit
         if low > 0.0:
             assert best(joint, low) == pytest.approx(limit, abs=1e-6)
             assert best(joint, low - 0.01) > limit
-    inside = all(found["from_deg"] <= found["bend_deg"] for found in data["bend_ranges"])
-    inside &= all(found["bend_deg"] <= found["to_deg"] for found in data["bend_ranges"])
-    assert (data["cause"] != "bends") == inside
+    inside = all(found.from_deg <= found.bend_deg <= found.to_deg for found in data.bend_ranges)
+    assert (data.cause != "bends") == inside
+    two = Driveline.from_bends([bends, bends], degrees=True).bend_ranges(math.radians(limit))
+    each = [(found.from_deg, found.to_deg) for found in data.bend_ranges]
+    assert np.degrees(two) == pytest.approx(np.array([each, each]))
 
 
 def test_bends_that_differ(tmp_path: Path) -> None:
@@ -326,7 +330,7 @@ def test_fork_signs_follow_the_rule_of_alternating_yokes() -> None:
         twists = random.uniform(-180, 180, n - 1)
         phases = twists + 90.0 * random.integers(-2, 3, n - 1)
         line = Driveline.from_bends(bends, twists, phases, degrees=True)
-        signs, off = fork_signs(line)
+        signs, off = line.fork_signs()
         assert off == pytest.approx(np.zeros(n - 1), abs=1e-9)
         # ln sec obeys the rule exactly where the root rule takes its first term.
         total = abs(np.sum(signs * -np.log(np.cos(line.bends))))
@@ -383,7 +387,7 @@ def test_no_other_teeth_are_better(
     )
     line = Scene.load(path).line
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
     least = brute_force(line, teeth)
     assert data["equivalent_bend_deg"]["on_teeth"] == pytest.approx(least, abs=1e-6)
     # The turns of the answer lead there, and each is a whole number of teeth.

@@ -205,3 +205,21 @@ def catalogue_bend(line: Driveline, fork_signs: ArrayLike) -> FloatArray:
         ValueError: a sign other than +1 and -1, shapes that do not fit.
     """
     return np.asarray(approximations.catalogue_bend(line.bends, fork_signs))[()]
+
+
+def fork_signs(line: Driveline) -> tuple[NDArray[np.int64], FloatArray]:
+    """Return the signs that describe the yokes, and how far these are from what the signs say.
+
+    Parallel yokes change the sign and crossed ones keep it, once the turn of the bend planes is
+    taken off. Yokes in between count as what they are nearer to.
+
+    Returns:
+        +1 or -1 per joint, ``(..., n)``, for ``catalogue_bend``; the angle of each shaft between
+        two joints in rad, within [0, pi/4], ``(..., n - 1)``.
+    """
+    turned = line.phases - line.twists
+    crossed = np.cos(2.0 * turned) < 0.0
+    signs = np.cumprod(np.where(crossed, 1, -1), axis=-1)
+    first = np.ones((*line.shape, 1), dtype=np.int64)
+    off = turned - np.where(crossed, np.pi / 2.0, 0.0)
+    return np.concatenate([first, signs], axis=-1), np.abs(off - np.pi * np.round(off / np.pi))

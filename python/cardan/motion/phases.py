@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,12 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
+
+
+Arrangement = Literal["straight", "single bend", "W", "Z", "planar", "spatial"]
+
+# Angles below this, in rad, are rounding of the points of a drawing.
+_STRAIGHT = 1e-6
 
 
 def optimal_phases(
@@ -73,6 +79,56 @@ def optimal_phases(
     else:
         phases = _common_phases(line, states, weights, teeth, fixed)
     return np.degrees(phases) if degrees else phases
+
+
+def arrangement(line: Driveline) -> Arrangement:
+    """Return the name of how the joints of one driveline are arranged.
+
+    Straight joints do not count: the twists on both sides of one add up. Angles below 1e-6 rad are
+    rounding of the points of a drawing.
+
+    Returns:
+        ``"straight"`` without a bent joint and ``"single bend"`` with one; with two whose bends lie
+        in one plane ``"W"`` if these have the same direction and ``"Z"`` if opposite ones;
+        ``"planar"`` with more bends in one plane, otherwise ``"spatial"``.
+
+    Raises:
+        ValueError: a batch of drivelines.
+    """
+    if line.shape:
+        raise ArgumentValueError(
+            "driveline", f"has shape {line.shape}; an arrangement is that of one driveline"
+        )
+    bent = np.flatnonzero(line.bends > _STRAIGHT)
+    if len(bent) < 2:
+        return "single bend" if len(bent) else "straight"
+    twists = np.diff(np.concatenate([[0.0], np.cumsum(line.twists)])[bent])
+    if np.any(np.abs(np.sin(twists)) > _STRAIGHT):
+        return "spatial"
+    if len(bent) > 2:
+        return "planar"
+    return "W" if np.cos(twists[0]) > 0.0 else "Z"
+
+
+def bend_ranges(line: Driveline, limit: float) -> FloatArray:
+    """Return the bends of each joint with which the best phases can keep an equivalent bend.
+
+    All other bends are as they are. With ``L = ln sec(bend)`` the least equivalent bend has ``L``
+    equal to that by which the largest exceeds all others together; the ends follow without search.
+
+    Args:
+        limit: of the equivalent bend, in rad.
+
+    Returns:
+        least and largest bend of each joint in rad, ``(..., n, 2)``.
+    """
+    lengths, reach = -np.log(np.cos(line.bends)), -np.log(np.cos(limit))
+    ends = []
+    for joint in range(line.n_joints):
+        others = np.delete(lengths, joint, axis=-1)
+        total, longest = np.sum(others, axis=-1), np.max(others, axis=-1, initial=0.0)
+        ends.append(np.stack([2.0 * longest - total - reach, total + reach], axis=-1))
+    return np.asarray(np.arccos(np.exp(-np.maximum(np.stack(ends, axis=-2), 0.0))))
 
 
 def _common_phases(

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
-from cardan.app.answers.json_schema import record
-from cardan.app.answers.rows import Judged, Row, element_of, rows_of
+from cardan.app.answers.json_schema import one_of, record
+from cardan.app.answers.rows import UNITS, Judged, Row, element_of, rows_of
 
 _NUMBER = {"type": ["number", "null"]}
-_WORDS: Mapping[str, Any] = {
+_PLACE = {
+    "type": "array",
+    "items": record({"key": {"type": "string"}, "value": {"type": "number"}}),
+}
+_SCHEMAS: Mapping[str, Any] = {
+    "numbers": {"type": "array", "items": _NUMBER},
+    "place": _PLACE,
     "item": {"type": ["integer", "string"], "minimum": 0},
     "count": {"type": "integer", "minimum": 0},
     "flag": {"type": "boolean"},
@@ -25,6 +32,8 @@ def data_of(found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - plai
     data: dict[str, Any] = {}
     for name, of, hint in rows_of(type(found)):
         row, value = of.beside(found), getattr(found, name)
+        if row.is_optional and value in (None, "", ()):
+            continue
         if row.kind == "figure" and _is_judged(hint):
             data[name] = None if value is None else _judged(value, row, radians=radians)
         elif row.kind == "figure":
@@ -34,10 +43,16 @@ def data_of(found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - plai
             data[key] = [_number(each, row, radians=radians) for each in value]
         elif row.kind == "parts":
             data[name] = None if value is None else data_of(value, radians=radians)
+        elif row.kind == "place":
+            data[name] = _place(value)
         else:
             key = row.label.replace(" ", "_") if row.kind == "item" else name
-            data[key] = value
+            data[key] = list(value) if isinstance(value, tuple) else value
     return data
+
+
+def _place(at: Mapping[str, float]) -> list[dict[str, Any]]:
+    return [{"key": key, "value": value} for key, value in at.items()]
 
 
 def _is_judged(hint: Any) -> bool:  # noqa: ANN401 - any annotation
@@ -62,7 +77,7 @@ def _judged(value: Judged, row: Row, *, radians: bool) -> dict[str, Any]:
     if value.state:
         data["state"] = value.state
     if value.at:
-        data["at"] = [{"key": key, "value": place} for key, place in value.at.items()]
+        data["at"] = _place(value.at)
     if value.each:
         data["states"] = [
             {"state": name, f"value{ending}": _number(each, row, radians=radians)}
@@ -76,30 +91,44 @@ def _judged(value: Judged, row: Row, *, radians: bool) -> dict[str, Any]:
 def schema_of(of: type) -> dict[str, Any]:
     """Return the JSON Schema of a part, with angles in either unit."""
     needed: dict[str, Any] = {}
-    angles: dict[str, Any] = {}
+    choices: list[dict[str, Any]] = []
+    optional: dict[str, Any] = {}
     for name, row, hint in rows_of(of):
         described = {"title": row.label, "description": row.meaning} if row.meaning else {}
-        if row.kind == "figure" and _is_judged(hint):
-            needed[name] = _or_null(_judged_schema(row), hint) | described
-        elif row.kind in ("figure", "numbers"):
-            number = _NUMBER if row.kind == "figure" else {"type": "array", "items": _NUMBER}
-            if row.unit == "deg":
-                angles |= {f"{name}_{unit}": {**number, **described} for unit in ("deg", "rad")}
-            else:
-                needed[name + row.ending()] = {**number, **described}
-        elif row.kind == "parts":
-            items = schema_of(element_of(hint))
-            several = get_origin(hint) is tuple
-            whole = {"type": "array", "items": items} if several else items
-            needed[name] = _or_null(whole, hint) | described
+        whole = {**_schema(row, hint), **described}
+        keys = dict.fromkeys(_keys(name, row, hint), whole)
+        if row.is_optional:
+            optional |= keys
+        elif len(keys) > 1:
+            choices.append(keys)
         else:
-            key = row.label.replace(" ", "_") if row.kind == "item" else name
-            needed[key] = {**(_WORDS.get(row.kind) or _word(hint)), **described}
-    schema = record(needed, angles)
-    if angles:
-        pairs = zip(*[iter(angles)] * 2, strict=True)
-        schema["allOf"] = [{"oneOf": [{"required": [key]} for key in pair]} for pair in pairs]
-    return schema
+            needed |= keys
+    return one_of(needed, *choices, optional=optional)
+
+
+def _keys(name: str, row: Row, hint: Any) -> list[str]:  # noqa: ANN401 - any annotation
+    """The keys of which JSON has one: of an angle, of a figure with its own unit, of an item."""
+    if row.kind == "item":
+        return ["shaft", "joint", "bearing"] if row.own else [row.label.replace(" ", "_")]
+    if row.kind not in ("figure", "numbers") or _is_judged(hint):
+        return [name]
+    units = UNITS if row.own == "each" else [row.unit]
+    every = (
+        replace(row, unit=unit).ending(radians=radians)
+        for unit in units
+        for radians in (False, True)
+    )
+    return [f"{name}{ending}" for ending in dict.fromkeys(every)]
+
+
+def _schema(row: Row, hint: Any) -> dict[str, Any]:  # noqa: ANN401 - any annotation
+    if row.kind == "figure":
+        return _or_null(_judged_schema(row), hint) if _is_judged(hint) else _NUMBER
+    if row.kind == "parts":
+        items = schema_of(element_of(hint))
+        several = get_origin(hint) is tuple
+        return _or_null({"type": "array", "items": items} if several else items, hint)
+    return dict(_SCHEMAS.get(row.kind) or _word(hint))
 
 
 def _or_null(schema: dict[str, Any], hint: Any) -> dict[str, Any]:  # noqa: ANN401 - annotation
@@ -109,18 +138,22 @@ def _or_null(schema: dict[str, Any], hint: Any) -> dict[str, Any]:  # noqa: ANN4
 def _word(hint: Any) -> dict[str, Any]:  # noqa: ANN401 - any annotation
     if get_origin(hint) is Literal:
         return {"enum": list(get_args(hint))}
+    if get_origin(hint) is tuple:
+        return {
+            "type": "array",
+            "items": {"type": "integer" if int in get_args(hint) else "string"},
+        }
     return {"type": ["string", "null"] if NoneType in get_args(hint) else "string"}
 
 
 def _judged_schema(row: Row) -> dict[str, Any]:
     endings = dict.fromkeys((row.ending(), row.ending(radians=True)))
     values = {f"value{ending}": _NUMBER for ending in endings}
-    place = record({"key": {"type": "string"}, "value": {"type": "number"}})
     limits = {f"{name}{ending}": _NUMBER for name in ("limit", "maximum") for ending in endings}
     state = {"type": "string", "description": "state, step or driveline in which it is worst"}
     more = {
         "state": state,
-        "at": {"type": "array", "items": place},
+        "at": _PLACE,
         "states": {"type": "array", "items": record({"state": {"type": "string"}}, values)},
     }
     if not row.limit:

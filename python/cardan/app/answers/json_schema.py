@@ -11,17 +11,17 @@ VERSION = 2
 ANGLE = ("deg", "rad")
 """Endings of keys that hold angles: degrees, or with ``--radians`` radians."""
 
-_Kind = Literal["run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion"]
+Kind = Literal["run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion"]
 _Schemas = Mapping[str, Any]
 
 
-def answer(kind: _Kind, title: str, **fields: Any) -> dict[str, Any]:  # noqa: ANN401 - plain data
+def answer(kind: Kind, title: str, **fields: Any) -> dict[str, Any]:  # noqa: ANN401 - plain data
     """Return an answer as plain data for JSON, with what every answer begins with."""
     return {"answer": kind, "version": VERSION, "title": title, **fields}
 
 
 def answer_schema(
-    kind: _Kind, description: str, needed: _Schemas, optional: _Schemas | None = None
+    kind: Kind, description: str, needed: _Schemas, optional: _Schemas | None = None
 ) -> dict[str, Any]:
     """Return the JSON Schema of an answer.
 
@@ -40,7 +40,7 @@ def answer_schema(
 
 
 def answers_with(
-    kind: _Kind,
+    kind: Kind,
     description: str,
     of_driveline: _Schemas,
     of_ball_joint: _Schemas,
@@ -81,5 +81,6 @@ def one_of(
     """Return the schema of an object that also has exactly one key of each choice."""
     chosen = {key: value for choice in choices for key, value in choice.items()}
     schema = record(needed, {**chosen, **(optional or {})})
-    schema["allOf"] = [{"oneOf": [{"required": [key]} for key in choice]} for choice in choices]
+    if choices:
+        schema["allOf"] = [{"oneOf": [{"required": [key]} for key in choice]} for choice in choices]
     return schema

@@ -14,6 +14,7 @@ from cardan.app.answers.rows import UNITS, Judged
 from cardan.app.scene.language.units import split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.life import DutyCycle
+from cardan.app.scene.study.axes import Axis
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -47,7 +48,7 @@ def over(
         if not alike(float(np.min(values)), float(np.max(values))):
             state = names[place]
     elif scene.study and scene.study.axes and values.size > 1:
-        at = at_keys(scene, values, place)
+        at = at_keys(scene.study.axes, values, place)
     return replace(found, state=state, at=at, each=each)
 
 
@@ -159,15 +160,20 @@ class Wherever:
         return (np.concatenate(found, axis=1), None) if found else (None, None)
 
 
-def at_keys(scene: Scene, values: FloatArray, place: int) -> dict[str, float]:
-    """Return the keys of a study on which values depend at a place, and their values there."""
-    study = scene.study
-    assert study
-    grid = values.reshape(study.shape)
+def at_keys(
+    axes: Sequence[Axis], values: FloatArray, place: int, rounding: float | None = None
+) -> dict[str, float]:
+    """Return the keys of a study on which values depend at a place, and their values there.
+
+    The place counts the grid's values in order. What differs by less than a rounding, or as
+    ``alike`` has it, does not count.
+    """
+    grid = values.reshape([len(axis.values) for axis in axes])
     index: tuple[Any, ...] = np.unravel_index(place, grid.shape)
     at = {}
-    for number, axis in enumerate(study.axes):
+    for number, axis in enumerate(axes):
         along = grid[(*index[:number], slice(None), *index[number + 1 :])]
-        if not alike(float(np.min(along)), float(np.max(along))):
+        low, high = float(np.nanmin(along)), float(np.nanmax(along))
+        if not (alike(low, high) if rounding is None else high - low <= rounding):
             at[axis.key] = float(axis.values[index[number]])
     return at

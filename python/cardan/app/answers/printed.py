@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 from typing import Any
 
@@ -14,7 +14,7 @@ from cardan.design.wrapping import fill
 _WIDTH = 79
 
 # What is less than this, in the unit in which it is shown, is rounding.
-_FINEST = {"deg": 1e-6, "mm": 1e-6, "rad_s2": 1e-9}
+_FINEST = {"deg": 1e-6, "rad": 1e-8, "mm": 1e-6, "rad_s2": 1e-9}
 
 
 def listed(parts: Sequence[str]) -> str:
@@ -61,13 +61,32 @@ def given(value: float, unit: str, *, radians: bool = False) -> str:
 
 
 def _with_unit(value: float, unit: str, radians: bool, shown: Callable[[float], str]) -> str:
-    symbol, factor = UNITS[unit]
-    if radians and unit == "deg":
-        symbol, factor = "rad", 1.0
-    number = factor * value
-    if abs(number) < _FINEST.get(unit, 0.0):
-        number = 0.0
-    return f"{shown(number)}{'' if symbol in ('°', '%', '') else ' '}{symbol}"
+    number = value * (1.0 if radians and unit == "deg" else UNITS[unit].factor)
+    return in_unit([shown(settled(number, unit))], unit, radians=radians)
+
+
+def settled(number: float, unit: str) -> float:
+    """Return a number in the unit in which it is shown, or 0 where it is mere rounding."""
+    return 0.0 if abs(number) < _FINEST.get(unit, 0.0) else number
+
+
+def in_unit(
+    figures: Sequence[str], unit: str, between: str = ", ", *, radians: bool = False
+) -> str:
+    """Return figures with the unit in which they are: ``"9.5° to 9.8°"``, ``"3 to 4 N m"``."""
+    symbol = "rad" if radians and unit == "deg" else UNITS[unit].symbol
+    if symbol in ("°", "%", ""):
+        return between.join(f"{figure}{symbol}" for figure in figures)
+    return f"{between.join(figures)} {symbol}"
+
+
+def items_text(per: str, items: Sequence[int]) -> str:
+    """Return ``"shaft 1"``, ``"shafts 1 and 3"`` or ``"shafts 1 to 3"``."""
+    if len(items) == 1:
+        return f"{per} {items[0]}"
+    if len(items) > 2 and list(items) == list(range(items[0], items[-1] + 1)):
+        return f"{per}s {items[0]} to {items[-1]}"
+    return f"{per}s {listed([str(item) for item in items])}"
 
 
 def place_of(value: Judged) -> str:
@@ -76,8 +95,12 @@ def place_of(value: Judged) -> str:
         return (
             f" in {value.state}" if value.state[0].isalpha() else f' in the state "{value.state}"'
         )
-    keys = ", ".join(f"{key} = {place:.6g}" for key, place in value.at.items())
-    return f" at {keys}" if keys else ""
+    return f" at {place_text(value.at)}" if value.at else ""
+
+
+def place_text(at: Mapping[str, float]) -> str:
+    """Say where in a study something is: ``"bends_deg.0 = 14, phases_deg = 0"``."""
+    return ", ".join(f"{key} = {value:.6g}" for key, value in at.items())
 
 
 def bound_of(value: Judged, row: Row, *, radians: bool = False) -> str:

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_type_hints
 from cardan.app.scene.language.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
-Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts"]
+Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts", "place"]
 
 
 class Unit(NamedTuple):
@@ -60,7 +60,10 @@ class Row:
         source: formula and source.
         limit: the key of the scene that gives its limit, as ``"[slip] travel_mm"``.
         is_detail: whether it is left out of printed text.
-        is_own: whether the unit is what the field ``unit`` beside it says; keys then end in none.
+        own: ``"own"`` if the unit is what the field ``unit`` beside it says, ``"each"`` if keys
+            end in it as well; of an item, if it is what the field ``per`` says.
+        is_optional: whether JSON leaves it out where it is ``None`` or empty.
+        is_shown: whether it is held in the unit in which it is shown, as a scene gives it.
     """
 
     kind: Kind
@@ -70,20 +73,29 @@ class Row:
     source: str = ""
     limit: str = ""
     is_detail: bool = False
-    is_own: bool = False
+    own: str = ""
+    is_optional: bool = False
+    is_shown: bool = False
 
     def beside(self, found: Any) -> Row:  # noqa: ANN401 - any part
-        """Return the row with the unit that the figures themselves say."""
-        return replace(self, unit=found.unit) if self.is_own else self
+        """Return the row with the unit, or of an item the label, that the figures say."""
+        if not self.own:
+            return self
+        if self.kind == "item":
+            return replace(self, label=found.per)
+        return replace(self, unit=found.unit)
 
     def ending(self, *, radians: bool = False) -> str:
         """Return what follows the name of the field in a key of the JSON."""
         unit = "rad" if radians and self.unit == "deg" else self.unit
-        return f"_{unit}" if unit and not self.is_own else ""
+        return f"_{unit}" if unit and self.own != "own" else ""
 
     def shown(self, value: float, *, radians: bool = False) -> float:
         """Return a value in the unit in which it is shown."""
-        return value * (1.0 if radians and self.unit == "deg" else UNITS[self.unit].factor)
+        turned = radians and self.unit == "deg"
+        if self.is_shown:
+            return math.radians(value) if turned else value
+        return value * (1.0 if turned else UNITS[self.unit].factor)
 
 
 def figure(
@@ -97,21 +109,44 @@ def figure(
 ) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
     """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``.
 
-    The unit is a key of ``UNITS``, or ``"own"`` if the field ``unit`` beside it has the key.
+    The unit is a key of ``UNITS``; or if the field ``unit`` beside it has the key, ``"own"``, and
+    ``"each"`` for keys that end in it.
     """
-    own = unit == "own"
-    row = Row("figure", label, "" if own else unit, meaning, source, limit, is_detail, own)
-    return field(metadata={"row": row})
+    return _declared(Row("figure", label, unit, meaning, source, limit, is_detail))
 
 
 def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
     """Declare several numbers of one kind, ``tuple[float, ...]``, in the order of their items."""
-    return field(metadata={"row": Row("numbers", label, unit, meaning, is_detail=True)})
+    return _declared(Row("numbers", label, unit, meaning, is_detail=True))
+
+
+def _declared(row: Row) -> Any:  # noqa: ANN401 - as of figure
+    if row.unit in ("own", "each"):
+        row = replace(row, unit="", own=row.unit)
+    return field(metadata={"row": row})
+
+
+def optional(declared: Any) -> Any:  # noqa: ANN401 - as of figure
+    """Return a declared field that JSON leaves out where it is ``None`` or empty."""
+    return field(metadata={"row": replace(declared.metadata["row"], is_optional=True)})
+
+
+def as_shown(declared: Any) -> Any:  # noqa: ANN401 - as of figure
+    """Return a declared number that is held in the unit in which it is shown: degrees, rpm, mm."""
+    return field(metadata={"row": replace(declared.metadata["row"], is_shown=True)})
+
+
+def place(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+    """Declare where in a study something is: the values of its keys, ``Mapping[str, float]``."""
+    return field(metadata={"row": Row("place", label, meaning=meaning)})
 
 
 def item(of: str) -> Any:  # noqa: ANN401 - as of figure
-    """Declare the number of the shaft, joint or bearing that the other fields are about."""
-    return field(metadata={"row": Row("item", of)})
+    """Declare the number of what the other fields are about: the shaft, joint or bearing.
+
+    It is ``"own"`` if the field ``per`` beside it says which of these.
+    """
+    return _declared(Row("item", "", of) if of == "own" else Row("item", of))
 
 
 def count(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
@@ -230,7 +265,7 @@ def item_of(found: Any) -> str:  # noqa: ANN401 - any part
     for name, row, _ in rows_of(type(found)):
         if row.kind == "item":
             value = getattr(found, name)
-            return value if isinstance(value, str) else f"{row.label} {value}"
+            return value if isinstance(value, str) else f"{row.beside(found).label} {value}"
     return ""
 
 

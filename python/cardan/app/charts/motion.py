@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.turn.extremes import peak, slowest
+from cardan.app.answers.turn.extremes import peak
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -58,7 +58,7 @@ def turn_motion(scene: Scene, line: Driveline, shaft: int) -> TurnMotion:
         found.append(
             (
                 peak(built, "angle_error", shaft).value,
-                slowest(built, shaft).value,
+                peak(built, "speed_ratio", shaft, is_least=True).value,
                 peak(built, "speed_ratio", shaft).value,
                 peak(built, "acceleration_ratio", shaft).value,
             )

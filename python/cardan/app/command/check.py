@@ -9,10 +9,10 @@ import click
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.text import life_remedies
 from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.limits.remedies import scene_advice
-from cardan.app.answers.limits.remedies_text import remedies
 from cardan.app.answers.limits.text import check_text
 from cardan.app.answers.table import PARTS
+from cardan.app.answers.yokes.figures import scene_advice
+from cardan.app.answers.yokes.text import remedies
 from cardan.app.command.options import json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, progress_bar, say
 from cardan.app.scene import load_scene

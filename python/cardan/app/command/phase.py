@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from cardan.app.answers.data import data_of
+from cardan.app.answers.json_schema import answer
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text
 from cardan.app.command.options import json_option, scene_argument
@@ -29,5 +31,9 @@ def phase(scene: Path, as_json: bool) -> None:
       cardan phase shaft.toml
       cardan phase shaft.toml --json
     """
-    data = yoke_settings(Scene.load(scene))
-    say(as_json_text(data) if as_json else yoke_text(data))
+    loaded = Scene.load(scene)
+    found = yoke_settings(loaded)
+    if as_json:
+        say(as_json_text(answer("phase", loaded.title, **data_of(found))))
+        return
+    say(yoke_text(loaded.title, found))

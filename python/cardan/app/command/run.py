@@ -9,11 +9,12 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.states.figures import states_figures
 from cardan.app.answers.states.text import OF_DRIVELINE, states_text
-from cardan.app.answers.study.extremes import StudyTable
+from cardan.app.answers.study.figures import StudyTable, study_figures
 from cardan.app.answers.study.text import study_text
-from cardan.app.answers.turn.data import ball_joint_run_data, run_data
-from cardan.app.answers.turn.figures import drive_angles, summary
+from cardan.app.answers.turn.data import run_data
+from cardan.app.answers.turn.figures import DriveAngles, turn_figures
 from cardan.app.answers.turn.text import few_samples_text, signals_text, summary_text
 from cardan.app.command.files import (
     check_folder,
@@ -109,22 +110,22 @@ def run(
         assert whole.study
         files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
         study = StudyFolder(whole.study, into / str(whole.table_file))
-    rows, answer = summary(result), Answer(whole)
-    angles = drive_angles(whole, radians=radians)
+    answer, turn = Answer(whole), turn_figures(result)
+    angles = turn.drive_angles
     of_samples = whole.recording or (whole.study and whole.study.quantities)
-    warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
+    warning = few_samples_text(angles) if of_samples else None
     if warning:
         say(f"cardan: {warning}", on_error=True)
     if as_json:
         # The files first: of a study on a cluster they hold the figures.
         written = list(files)
-        say(as_json_text(run_data(answer, rows, study, written, radians=radians)))
+        say(as_json_text(run_data(answer, turn, study, written, radians=radians)))
         return
     if whole.title:
         say_before_files(f"{whole.title}\n")
     if recorded := signals_text(angles):
         say_before_files(f"{recorded}\n")
-    say_before_files(summary_text(rows, angles, radians=radians))
+    say_before_files(summary_text(turn, radians=radians))
     if whole.states:
         say_before_files(f"\n{OF_DRIVELINE}")
     if whole.missing:
@@ -132,15 +133,20 @@ def run(
     for part, found in answer.parts("run"):
         say_before_files(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
-        say_before_files(f"\n{states_text(result.study, radians=radians)}")
+        say_before_files(f"\n{states_text(states_figures(result.study, radians=radians))}")
     elif result.study:
-        say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
+        say_before_files(f"\n{_study_text(result.study, angles, radians)}")
     for number, entry in enumerate(files):
         if number == 0:
             say_before_files()
         say_before_files(wrote(**entry))
     if study and not result.study:
-        say_before_files(f"\n{study_text(study, angles, radians=radians)}")
+        say_before_files(f"\n{_study_text(study, angles, radians)}")
+
+
+def _study_text(table: StudyTable, angles: DriveAngles, radians: bool) -> str:
+    found = study_figures(table, angles.samples, radians=radians)
+    return study_text(found, angles, radians=radians)
 
 
 def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
@@ -148,7 +154,7 @@ def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json
         check_picture(into / scene.picture_file)
     files, answer = write_ball_joint(scene.ball_joint, into, scene.title), Answer(scene)
     if as_json:
-        say(as_json_text(ball_joint_run_data(answer, list(files), radians=radians)))
+        say(as_json_text(run_data(answer, None, None, list(files), radians=radians)))
         return
     if scene.title:
         say_before_files(f"{scene.title}\n")

@@ -45,13 +45,12 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
         done.ends_deg,
         done.turns,
         done.signals,
-        radians,
         done.extent_deg,
     )
     say(f"drive angles {angles_text(angles, radians=radians)}")
     if done.signals:
         say(signals_text(angles))
-    if warning := few_samples_text(angles["samples_per_turn"]):
+    if warning := few_samples_text(angles):
         say(f"cardan: {warning}", on_error=True)
     if done.missing:
         say(missing_samples(done.missing, done.rows, "the recording"))

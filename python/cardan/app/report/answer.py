@@ -11,20 +11,22 @@ from cardan.app.answers.drive_speed.text import heading, sentences
 from cardan.app.answers.forces.text import largest_text
 from cardan.app.answers.forces.text import sentences as missing_forces
 from cardan.app.answers.limits.figures import motion_of
-from cardan.app.answers.limits.remedies import advice
-from cardan.app.answers.limits.remedies_text import (
-    BEST_OF_STATES,
-    advice_text,
-    arrangement_text,
-    remedies,
-)
 from cardan.app.answers.limits.text import verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
-from cardan.app.answers.yokes.text import phases_text, tooth_lines, yoke_lines
+from cardan.app.answers.yokes.figures import YokeFigures, advice, limit_of
+from cardan.app.answers.yokes.text import (
+    BEST_OF_STATES,
+    advice_text,
+    arrangement_text,
+    phases_text,
+    remedies,
+    tooth_lines,
+    yoke_lines,
+)
 from cardan.app.charts.motion import deviates, turn_motion
 from cardan.app.charts.samples import Samples
 from cardan.app.scene.scene import Scene
@@ -48,7 +50,7 @@ _SMOOTH = {
 _SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the best teeth"}
 
 
-def first_answer(answer: Answer, samples: Samples, yokes: dict[str, Any] | None) -> dict[str, Any]:
+def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) -> dict[str, Any]:
     """Return the three answers as plain data for ``answer.html``."""
     scene = answer.scene
     return {
@@ -154,8 +156,7 @@ def _of_one_joint(scene: Scene) -> list[str]:
     """What would bring a single joint within its limit; of more joints the yokes say it."""
     if scene.line.n_joints > 1 or scene.line.shape:
         return []
-    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
-    return remedies(advice(scene.line, float(limit)))
+    return remedies(advice(scene.line, limit_of(scene)))
 
 
 def _forces(answer: Answer) -> list[str]:
@@ -182,19 +183,21 @@ def _drive_speed(answer: Answer) -> dict[str, Any] | None:
     return {"heading": heading(found), "words": list(sentences(found))}
 
 
-def _yokes(data: dict[str, Any]) -> dict[str, Any]:
-    bends = data["equivalent_bend_deg"]
+def _yokes(found: YokeFigures) -> dict[str, Any]:
+    bends, is_over_states = vars(found.equivalent_bend_deg), found.states is not None
     return {
-        "view": data["view"],
+        "view": found.view,
         "same": SAME_YOKE,
-        "arrangement": arrangement_text(data),
-        "lines": yoke_lines(data),
+        "arrangement": arrangement_text(found),
+        "lines": yoke_lines(found),
         # The first line is the heading of the others.
-        "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
-        "of": "Largest equivalent bend of all states" if "states" in data else "Equivalent bend",
-        "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
-        "advice": " ".join([BEST_OF_STATES] * ("states" in data) + [advice_text(data)]),
-        "tried": "On these teeth" if data["teeth"] else "With this setting",
-        "above_limits": data["above_limits"],
-        "phases": phases_text(data),
+        "teeth": [line.removeprefix("- ") for line in tooth_lines(found)],
+        "of": "Largest equivalent bend of all states" if is_over_states else "Equivalent bend",
+        "bends": [
+            (_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items() if bend is not None
+        ],
+        "advice": " ".join([BEST_OF_STATES] * is_over_states + [advice_text(found)]),
+        "tried": "On these teeth" if found.teeth else "With this setting",
+        "above_limits": found.above_limits,
+        "phases": phases_text(found),
     }

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.root_rule import fork_signs
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import is_cancelled
 from cardan.app.answers.turn.figures import within_turn
+from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.charts.charts import Table
 from cardan.app.charts.motion import deviates, equivalent, turn_motion
 from cardan.app.charts.samples import PeakSample, Samples
@@ -219,7 +218,7 @@ def _table(caption: str, columns: _Columns) -> Table:
     )
 
 
-def catalogue(scene: Scene, yokes: dict[str, Any] | None) -> Table | None:
+def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
     """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
 
     For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
@@ -230,13 +229,14 @@ def catalogue(scene: Scene, yokes: dict[str, Any] | None) -> Table | None:
         return None
     rows = []
     if yokes:
-        for key, rule in yokes["catalogue"].items():
-            words = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in rule["fork_signs"])
-            exact, by_rule = yokes["equivalent_bend_deg"][key], rule["equivalent_bend_deg"]
-            figures = (exact, by_rule, by_rule - exact, rule["off_deg"])
-            rows.append((_SETTINGS[key], *map(_fixed, figures), words))
+        for key, rule in vars(yokes.catalogue).items():
+            if rule:
+                words = " ".join("\N{MINUS SIGN}" if sign < 0 else "+" for sign in rule.fork_signs)
+                exact, by_rule = getattr(yokes.equivalent_bend_deg, key), rule.equivalent_bend_deg
+                figures = (exact, by_rule, by_rule - exact, rule.off_deg)
+                rows.append((_SETTINGS[key], *map(_fixed, figures), words))
     else:
-        signs, off = fork_signs(line)
+        signs, off = line.fork_signs()
         exact, by_rule = (
             np.degrees(bend) for bend in (line.equivalent().bend, line.catalogue_bend(signs))
         )

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Literal
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.json_schema import record
 from cardan.app.answers.limits.figures import FIGURES
-from cardan.app.answers.rows import figure, item, numbers, word, worst_of
-from cardan.app.answers.study.extremes import End, extremes, finite_or_none
+from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, word, worst_of
+from cardan.app.answers.study.figures import End, Extremes, extremes
 from cardan.app.scene.study.states import STATE, StatesResult
 
 
@@ -66,11 +65,6 @@ def find(answer: Answer) -> tuple[StateFigures, ...]:
     return tuple(found)
 
 
-def state_name(table: StatesResult, end: End) -> str:
-    """Return the name of the state in which a figure is least or largest; "" if in all."""
-    return table.states.names[int(end.at[STATE])] if STATE in end.at else ""
-
-
 def without_common(names: Sequence[str]) -> tuple[str, list[str]]:
     """Return what the names of states have in common, and the rest of each with a true minus sign.
 
@@ -90,76 +84,79 @@ def without_common(names: Sequence[str]) -> tuple[str, list[str]]:
     return "", list(names)
 
 
-# --- plain data --------------------------------------------------------------------------------
+# --- figures of every state ---------------------------------------------------------------------
 
 
-def states_data(table: StatesResult, *, radians: bool = False) -> dict[str, Any]:
-    """Return the states and their figures as plain data, as ``STATES_SCHEMA`` describes them."""
+@dataclass(frozen=True)
+class Varied:
+    """A key that varies from state to state."""
+
+    key: str = word("key")
+    values: tuple[float, ...] = numbers("values", "", "one per state")
+
+
+@dataclass(frozen=True)
+class StateEnd:
+    """The least or the largest value of a figure."""
+
+    unit: str
+    value: float = as_shown(figure("value", "own"))
+    state: str = word("state", "empty if it is the same in all states")
+
+
+@dataclass(frozen=True)
+class FigureOfStates:
+    """A figure in every state, in the unit of its column."""
+
+    source: Extremes
+    per: Literal["shaft", "joint", "bearing"]
+    unit: str
+    column: str = word("column", "its heading in the table")
+    quantity: str = word("quantity")
+    item: int = item("own")
+    statistic: str = word("statistic")
+    values: tuple[float, ...] = as_shown(
+        numbers("values", "own", "one per state, in the unit of the column")
+    )
+    least: StateEnd = parts("least")
+    largest: StateEnd = parts("largest")
+
+
+@dataclass(frozen=True)
+class StatesFigures:
+    """The states of a scene and their figures."""
+
+    names: tuple[str, ...] = word("names")
+    weights: tuple[float, ...] = numbers("weights")
+    keys: tuple[Varied, ...] = parts("varied keys")
+    figures: tuple[FigureOfStates, ...] = parts("figures")
+
+
+def states_figures(table: StatesResult, *, radians: bool = False) -> StatesFigures:
+    """Return the figures of a scene in every state."""
     states = table.states
-    figures = []
-    for each in extremes(table, radians=radians):
-        column = each.column
-        _, values = table.figure(column, radians=radians)
-        ends = {"least": each.least, "largest": each.largest}
-        figures.append(
-            {
-                "column": each.name,
-                "quantity": column.quantity,
-                column.per: column.item,
-                "statistic": column.statistic,
-                "values": [finite_or_none(float(value)) for value in values],
-                **{
-                    which: {"value": finite_or_none(end.value), "state": state_name(table, end)}
-                    for which, end in ends.items()
-                },
-            }
-        )
-    return {
-        "names": list(states.names),
-        "weights": states.weights.tolist(),
-        "keys": [{"key": axis.key, "values": axis.values.tolist()} for axis in states.axes],
-        "figures": figures,
-    }
+    return StatesFigures(
+        states.names,
+        tuple(states.weights.tolist()),
+        tuple(Varied(axis.key, tuple(axis.values.tolist())) for axis in states.axes),
+        tuple(_of_states(table, each, radians) for each in extremes(table, radians=radians)),
+    )
 
 
-_NUMBER = {"type": ["number", "null"]}
-_NAMES = {"type": "array", "items": {"type": "string"}}
-_COUNT = {"type": "integer", "minimum": 0}
-_END = record(
-    {
-        "value": _NUMBER,
-        "state": {"type": "string", "description": "empty if it is the same in all states"},
-    }
-)
-_VALUES = {"type": "array", "description": "one per state", "items": _NUMBER}
+def _of_states(table: StatesResult, found: Extremes, radians: bool) -> FigureOfStates:
+    def end(of: End) -> StateEnd:
+        state = table.states.names[int(of.at[STATE])] if STATE in of.at else ""
+        return StateEnd(of.unit, of.value, state)
 
-STATES_SCHEMA: Mapping[str, Any] = record(
-    {
-        "names": _NAMES,
-        "weights": {"type": "array", "items": {"type": "number"}},
-        "keys": {
-            "type": "array",
-            "items": record(
-                {"key": {"type": "string"}, "values": {**_VALUES, "items": {"type": "number"}}}
-            ),
-        },
-        "figures": {
-            "type": "array",
-            "items": record(
-                {
-                    "column": {"type": "string", "description": "its heading in the table"},
-                    "quantity": {"type": "string"},
-                    "statistic": {"type": "string"},
-                    "values": {
-                        **_VALUES,
-                        "description": "one per state, in the unit of the column",
-                    },
-                    "least": _END,
-                    "largest": _END,
-                },
-                dict.fromkeys(("shaft", "joint", "bearing"), _COUNT),
-            ),
-        },
-    }
-)
-"""JSON Schema of ``states_data``."""
+    return FigureOfStates(
+        found,
+        found.per,
+        found.least.unit,
+        found.column,
+        found.quantity,
+        found.item,
+        found.statistic,
+        tuple(table.figure(found.source, radians=radians)[1].tolist()),
+        end(found.least),
+        end(found.largest),
+    )

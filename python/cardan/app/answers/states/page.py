@@ -11,9 +11,14 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import CLASSES, tables_of
 from cardan.app.answers.printed import figure_text, quantity
-from cardan.app.answers.states.figures import StateFigures, state_name, without_common
-from cardan.app.answers.study.extremes import extremes
+from cardan.app.answers.states.figures import (
+    StateFigures,
+    StatesFigures,
+    states_figures,
+    without_common,
+)
 from cardan.app.answers.table import PARTS
+from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
@@ -23,7 +28,7 @@ from cardan.arrays import FloatArray
 _MOST_DRAWN = 8
 
 
-def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) -> dict[str, Any]:
+def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> dict[str, Any]:
     """Return verdicts, tables and charts of the states as plain data for ``page.html``.
 
     Args:
@@ -32,7 +37,7 @@ def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) ->
         yokes: the setting that serves all states, as ``yoke_settings`` makes it, if there is one.
     """
     each: tuple[StateFigures, ...] = answer["states"]
-    heading = PARTS["states"].heading(each)
+    heading, found = PARTS["states"].heading(each), states_figures(table)
     return {
         "verdicts": [
             {
@@ -42,36 +47,32 @@ def states(answer: Answer, table: StatesResult, yokes: dict[str, Any] | None) ->
             }
             for state in each
         ],
-        "tables": [*tables_of(heading, each), _values(table), _worst(table)],
+        "tables": [*tables_of(heading, each), _values(found), _worst(found)],
         "charts": _charts(answer.scene, table, yokes),
     }
 
 
-def _values(table: StatesResult) -> Table:
+def _values(found: StatesFigures) -> Table:
     """A row for each state: the values of its keys and its figures."""
-    columns = [[f"{value:.6g}" for value in axis.values] for axis in table.states.axes]
-    heads = [key_name(axis.key) for axis in table.states.axes]
-    for column in table.columns:
-        values, _ = in_degrees(table.values[column.name], column.unit)
-        columns.append([figure_text(float(value)) for value in values])
-        heads.append(column_name(column))
-    rows = list(zip(table.states.names, *columns, strict=True))
-    return Table(f"Figures of {table.states.count} states", ("State", *heads), rows)
+    columns = [[f"{value:.6g}" for value in key.values] for key in found.keys]
+    columns += [[*map(figure_text, each.values)] for each in found.figures]
+    heads = [key_name(key.key) for key in found.keys]
+    heads += [column_name(each.source.source) for each in found.figures]
+    rows = list(zip(found.names, *columns, strict=True))
+    return Table(f"Figures of {len(found.names)} states", ("State", *heads), rows)
 
 
-def _worst(table: StatesResult) -> Table:
+def _worst(found: StatesFigures) -> Table:
     rows = []
-    for each in extremes(table):
-        cells = [column_name(each.column)]
+    for each in found.figures:
+        cells = [column_name(each.source.source)]
         for end in (each.least, each.largest):
-            cells += [figure_text(end.value), state_name(table, end) or "all"]
+            cells += [figure_text(end.value), end.state or "all"]
         rows.append(cells)
     return Table("Least and largest", ("Figure", "Least", "in state", "Largest", "in state"), rows)
 
 
-def _charts(
-    scene: Scene, table: StatesResult, yokes: dict[str, Any] | None
-) -> list[dict[str, Any]]:
+def _charts(scene: Scene, table: StatesResult, yokes: YokeFigures | None) -> list[dict[str, Any]]:
     axes, count = table.states.axes, table.states.count
     if count < 2:
         return []
@@ -95,13 +96,12 @@ def _charts(
     return made
 
 
-def _compared(scene: Scene, yokes: dict[str, Any] | None, count: int) -> list[Curve]:
+def _compared(scene: Scene, yokes: YokeFigures | None, count: int) -> list[Curve]:
     """Curves beside the equivalent bend: with the best common setting, and the limit."""
     limit = scene.limits.figures["equivalent_bend_deg"].limit
     curves = []
-    if yokes:
-        bends = yokes["states"]["equivalent_bend_deg"]
-        setting = "on_teeth" if "on_teeth" in bends else "best"
-        best: FloatArray = np.array(bends[setting])
+    if yokes and yokes.states:
+        bends = yokes.states.equivalent_bend_deg
+        best: FloatArray = np.array(bends.on_teeth or bends.best)
         curves.append(Curve("with the best common setting", best))
     return [*curves, Curve(f"limit {limit:g} deg", np.full(count, limit))]

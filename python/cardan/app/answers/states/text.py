@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
-import numpy as np
-
-from cardan.app.answers.names import key_name
-from cardan.app.answers.printed import aligned, figure_text
+from cardan.app.answers.printed import aligned, figure_text, settled, table_text
 from cardan.app.answers.rounding import alike
-from cardan.app.answers.states.figures import state_name
-from cardan.app.answers.study.extremes import Extremes, extremes
-from cardan.app.scene.study.states import StatesResult
+from cardan.app.answers.states.figures import StatesFigures
 
 OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
 """What the answer of a run says between the two."""
@@ -21,68 +15,41 @@ OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the sta
 _WIDTH = 79
 
 
-def states_text(table: StatesResult, *, radians: bool = False) -> str:
+def states_text(found: StatesFigures) -> str:
     """Return the figures of every state as tables of plain text, at most 79 wide, and the worst."""
-    found = list(extremes(table, radians=radians))
-    columns = [(axis.key, [f"{value:.6g}" for value in axis.values]) for axis in table.states.axes]
+    columns = [[key.key, *(f"{value:.6g}" for value in key.values)] for key in found.keys]
     columns += [
-        (each.name, [figure_text(_settled(each.name, float(value))) for value in values])
-        for each, values in zip(found, _values(table, found, radians), strict=True)
+        [each.column, *(figure_text(settled(value, each.unit)) for value in each.values)]
+        for each in found.figures
     ]
-    names = ("States", [f"  {name}" for name in table.states.names])
-    parts = ["\n".join(_aligned([names, *group])) for group in _groups(names, columns)]
-    if worst := list(worst_lines(table, radians=radians)):
+    names = ["States", *(f"  {name}" for name in found.names)]
+    parts = [table_text([*zip(names, *group, strict=True)]) for group in _groups(names, columns)]
+    if worst := list(worst_lines(found)):
         parts.append(f"Largest over the states\n{aligned(worst, indent='  ')}")
     return "\n\n".join(parts)
 
 
-def worst_lines(table: StatesResult, *, radians: bool = False) -> Iterator[tuple[str, str]]:
+def worst_lines(found: StatesFigures) -> Iterator[tuple[str, str]]:
     """Yield figures of which less is better: what each is, its largest value, and the state."""
-    for each in extremes(table, radians=radians):
-        value = each.largest.value
-        value = _settled(each.name, value)
-        if each.less_is_better and math.isfinite(value) and not alike(each.least.value, value):
-            yield each.name, f"{figure_text(value)} in {state_name(table, each.largest)}"
+    for each in found.figures:
+        value = settled(each.largest.value, each.unit)
+        varies = not alike(each.least.value, value)
+        if each.source.less_is_better and math.isfinite(value) and varies:
+            yield each.column, f"{figure_text(value)} in {each.largest.state}"
 
 
-def _settled(name: str, value: float) -> float:
-    """An angle, or 0 where it is the rounding of bends that cancel each other."""
-    rounding = {"_deg": 1e-6, "_rad": 1e-8}.get(name[-4:], 0.0)
-    return 0.0 if abs(value) < rounding else value
-
-
-def key_names(table: StatesResult) -> list[str]:
-    """Return what varies from state to state, in words."""
-    return [key_name(axis.key) for axis in table.states.axes]
-
-
-def _values(table: StatesResult, found: Sequence[Extremes], radians: bool) -> Iterator[Any]:
-    for each in found:
-        yield np.asarray(table.figure(each.column, radians=radians)[1])
-
-
-_Column = tuple[str, list[str]]
-
-
-def _width(column: _Column) -> int:
-    return max(len(column[0]), *map(len, column[1])) + 2
-
-
-def _groups(names: _Column, columns: Sequence[_Column]) -> Iterator[list[_Column]]:
+def _groups(names: Sequence[str], columns: Sequence[list[str]]) -> Iterator[list[list[str]]]:
     """Columns that fit beside the names, group by group."""
-    group: list[_Column] = []
-    left = _WIDTH - _width(names)
+
+    def width(column: Sequence[str]) -> int:
+        return max(map(len, column)) + 2
+
+    group: list[list[str]] = []
+    left = _WIDTH - width(names)
     for column in columns:
-        if group and _width(column) > left:
+        if group and width(column) > left:
             yield group
-            group, left = [], _WIDTH - _width(names)
+            group, left = [], _WIDTH - width(names)
         group.append(column)
-        left -= _width(column)
+        left -= width(column)
     yield group
-
-
-def _aligned(columns: Sequence[_Column]) -> Iterator[str]:
-    first, *others = columns
-    for row in zip((first[0], *first[1]), *((head, *cells) for head, cells in others), strict=True):
-        cells = (cell.rjust(_width(of)) for cell, of in zip(row[1:], others, strict=True))
-        yield (row[0].ljust(_width(first) - 2) + "".join(cells)).rstrip()

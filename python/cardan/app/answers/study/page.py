@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,8 +12,8 @@ from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import judged_lines
 from cardan.app.answers.printed import figure_text, range_ends
-from cardan.app.answers.rounding import ROUNDING, alike
-from cardan.app.answers.study.extremes import End, extremes
+from cardan.app.answers.rounding import ROUNDING
+from cardan.app.answers.study.figures import End, extremes
 from cardan.app.answers.study.maps import heat_map
 from cardan.app.answers.table import PARTS
 from cardan.app.charts.charts import Curve, Panel, Table, chart, number, some
@@ -60,14 +59,14 @@ def study(scene: Scene, result: StudyResult, found: Check) -> dict[str, Any]:
 def _extremes(result: StudyResult) -> Table:
     rows = []
     for found in extremes(result):
-        name, low, high = column_name(found.column), found.least.value, found.largest.value
-        if not (math.isfinite(low) and math.isfinite(high)):
+        name, ends = column_name(found.source), (found.least, found.largest)
+        if not found.is_finite:
             rows.append([name, "", "not finite", *("" for _ in result.axes)])
-        elif alike(low, high) or not found.least.at:
-            rows.append([name, "", figure_text(low), *("any" for _ in result.axes)])
+        elif not found.varies:
+            rows.append([name, "", figure_text(ends[0].value), *("any" for _ in result.axes)])
         else:
-            ends = zip(("least", "largest"), range_ends(low, high), strict=True)
-            for (which, text), end in zip(ends, (found.least, found.largest), strict=True):
+            texts = range_ends(*(end.value for end in ends))
+            for which, text, end in zip(("least", "largest"), texts, ends, strict=True):
                 rows.append([name, which, text, *_places(result, end)])
     keys = [f"at {key_name(axis.key)}" for axis in result.axes]
     return Table("Extremes", ("Figure", "", "Value", *keys), rows)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan.app.answers.rounding import is_cancelled
 from cardan.arrays import FloatArray, threads
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -30,30 +31,68 @@ class Peak:
     places: tuple[float, ...]
 
 
-def peak(line: Driveline, name: str, item: int, load: Load | None = None) -> Peak:
+def peak(
+    line: Driveline, name: str, item: int, load: Load | None = None, *, is_least: bool = False
+) -> Peak:
     """Find the largest magnitude of an output over a turn; of a vector, the largest length.
 
-    Args:
-        line: one driveline.
-        name: an output that repeats, which ``angle`` does not.
-        item: shaft, joint or bearing.
-        load: a constant load, if the output needs one.
+    With ``is_least`` it is the least one. The output must repeat, which ``angle`` does not, and the
+    load must be constant.
     """
-    return _peak(line, name, item, load, least=False)
+    return _found(line, name, [item], load, (), is_least=is_least)[0]
 
 
-def slowest(line: Driveline, shaft: int) -> Peak:
-    """Find the least speed ratio of a shaft over a turn, and where it occurs."""
-    return _peak(line, "speed_ratio", shaft, None, least=True)
+def peaks(line: Driveline, name: str, items: list[int], load: Load | None = None) -> FloatArray:
+    """Return the largest magnitudes of items of a batch of drivelines, ``(items, *batch)``."""
+    own = () if load is None else np.broadcast_shapes(*load.shapes().values())
+    shape = np.broadcast_shapes(line.shape, own)
+    found = _found(line, name, items, load, shape)
+    return np.array([each.value for each in found]).reshape(len(items), *shape)
 
 
-def _peak(line: Driveline, name: str, item: int, load: Load | None, *, least: bool) -> Peak:
-    plan = line.plan(name, **_items(name, item), load=load)
-    shape = () if load is None else np.broadcast_shapes(*load.shapes().values())
-    found = plan._core.peaks(shape, least, threads.at_most(None))
-    # A plan has all bearings.
-    value, places = found[item if OUTPUTS[name].per == "bearing" else 0]
-    return Peak(value, tuple(places))
+def _found(
+    line: Driveline,
+    name: str,
+    items: list[int],
+    load: Load | None,
+    shape: tuple[int, ...],
+    *,
+    is_least: bool = False,
+) -> list[Peak]:
+    plan = line.plan(name, **_items(name, items), load=load)
+    found = plan._core.peaks(shape, is_least, threads.at_most(None))
+    if OUTPUTS[name].per == "bearing":
+        # A plan has all bearings.
+        rows = math.prod(shape)
+        found = [found[item * rows + row] for item in items for row in range(rows)]
+    return [Peak(value, tuple(places)) for value, places in found]
+
+
+def ideal_peak(line: Driveline, name: str, shaft: int, *, is_least: bool = False) -> Peak:
+    """Return the largest motion of a shaft behind ideal joints over a turn, in closed form.
+
+    With ``is_least`` it is the least one. It is exact at every bend, as a search is not: what
+    rounding leaves of joints that cancel each other counts as none.
+    """
+    joint = line.equivalent(shaft)
+    if is_cancelled(line, joint):
+        return Peak(1.0 if name == "speed_ratio" else 0.0, ())
+    slowest, s = float(joint.min_speed_ratio), math.sin(float(joint.bend)) ** 2
+    # Input angles of the equivalent joint. The error is largest where tan**2 = cos(bend), the
+    # acceleration where cos(2 a) = (-p + sqrt(p**2 + 8))/2 with p = (2 - s)/s; multiplied through,
+    # s may be 0.
+    if name == "angle_error":
+        value, place = joint.max_angle_error, math.atan(math.sqrt(slowest))
+    elif name == "speed_ratio":
+        value, place = joint.max_speed_ratio, 0.0
+        if is_least:
+            value, place = joint.min_speed_ratio, math.pi / 2.0
+    else:
+        value = joint.max_acceleration_ratio
+        cosine = 4.0 * s / (2.0 - s + math.hypot(2.0 - s, math.sqrt(8.0) * s))
+        place = math.acos(min(1.0, cosine)) / 2.0
+    ends = (place,) if name == "speed_ratio" else (place, -place)
+    return Peak(float(value), tuple(end - float(joint.angle_offset) for end in ends))
 
 
 def period_of(line: Driveline) -> float:
@@ -69,10 +108,10 @@ def values_of(
     return values[item] if OUTPUTS[name].per == "bearing" else values
 
 
-def _items(name: str, item: int) -> dict[str, Any]:
-    """The argument that chooses a shaft or a joint; there is none for bearings."""
+def _items(name: str, items: int | list[int]) -> dict[str, Any]:
+    """The argument that chooses shafts or joints; there is none for bearings."""
     per = OUTPUTS[name].per
-    return {} if per == "bearing" else {f"{per}s": item}
+    return {} if per == "bearing" else {f"{per}s": items}
 
 
 def magnitudes(output: Output, values: FloatArray) -> FloatArray:

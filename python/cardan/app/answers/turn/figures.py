@@ -1,65 +1,148 @@
-"""The main results of a scene as numbers: the rows of the printed table."""
+"""The main results of a scene: its drive angles, and what its quantities are or reach."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from cardan.app.answers.rounding import CANCELLED, first_peak, is_cancelled
-from cardan.app.answers.study.extremes import finite_or_none
+from cardan.app.answers.rows import (
+    UNITS,
+    as_shown,
+    count,
+    figure,
+    item,
+    key_of,
+    optional,
+    parts,
+    word,
+)
 from cardan.app.answers.turn.extremes import (
     Peak,
+    ideal_peak,
     magnitudes,
     peak,
     period_of,
     shortest_arm,
-    slowest,
 )
-from cardan.app.scene.language.units import RPM, ending_of, in_degrees
-from cardan.app.scene.recording.signals import Signal, Way
+from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.recording.signals import Measured, Signal, Way
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
 from cardan.evaluation.outputs import OUTPUTS, Output
-from cardan.motion.equivalent import EquivalentJoint
 
 Statistic = Literal["value", "min", "max", "peak"]
-"""What a figure is: the value itself, the least, the largest, the largest magnitude."""
-
 Of = Literal["driveline", "turn", "samples"]
-"""Of what it is: of the driveline itself, of a whole turn of the drive, of recorded samples."""
+Per = Literal["shaft", "joint", "bearing"]
 
-# What a turn repeats, and what has closed forms; of the others the extremes are searched.
+# What a turn repeats, and what has rows of its own.
 _NOT_SEARCHED = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+
+# Quantity, the output that it is, statistic, unit, and the power of the drive's speed in it.
+_MOTION: tuple[tuple[str, str, Statistic, str, int], ...] = (
+    ("angle_error", "angle_error", "peak", "deg", 0),
+    ("speed_ratio", "speed_ratio", "min", "", 0),
+    ("speed_ratio", "speed_ratio", "max", "", 0),
+    ("speed", "speed_ratio", "min", "rpm", 1),
+    ("speed", "speed_ratio", "max", "rpm", 1),
+    ("acceleration_ratio", "acceleration_ratio", "peak", "", 0),
+    ("acceleration_at_steady_drive", "acceleration_ratio", "peak", "rad_s2", 2),
+)
+
+_ENDS: tuple[Statistic, Statistic] = ("min", "max")
 
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """One figure of the table.
+    """One figure of the table; angles are in degrees, speeds in rpm."""
 
-    Attributes:
-        quantity: what it is: the name of an output, or what the driveline has.
-        per: ``"shaft"`` or ``"joint"``.
-        item: of which.
-        statistic: what is told of the quantity.
-        value: the figure.
-        unit: its unit, "" for a ratio.
-        of: over what the statistic is.
-        at_deg: drive angle in degrees at which the value occurs, the first one of the scene;
-            ``None`` if it occurs everywhere, or not between the scene's drive angles.
-    """
+    per: Per
+    unit: str
+    quantity: str = word("quantity", "an output, or what the driveline has")
+    item: int = item("own")
+    statistic: Statistic = word("statistic", "peak is the largest magnitude")
+    of: Of = word("of", "over what the statistic is")
+    value: float = as_shown(figure("value", "each", "null if it is not finite"))
+    at_drive_angle: float | None = optional(
+        as_shown(figure("at", "deg", "absent if every angle has it, or none of the scene"))
+    )
 
-    quantity: str
-    per: Literal["shaft", "joint", "bearing"]
-    item: int
-    statistic: Statistic
-    value: float
-    unit: str = ""
-    of: Of = "turn"
-    at_deg: float | None = None
+
+@dataclass(frozen=True)
+class SignalFigures:
+    """The extent of a recorded signal."""
+
+    signal: Measured = word("signal")
+    column: str | None = word("column", "the recorded column; null of what was derived from others")
+    unit: str = word("unit", "s, rpm, rad/s, rad/s² or N m")
+    first: float = figure("first")
+    last: float = figure("last")
+    min: float = figure("least")
+    max: float = figure("largest")
+    filter_samples: int | None = optional(
+        count("filter", "samples of the parabola that derived it by differentiating")
+    )
+    samples_per_second: float | None = optional(
+        figure("samples per second", "", "of times, without gaps")
+    )
+    gaps: int | None = optional(count("gaps", "of times: steps far longer than those around them"))
+    longest_gap: float | None = optional(figure("longest gap", "s"))
+    longest_gap_after: float | None = optional(
+        figure("after", "s", "the time of the sample before the longest gap")
+    )
+
+
+@dataclass(frozen=True)
+class DriveAngles:
+    """The drive angles of a scene in degrees: where from, how many, from where to where."""
+
+    source: Literal["sweep", "recording"] = word("source")
+    samples: int = count("samples")
+    missing_samples: int = count("missing samples")
+    first: float = as_shown(figure("first", "deg"))
+    last: float = as_shown(figure("last", "deg"))
+    turns: float = figure("turns", "", "the way of the drive, forward and back")
+    samples_per_turn: float | None = figure("samples per turn")
+    min: float | None = optional(
+        as_shown(figure("least", "deg", "of a recorded drive that turns back"))
+    )
+    max: float | None = optional(
+        as_shown(figure("largest", "deg", "of a recorded drive that turns back"))
+    )
+    signals: tuple[SignalFigures, ...] = optional(parts("Recording"))
+    angle_of: Literal["driven", ""] = optional(
+        word(
+            "angle of",
+            "the scene gives angles of the last shaft; these drive angles follow from them",
+        )
+    )
+    period: float | None = optional(
+        as_shown(
+            figure(
+                "period",
+                "deg",
+                "after which extremes recur, if joints have deviations; otherwise half a turn",
+            )
+        )
+    )
+
+
+@dataclass(frozen=True)
+class TurnFigures:
+    """The table of a scene, and over which drive angles it is."""
+
+    drive_angles: DriveAngles = parts("Drive angles")
+    rows: tuple[SummaryRow, ...] = parts("Figures")
+
+
+def turn_figures(result: SceneResult) -> TurnFigures:
+    """Return the table of an evaluated scene with its drive angles."""
+    return TurnFigures(drive_angles(result.scene), tuple(summary(result)))
 
 
 def summary(result: SceneResult) -> list[SummaryRow]:
@@ -68,35 +151,31 @@ def summary(result: SceneResult) -> list[SummaryRow]:
     Extremes are of a whole turn, in closed form or found between samples, whatever part of it the
     scene sweeps. Where the drive angles were recorded they are of the samples.
     """
-    rows = [*_geometry(result.scene), *_equivalent(result.scene)]
-    if result.scene.recording is not None:
+    scene = result.scene
+    rows = [*_geometry(scene), *_equivalent(scene)]
+    if scene.recording is not None:
         return rows + list(_recorded(result))
-    return rows + list(_motion(result.scene)) + list(_searched(result.scene))
+    return rows + list(_motion(scene)) + list(_searched(scene))
 
 
-def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
-    """Return the drive angles of a scene as plain data: where from, how many, from where to where.
-
-    ``turns`` is the way that the drive goes, forward and back; a counter that starts anew at each
-    turn goes on.
-    """
+def drive_angles(scene: Scene) -> DriveAngles:
+    """Return the drive angles of a scene; a counter that starts anew at each turn goes on."""
     degrees = scene.without_missing().drive_angle_deg
-    extent = None
+    ends = (float(degrees[0]), float(degrees[-1]))
+    samples, missing = len(scene.drive_angle_deg), scene.missing
     if scene.recording:
         way = Way()
         way.add(degrees)
-        turns, extent = way.turns, way.extent
+        found = recorded_angles(samples, missing, ends, way.turns, scene.signals, way.extent)
     else:
         turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
-    ends = (float(degrees[0]), float(degrees[-1]))
-    found = recorded_angles(
-        len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians, extent
+        found = recorded_angles(samples, missing, ends, turns, scene.signals)
+        found = replace(found, source="sweep")
+    return replace(
+        found,
+        angle_of="" if scene.driven_angle_deg is None else "driven",
+        period=None if scene.deviations is None else 360.0,
     )
-    if scene.driven_angle_deg is not None:
-        found["angle_of"] = "driven"
-    if scene.deviations is not None:
-        found["period_rad" if radians else "period_deg"] = math.tau if radians else 360.0
-    return found if scene.recording else {**found, "source": "sweep"}
 
 
 def recorded_angles(
@@ -105,68 +184,41 @@ def recorded_angles(
     ends_deg: tuple[float, float],
     turns: float,
     signals: Sequence[Signal],
-    radians: bool,
     extent_deg: tuple[float, float] | None = None,
-) -> dict[str, Any]:
-    """Return recorded drive angles as plain data, from what is known of them.
-
-    A drive that turns back has the extent of its angles as well.
-    """
-    unit, turned = ("rad", math.radians) if radians else ("deg", float)
-    data = {
-        "source": "recording",
-        "samples": samples,
-        "missing_samples": missing,
-        f"first_{unit}": turned(ends_deg[0]),
-        f"last_{unit}": turned(ends_deg[1]),
-        "turns": turns,
-        "samples_per_turn": (samples - missing - 1) / turns if turns else None,
-    }
-    if extent_deg is not None:
-        data |= {f"{e}_{unit}": turned(x) for e, x in zip(("min", "max"), extent_deg, strict=True)}
-    if signals:
-        data["signals"] = [_signal(signal) for signal in signals]
-    return data
+) -> DriveAngles:
+    """Return recorded drive angles; of a drive that turns back also their extent."""
+    return DriveAngles(
+        "recording",
+        samples,
+        missing,
+        *ends_deg,
+        turns,
+        (samples - missing - 1) / turns if turns else None,
+        None if extent_deg is None else extent_deg[0],
+        None if extent_deg is None else extent_deg[1],
+        tuple(map(_signal, signals)),
+        "",
+        None,
+    )
 
 
-def _signal(signal: Signal) -> dict[str, Any]:
-    """A signal as plain data.
-
-    Only one that a filter derived has the samples of the filter, and only times have a rate and
-    gaps.
-    """
-    data = asdict(signal)
-    reach, _ = data.pop("reach"), data.pop("sampling")
-    if reach:
-        data["filter_samples"] = 2 * reach + 1
-    if signal.sampling is not None:
-        own = signal.sampling
-        data |= {"samples_per_second": own.rate, "gaps": own.gaps}
-        if own.gaps:
-            data |= {"longest_gap_s": own.longest, "longest_gap_after_s": own.longest_after}
-    return data
-
-
-def summary_data(rows: Sequence[SummaryRow], *, radians: bool = False) -> list[dict[str, Any]]:
-    """Return the table as plain data for JSON; what is not finite is ``None``."""
-    return [_entry(row, radians) for row in rows]
-
-
-def _entry(row: SummaryRow, radians: bool) -> dict[str, Any]:
-    angle = "rad" if radians else "deg"
-    turned = math.radians if radians else float
-    entry: dict[str, Any] = {
-        "quantity": row.quantity,
-        row.per: row.item,
-        "statistic": row.statistic,
-        "of": row.of,
-    }
-    value = turned(row.value) if row.unit == "deg" else row.value
-    key = f"value_{angle}" if row.unit == "deg" else f"value{ending_of(row.unit)}"
-    entry[key] = finite_or_none(value)
-    if row.at_deg is not None:
-        entry[f"at_drive_angle_{angle}"] = turned(row.at_deg)
-    return entry
+def _signal(signal: Signal) -> SignalFigures:
+    """Only a derived signal has the samples of a filter, only times have a rate and gaps."""
+    own = signal.sampling
+    return SignalFigures(
+        signal.signal,
+        signal.column,
+        signal.unit,
+        signal.first,
+        signal.last,
+        signal.min,
+        signal.max,
+        2 * signal.reach + 1 if signal.reach else None,
+        own.rate if own else None,
+        own.gaps if own else None,
+        own.longest if own and own.gaps else None,
+        own.longest_after if own and own.gaps else None,
+    )
 
 
 def _geometry(scene: Scene) -> Iterator[SummaryRow]:
@@ -175,10 +227,8 @@ def _geometry(scene: Scene) -> Iterator[SummaryRow]:
         yield from _extent("bend", "joint", joint, np.degrees(line.bends[..., joint]), "deg")
     for name, array in (("twist", line.twists), ("phase", line.phases)):
         # Recorded bends leave the yokes as they are.
-        for i, angle in enumerate(array[(0,) * len(line.shape)]):
-            yield SummaryRow(
-                name, "shaft", i + 1, "value", float(within_turn(angle)), "deg", "driveline"
-            )
+        for shaft, angle in enumerate(array[(0,) * len(line.shape)], start=1):
+            yield from _extent(name, "shaft", shaft, within_turn(angle), "deg")
 
 
 def _equivalent(scene: Scene) -> Iterator[SummaryRow]:
@@ -191,169 +241,83 @@ def _equivalent(scene: Scene) -> Iterator[SummaryRow]:
             yield from _extent(name, "shaft", shaft, values, unit)
 
 
-def _extent(
-    name: str, per: Literal["shaft", "joint", "bearing"], item: int, values: FloatArray, unit: str
-) -> Iterator[SummaryRow]:
+def _extent(name: str, per: Per, item: int, values: FloatArray, unit: str) -> Iterator[SummaryRow]:
     """The value, or the ends of what was recorded."""
     if not np.ndim(values):
-        yield SummaryRow(name, per, item, "value", float(values), unit, "driveline")
+        yield SummaryRow(per, unit, name, item, "value", "driveline", float(values), None)
         return
-    for statistic, find in _ENDS:
-        yield SummaryRow(name, per, item, statistic, float(find(values)), unit, "samples")
-
-
-_ENDS: tuple[tuple[Statistic, Any], ...] = (("min", np.nanmin), ("max", np.nanmax))
+    for statistic, end in zip(_ENDS, (np.nanmin(values), np.nanmax(values)), strict=True):
+        yield SummaryRow(per, unit, name, item, statistic, "samples", float(end), None)
 
 
 def _recorded(result: SceneResult) -> Iterator[SummaryRow]:
     degrees = result.scene.drive_angle_deg
-    least = _least(result.scene)
-    for output, item, values in result.curves():
+    for output, number, values in result.curves():
         if output.per == "shaft" and not output.needs_load:
-            shown, unit = in_degrees(values, output.unit)
-            for statistic, find in _ENDS:
-                value = float(find(shown))
-                yield SummaryRow(output.name, "shaft", item, statistic, value, unit, "samples")
+            shown, _ = in_degrees(values, output.unit)
+            yield from _extent(output.name, "shaft", number, shown, key_of(output.unit))
         elif output.needs_load:
             sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
-            if value <= least[output.unit]:
+            if value <= noise(result.scene, output.unit):
                 value, at = 0.0, None
-            yield SummaryRow(
-                output.name, output.per, item, "peak", value, output.unit, "samples", at
-            )
-
-
-# Statistic, speed ratio, input angle of the equivalent joint.
-_End = tuple[Statistic, float, float]
+            unit = key_of(output.unit)
+            yield SummaryRow(output.per, unit, output.name, number, "peak", "samples", value, at)
 
 
 def _motion(scene: Scene) -> Iterator[SummaryRow]:
-    of_shaft = _shaft_motion if scene.deviations is None else _motion_as_built
-    per_shaft = [list(of_shaft(scene, shaft)) for shaft in _shafts(scene)]
-    for same_quantity in zip(*per_shaft, strict=True):
-        yield from same_quantity
+    speed, line = scene.speed, scene.line_as_built
+    for quantity, output, statistic, unit, power in _MOTION:
+        if power and not speed:
+            continue
+        # Of a drive that turns backwards the least speed is that of the largest ratio.
+        is_least = statistic == ("max" if power == 1 and speed < 0.0 else "min")
+        for shaft in _shafts(scene):
+            found = motion_peak(scene, line, output, shaft, is_least=is_least)
+            value = found.value * speed**power * UNITS[unit].factor
+            at = first_place(scene, found.places)
+            yield SummaryRow("shaft", unit, quantity, shaft, statistic, "turn", value, at)
 
 
-def _shaft_motion(scene: Scene, shaft: int) -> Iterator[SummaryRow]:
-    joint = scene.line.equivalent(shaft)
-    slowest, fastest = float(joint.min_speed_ratio), float(joint.max_speed_ratio)
-    acceleration = float(joint.max_acceleration_ratio)
-    error = float(np.degrees(joint.max_angle_error))
-    still = is_cancelled(scene.line, joint)
-    if still:
-        error = acceleration = 0.0
-        slowest = fastest = 1.0
-
-    def row(
-        name: str, statistic: Statistic, value: float, unit: str, driving: Sequence[float]
-    ) -> SummaryRow:
-        places = () if still else [place - float(joint.angle_offset) for place in driving]
-        return SummaryRow(
-            name, "shaft", shaft, statistic, value, unit, "turn", first_place(scene, places)
-        )
-
-    # Driving angles of the equivalent joint; the error is largest where tan**2 = cos(bend).
-    lead, steep = math.atan(math.sqrt(slowest)), _steepest(joint)
-    ends: list[_End] = [("min", slowest, math.pi / 2), ("max", fastest, 0.0)]
-    yield row("angle_error", "peak", error, "deg", (lead, -lead))
-    for statistic, ratio, place in ends:
-        yield row("speed_ratio", statistic, ratio, "", (place,))
-    speed = scene.speed
-    if speed:
-        for statistic, ratio, place in ends if speed > 0.0 else _swapped(ends):
-            yield row("speed", statistic, ratio * speed / RPM, "rpm", (place,))
-    yield row("acceleration_ratio", "peak", acceleration, "", (steep, -steep))
-    if speed:
-        value = acceleration * speed * speed
-        yield row("acceleration_at_steady_drive", "peak", value, "rad/s²", (steep, -steep))
-
-
-def _motion_as_built(scene: Scene, shaft: int) -> Iterator[SummaryRow]:
-    """The same for joints with deviations, whose extremes have no closed form."""
-    line, speed = scene.line_as_built, scene.speed
-
-    def row(name: str, statistic: Statistic, found: Peak, factor: float, unit: str) -> SummaryRow:
-        at = first_place(scene, found.places)
-        value = found.value * factor
-        return SummaryRow(name, "shaft", shaft, statistic, value, unit, "turn", at)
-
-    yield row("angle_error", "peak", peak(line, "angle_error", shaft), math.degrees(1.0), "deg")
-    least, most = slowest(line, shaft), peak(line, "speed_ratio", shaft)
-    yield row("speed_ratio", "min", least, 1.0, "")
-    yield row("speed_ratio", "max", most, 1.0, "")
-    if speed:
-        low, high = (least, most) if speed > 0.0 else (most, least)
-        yield row("speed", "min", low, speed / RPM, "rpm")
-        yield row("speed", "max", high, speed / RPM, "rpm")
-    steepest = peak(line, "acceleration_ratio", shaft)
-    yield row("acceleration_ratio", "peak", steepest, 1.0, "")
-    if speed:
-        yield row("acceleration_at_steady_drive", "peak", steepest, speed * speed, "rad/s²")
-
-
-def _swapped(
-    ends: Iterable[tuple[Statistic, float, float]],
-) -> list[tuple[Statistic, float, float]]:
-    """The ends of a drive that turns backwards."""
-    (least, slowest, slow), (largest, fastest, fast) = ends
-    return [(least, fastest, fast), (largest, slowest, slow)]
-
-
-def _steepest(joint: EquivalentJoint) -> float:
-    """The input angle at which the acceleration is largest.
-
-    Its cosine of twice the angle is (-p + sqrt(p**2 + 8))/2 with p = (2 - s)/s and s the square of
-    the bend's sine; multiplied through, s may be 0.
-    """
-    s = math.sin(float(joint.bend)) ** 2
-    return math.acos(min(1.0, 4.0 * s / (2.0 - s + math.hypot(2.0 - s, math.sqrt(8.0) * s)))) / 2.0
+def motion_peak(
+    scene: Scene, line: Driveline, output: str, shaft: int, *, is_least: bool = False
+) -> Peak:
+    """Return the largest or the least motion of a shaft: in closed form, or as built searched."""
+    if scene.deviations is not None:
+        return peak(line, output, shaft, is_least=is_least)
+    return ideal_peak(line, output, shaft, is_least=is_least)
 
 
 def _searched(scene: Scene) -> Iterator[SummaryRow]:
-    shafts = _shafts(scene)
     items = {
-        "shaft": shafts,
+        "shaft": _shafts(scene),
         "joint": range(scene.line.n_joints) if scene.joints is None else scene.joints,
         "bearing": range(scene.line.n_bearings),
     }
-    least = _least(scene)
     for name in scene.quantities:
         output: Output = OUTPUTS[name]
         if name in _NOT_SEARCHED:
             continue
-        for item in items[output.per]:
-            found = peak(
-                scene.line_as_built, name, item, scene.load_case if output.needs_load else None
-            )
-            value, places = found.value, found.places
-            if value <= (least[output.unit] if output.needs_load else CANCELLED):
-                value, places = 0.0, ()
-            if output.unit == "rad":
-                value = math.degrees(value)
-            unit = {"rad": "deg", "1": ""}.get(output.unit, output.unit)
-            at = first_place(scene, places)
-            yield SummaryRow(name, output.per, item, "peak", value, unit, "turn", at)
+        load = scene.load_case if output.needs_load else None
+        least = noise(scene, output.unit) if output.needs_load else CANCELLED
+        unit = key_of(output.unit)
+        for number in items[output.per]:
+            found = peak(scene.line_as_built, name, number, load)
+            if found.value <= least:
+                found = Peak(0.0, ())
+            value, at = found.value * UNITS[unit].factor, first_place(scene, found.places)
+            yield SummaryRow(output.per, unit, name, number, "peak", "turn", value, at)
 
 
 def _shafts(scene: Scene) -> tuple[int, ...]:
     return (scene.line.n_joints,) if scene.shafts is None else scene.shafts
 
 
-def _least(scene: Scene) -> dict[str, float]:
-    """What is rounding of the loads that a scene asks for, by their unit."""
-    outputs = (OUTPUTS[name] for name in scene.quantities)
-    units = {output.unit for output in outputs if output.needs_load}
-    return {unit: noise(scene, unit) for unit in units}
-
-
 def noise(scene: Scene, unit: str = "N m") -> float:
     """Return what of a torque or a moment is rounding: of the load and of the geometry.
 
-    Args:
-        scene: the scene.
-        unit: ``"N m"``, or ``"N"`` for forces: those of such a moment on the shortest lever arm.
+    Of forces, whose unit is ``"N"``, it is that of such a moment on the shortest lever arm.
     """
     load = scene.load_case
     if load is None:
@@ -367,11 +331,9 @@ def noise(scene: Scene, unit: str = "N m") -> float:
 
 
 def first_place(scene: Scene, places: Iterable[float]) -> float | None:
-    """Return the first drive angle of a scene in degrees at one of some places, if any.
+    """Return the first drive angle of a scene in degrees at one of some places in rad, if any.
 
-    Args:
-        scene: the scene.
-        places: drive angles in rad, which repeat after the period of the driveline.
+    The places repeat after the period of the driveline.
     """
     first, last = scene.drive_angle_deg[[0, -1]]
     period = math.degrees(period_of(scene.line_as_built))

@@ -6,10 +6,16 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
-from typing import Any
 
-from cardan.app.answers.printed import aligned, angle_text, figure_text, range_ends
-from cardan.app.answers.turn.figures import SummaryRow
+from cardan.app.answers.printed import (
+    aligned,
+    angle_text,
+    figure_text,
+    in_unit,
+    items_text,
+    range_ends,
+)
+from cardan.app.answers.turn.figures import DriveAngles, SignalFigures, SummaryRow, TurnFigures
 from cardan.design.wrapping import fill
 from cardan.evaluation.outputs import OUTPUTS
 
@@ -22,106 +28,90 @@ _LABELS: Mapping[str, str] = MappingProxyType(
         "phase": "phase of the yokes",
         "non_uniformity": "non-uniformity U",
         "acceleration_at_steady_drive": "acceleration",
+        "drive_torque": "drive torque",
     }
 )
 
 
-def summary_text(
-    rows: Sequence[SummaryRow], drive_angles: Mapping[str, Any], *, radians: bool = False
-) -> str:
-    """Return the table as aligned plain text, at most 79 characters wide.
-
-    Args:
-        rows: the table.
-        drive_angles: over what it is, as ``figures.summary.drive_angles`` returns it.
-        radians: whether angles are in radians.
-    """
-    parts = [summary_lines(part, radians=radians) for part in _parts(rows)]
+def summary_text(turn: TurnFigures, *, radians: bool = False) -> str:
+    """Return the table as aligned plain text, at most 79 characters wide."""
+    own = [row for row in turn.rows if row.of == "driveline"]
+    over = [row for row in turn.rows if row.of != "driveline"]
+    parts = [summary_lines(part, radians=radians) for part in (own, over)]
     width = max(len(label) for lines in parts for label, _ in lines) + 4
-    headings = ("Driveline", over_text(drive_angles, radians=radians))
+    headings = ("Driveline", over_text(turn.drive_angles, radians=radians))
     text = "\n\n".join(
         f"{heading}\n{aligned(lines, width, '  ')}"
         for heading, lines in zip(headings, parts, strict=True)
         if lines
     )
-    notes = "\n".join(notes_text(rows, drive_angles, radians=radians))
+    notes = "\n".join(notes_text(turn, radians=radians))
     return f"{text}\n\n{notes}" if notes else text
 
 
-def _parts(rows: Sequence[SummaryRow]) -> tuple[list[SummaryRow], list[SummaryRow]]:
-    own = [row for row in rows if row.of == "driveline"]
-    return own, [row for row in rows if row.of != "driveline"]
-
-
-def over_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
+def over_text(angles: DriveAngles, *, radians: bool = False) -> str:
     """Say over what the extremes are."""
-    if drive_angles["source"] == "sweep":
-        swept = angles_text(drive_angles, radians=radians)
-        return "Over a whole turn" + (
-            f"; the scene sweeps {swept}" if _is_short(drive_angles) else ""
-        )
-    known = drive_angles["samples"] - drive_angles["missing_samples"]
-    text = f"In these {known} samples, {angles_text(drive_angles, radians=radians)}"
+    swept = angles_text(angles, radians=radians)
+    if angles.source == "sweep":
+        return f"Over a whole turn{f'; the scene sweeps {swept}' if _is_short(angles) else ''}"
+    text = f"In these {angles.samples - angles.missing_samples} samples, {swept}"
     return fill(text, 79, subsequent_indent="  ")
 
 
-def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
+def angles_text(angles: DriveAngles, *, radians: bool = False) -> str:
     """Say from where to where drive angles go, and in how many turns of how many samples."""
-    unit = "rad" if radians else "deg"
-    first, last = (angle_text(drive_angles[f"{end}_{unit}"], radians) for end in ("first", "last"))
-    turns, per_turn = drive_angles["turns"], drive_angles["samples_per_turn"]
-    text = f"{first} to {last}, {turns:.4g} turn{'s' if turns != 1.0 else ''}"
-    if f"min_{unit}" in drive_angles:
-        low, high = (angle_text(drive_angles[f"{end}_{unit}"], radians) for end in ("min", "max"))
-        text = (
-            f"first {first}, last {last}, least {low}, largest {high}, "
-            f"{turns:.4g} turns forward and back"
-        )
-        return text if per_turn is None else f"{text}, {per_turn:.4g} samples per turn"
-    return text if per_turn is None else f"{text} of {per_turn:.4g} samples"
+    first, last = (_angle(angle, radians) for angle in (angles.first, angles.last))
+    turns = f"{angles.turns:.4g} turn{'s' if angles.turns != 1.0 else ''}"
+    per_turn = "" if angles.samples_per_turn is None else f"{angles.samples_per_turn:.4g} samples"
+    if angles.min is None or angles.max is None:
+        return f"{first} to {last}, {turns}{per_turn and f' of {per_turn}'}"
+    low, high = (_angle(angle, radians) for angle in (angles.min, angles.max))
+    text = f"first {first}, last {last}, least {low}, largest {high}, "
+    text += f"{angles.turns:.4g} turns forward and back"
+    return f"{text}{per_turn and f', {per_turn} per turn'}"
 
 
-def _is_short(drive_angles: Mapping[str, Any]) -> bool:
+def _angle(degrees: float, radians: bool) -> str:
+    return angle_text(math.radians(degrees) if radians else degrees, radians)
+
+
+def _is_short(angles: DriveAngles) -> bool:
     """Whether a sweep may pass by an extreme."""
-    return bool(drive_angles["source"] == "sweep" and drive_angles["turns"] < 0.5)
+    return angles.source == "sweep" and angles.turns < 0.5
 
 
-def notes_text(
-    rows: Iterable[SummaryRow], drive_angles: Mapping[str, Any], *, radians: bool = False
-) -> Iterator[str]:
+def notes_text(turn: TurnFigures, *, radians: bool = False) -> Iterator[str]:
     """Say what must be known to read the table, a paragraph at a time."""
-    found = list(rows)
+    angles = turn.drive_angles
     zero, period = ("0 rad", "pi rad") if radians else ("0°", "180°")
-    if drive_angles.keys() & {"period_deg", "period_rad"}:
+    if angles.period is not None:
         period = "turn"
-    if any(row.at_deg is not None for row in found):
+    if any(row.at_drive_angle is not None for row in turn.rows):
         text = (
             f"Angles after 'at' are drive angles; at {zero} the driving pin of joint 0 lies in the "
             "plane of shafts 0 and 1."
         )
-        if drive_angles["source"] == "sweep":
+        if angles.source == "sweep":
             text += f" Each extreme recurs every {period}."
         yield fill(text, 79)
-    if drive_angles.get("angle_of") == "driven":
+    if angles.angle_of:
         text = (
             "The scene gives angles of the driven shaft; the drive angles follow from them: "
-            f"{angles_text(drive_angles, radians=radians)}."
+            f"{angles_text(angles, radians=radians)}."
         )
         yield fill(text, 79)
-    if _is_short(drive_angles):
+    if _is_short(angles):
         yield "An extreme that the sweep does not reach has no angle."
-    if any(row.quantity == "acceleration_at_steady_drive" for row in found):
+    if any(row.quantity == "acceleration_at_steady_drive" for row in turn.rows):
         yield "Accelerations are those at constant drive speed."
 
 
-def few_samples_text(samples_per_turn: float | None) -> str | None:
+def few_samples_text(angles: DriveAngles) -> str | None:
     """Warn of values that come from few samples per turn; ``None`` if they are enough."""
-    if samples_per_turn is None or samples_per_turn >= FEWEST:
+    per_turn = angles.samples_per_turn
+    if per_turn is None or per_turn >= FEWEST:
         return None
-    return (
-        f"only {samples_per_turn:.4g} samples per turn; "
-        "the largest values may lie between the samples"
-    )
+    return f"only {per_turn:.4g} samples per turn; the largest values may lie between the samples"
 
 
 def summary_lines(rows: Iterable[SummaryRow], *, radians: bool = False) -> list[tuple[str, str]]:
@@ -130,111 +120,83 @@ def summary_lines(rows: Iterable[SummaryRow], *, radians: bool = False) -> list[
     Several shafts share a line, without their places; ranges of several shafts are left out.
     """
     lines = []
-    for (quantity, statistic), group in groupby(rows, key=_about):
+    for (quantity, is_range), group in groupby(rows, key=_about):
         found = list(group)
-        items = list(dict.fromkeys(row.item for row in found))
-        several = len(items) > 1
+        items = dict.fromkeys(row.item for row in found)
         # A place belongs to each of the loads, which lie apart; a range to each recorded one.
         apart = quantity in OUTPUTS and OUTPUTS[quantity].needs_load
         apart = apart or any(row.of == "samples" for row in found)
-        if several and statistic == "range" and not apart:
+        if len(items) > 1 and is_range and not apart:
             continue
         parts = [found] if not apart else [[r for r in found if r.item == item] for item in items]
-        lines += [_line(part, statistic, radians) for part in parts]
+        lines += [_line(part, radians) for part in parts]
     return lines
 
 
-def _about(row: SummaryRow) -> tuple[str, str]:
-    return row.quantity, "range" if row.statistic in ("min", "max") else row.statistic
+def _about(row: SummaryRow) -> tuple[str, bool]:
+    return row.quantity, row.statistic in ("min", "max")
 
 
-def _line(rows: Sequence[SummaryRow], statistic: str, radians: bool) -> tuple[str, str]:
-    first = rows[0]
-    label = _LABELS.get(first.quantity) or (
-        OUTPUTS[first.quantity].label
-        if first.quantity in OUTPUTS
-        else first.quantity.replace("_", " ")
+def _line(rows: Sequence[SummaryRow], radians: bool) -> tuple[str, str]:
+    first, last = rows[0], rows[-1]
+    quantity, is_range = _about(first)
+    label = _LABELS.get(quantity) or (
+        OUTPUTS[quantity].label if quantity in OUTPUTS else quantity.replace("_", " ")
     )
-    if statistic == "peak":
-        label = f"largest {label}"
-    items = [row.item for row in rows] if statistic != "range" else [first.item]
-    label += f", {_items(first.per, items)}"
+    label = f"largest {label}" if first.statistic == "peak" else label
+    label += f", {items_text(first.per, [first.item] if is_range else [row.item for row in rows])}"
     values = [_in_unit(row, radians) for row in rows]
-    if statistic == "range":
-        low, high = values[0], values[-1]
-        figures = list(range_ends(low, high)) if 0.0 < high - low < math.inf else [figure_text(low)]
-        return label, _with_unit(figures, " to ", first.unit, radians)
-    text = _with_unit(list(map(figure_text, values)), ", ", first.unit, radians)
-    if len(rows) == 1 and first.at_deg is not None:
-        at = math.radians(first.at_deg) if radians else first.at_deg
-        text += f" at {angle_text(at, radians)}"
+    if is_range:
+        apart = 0.0 < values[-1] - values[0] < math.inf
+        figures = range_ends(values[0], values[-1]) if apart else (figure_text(values[0]),)
+        return label, in_unit(figures, last.unit, " to ", radians=radians)
+    text = in_unit([figure_text(value) for value in values], first.unit, ", ", radians=radians)
+    if len(rows) == 1 and first.at_drive_angle is not None:
+        text += f" at {_angle(first.at_drive_angle, radians)}"
     return label, text
-
-
-def _items(per: str, items: Sequence[int]) -> str:
-    if len(items) == 1:
-        return f"{per} {items[0]}"
-    if len(items) > 2 and list(items) == list(range(items[0], items[-1] + 1)):
-        return f"{per}s {items[0]} to {items[-1]}"
-    return f"{per}s {', '.join(map(str, items[:-1]))} and {items[-1]}"
 
 
 def _in_unit(row: SummaryRow, radians: bool) -> float:
     return math.radians(row.value) if row.unit == "deg" and radians else row.value
 
 
-def _with_unit(figures: Sequence[str], between: str, unit: str, radians: bool) -> str:
-    if unit == "deg" and not radians:
-        return between.join(f"{figure}°" for figure in figures)
-    unit = "rad" if unit == "deg" else unit
-    return f"{between.join(figures)} {unit}".rstrip()
-
-
-_NAMES = {"drive_torque": "drive torque"}
-
-
-def signals_text(drive_angles: Mapping[str, Any]) -> str:
-    """Return the signals as aligned lines of at most 79 characters; "" if there are none.
-
-    Args:
-        drive_angles: as ``figures.summary.drive_angles`` returns it.
-    """
-    signals = drive_angles.get("signals", [])
-    if not signals:
+def signals_text(angles: DriveAngles) -> str:
+    """Return the signals as aligned lines of at most 79 characters; "" if there are none."""
+    if not angles.signals:
         return ""
-    time = next((signal for signal in signals if signal["signal"] == "time"), None)
-    rate = time["samples_per_second"] if time else None
-    step = 1.0 / rate if rate else 0.0
-    samples = drive_angles["samples"]
+    rates = [each.samples_per_second for each in angles.signals if each.signal == "time"]
+    step = 1.0 / rates[0] if rates and rates[0] else 0.0
     lines = [
-        (_label(signal), "; ".join(_signal_parts(signal, samples, step))) for signal in signals
+        (_label(signal), "; ".join(_signal_parts(signal, angles.samples, step)))
+        for signal in angles.signals
     ]
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
 
 
-def _label(signal: Mapping[str, Any]) -> str:
-    name = _NAMES.get(signal["signal"], signal["signal"])
-    return name if signal["column"] is None else f"{name}, column {signal['column']!r}"
+def _label(signal: SignalFigures) -> str:
+    name = _LABELS.get(signal.signal, signal.signal)
+    return name if signal.column is None else f"{name}, column {signal.column!r}"
 
 
-def _signal_parts(signal: Mapping[str, Any], samples: int, step: float) -> Iterator[str]:
+def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[str]:
     """What to say of a signal of so many samples; ``step`` is the mean time between them in s."""
-    unit = signal["unit"]
-    first, last, low, high = (signal[end] for end in ("first", "last", "min", "max"))
-    if signal["signal"] == "time":
+    unit, first, last = signal.unit, signal.first, signal.last
+    if signal.signal == "time":
         yield f"{_time(first, last - first)} to {_time(last, last - first)} s"
         if step:
             yield f"{figure_text(1.0 / step)} samples per second"
-        if gaps := signal["gaps"]:
-            longest = f"{figure_text(signal['longest_gap_s'])} s after "
-            longest += f"{_time(signal['longest_gap_after_s'], last - first)} s"
-            yield f"{gaps} gaps, the longest {longest}" if gaps > 1 else f"a gap of {longest}"
+        if signal.longest_gap is not None and signal.longest_gap_after is not None:
+            after = _time(signal.longest_gap_after, last - first)
+            longest = f"{figure_text(signal.longest_gap)} s after {after} s"
+            several = f"{signal.gaps} gaps, the longest"
+            yield f"{several if (signal.gaps or 0) > 1 else 'a gap of'} {longest}"
         return
     yield f"first {figure_text(first)}, last {figure_text(last)} {unit}"
+    low, high = signal.min, signal.max
     if high - low > 1e-6 * max(abs(low), abs(high)):
         yield f"{' to '.join(range_ends(low, high))} {unit}"
-    if "filter_samples" in signal:
-        count = min(signal["filter_samples"], samples)
+    if signal.filter_samples:
+        count = min(signal.filter_samples, samples)
         yield f"by parabolas over {count} samples, {figure_text((count - 1) * step)} s"
 
 

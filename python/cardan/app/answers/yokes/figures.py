@@ -1,141 +1,322 @@
-"""How to set the yokes of a scene, as numbers."""
+"""How to set the yokes of a scene, what that does for it, and what would fix the rest."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from cardan.app.answers.json_schema import answer, answer_schema, record
 from cardan.app.answers.limits.check import check_states
-from cardan.app.answers.limits.remedies import (
-    ADVICE_KEYS,
-    STATES_ADVICE_SCHEMA,
-    advice,
-    limit_of,
-    listed,
-    on_teeth,
-    states_advice,
-)
-from cardan.app.answers.limits.root_rule import CATALOGUE_SCHEMA, root_rule
-from cardan.app.answers.rounding import equivalent_bend_deg
+from cardan.app.answers.rounding import ROUNDING, equivalent_bend_deg
+from cardan.app.answers.rows import count, figure, item, numbers, optional, parts, word
 from cardan.app.scene.scene import Scene
-from cardan.design.check import Check
+from cardan.app.scene.study.states import States
+from cardan.arrays import FloatArray
+from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.driveline import Driveline
-from cardan.motion.workshop import VIEW
+from cardan.motion.phases import Arrangement
+from cardan.motion.workshop import VIEW, turn
 
-_NUMBER = {"type": "number"}
-_SENSE = {"enum": ["clockwise", "counter-clockwise", "none"]}
-_TOOTH = {
-    "shaft": {"description": "number of the shaft, counted from 0", "type": "integer"},
-    "teeth": {"description": "of its spline", "type": "integer", "minimum": 1},
-    "turn_teeth": {
-        "description": "by how many teeth to turn the yoke from where it is",
-        "type": "integer",
-        "minimum": 0,
-    },
-    "turn_deg": {"description": "the same as an angle", "type": "number", "minimum": 0},
-    "turn_sense": _SENSE,
-    "phase_deg": {"description": "the phase on that tooth, within ±90", "type": "number"},
-    "setting_deg": _NUMBER,
-    "sense": _SENSE,
-    "setting_other_sense_deg": _NUMBER,
-}
-_CATALOGUE = {"present": CATALOGUE_SCHEMA, "best": CATALOGUE_SCHEMA}
-_KEYS: dict[str, Any] = {
-    "view": {"description": "from where senses of rotation are seen", "const": VIEW},
-    **ADVICE_KEYS,
-    "teeth": {"description": "the best setting on the splines, if known", **listed(_TOOTH)},
-    "catalogue": {
-        "description": "what the catalogues' root rule makes of the same settings",
-        **record(_CATALOGUE, {"on_teeth": CATALOGUE_SCHEMA}),
-    },
-    "above_limits": {
-        "description": "what the check finds beyond its limits at the best setting, on the "
-        "teeth where these are known",
-        "type": "array",
-        "items": {"type": "string"},
-    },
-}
+SHOWN = 0.005
+"""Less than this, in degrees, would read 0.00."""
 
-PHASE_SCHEMA = answer_schema(
-    "phase", "what cardan phase prints with --json", _KEYS, {"states": STATES_ADVICE_SCHEMA}
-)
-"""JSON Schema of ``yoke_settings``."""
+Sense = Literal["none", "clockwise", "counter-clockwise"]
+_T = TypeVar("_T")
 
 
-def yoke_settings(scene: Scene) -> dict[str, Any]:
-    """Return the best yoke settings of a scene as plain data; one setting for all of its states.
+@dataclass(frozen=True)
+class Bends:
+    """The equivalent bend with each setting, over states the largest."""
+
+    present: float = figure("now")
+    best: float = figure("best")
+    on_teeth: float | None = optional(figure("on teeth"))
+
+
+@dataclass(frozen=True)
+class BendsOfStates:
+    """The equivalent bend of each state with each setting."""
+
+    present: tuple[float, ...] = numbers("now")
+    best: tuple[float, ...] = numbers("best")
+    on_teeth: tuple[float, ...] = optional(numbers("on teeth"))
+
+
+@dataclass(frozen=True)
+class WorstStates:
+    """The state in which the equivalent bend is largest with each setting."""
+
+    present: str = word("now")
+    best: str = word("best")
+    on_teeth: str = optional(word("on teeth"))
+
+
+@dataclass(frozen=True)
+class OverStates:
+    """What one setting does in each state."""
+
+    names: tuple[str, ...] = word("names")
+    weights: tuple[float, ...] = numbers("weights")
+    equivalent_bend_deg: BendsOfStates = parts("equivalent bend")
+    worst: WorstStates = parts("worst", "the states in which the equivalent bend is largest")
+
+
+@dataclass(frozen=True)
+class ShaftSetting:
+    """How to set the output-side yoke of a shaft against its input-side yoke."""
+
+    shaft: int = item("shaft")
+    teeth: int | None = optional(count("teeth", "of its spline"))
+    turn_teeth: int | None = optional(
+        count("teeth to turn", "by how many to turn the yoke from where it is")
+    )
+    turn_deg: float = figure("turn", "", "how far to turn the yoke from where it is")
+    turn_sense: Sense = word("sense of the turn")
+    turn_other_sense_deg: float = figure("turn", "", "the same turn the other way round")
+    phase_deg: float = figure("phase", "", "within ±90")
+    setting_deg: float = figure("setting", "", "the phase without its sign")
+    sense: Sense = word("sense of the setting")
+    setting_other_sense_deg: float = figure("setting", "", "the same setting the other way round")
+
+
+@dataclass(frozen=True)
+class BendRange:
+    """The bends of a joint with which the best setting is within the limit, the others as is."""
+
+    joint: int = item("joint")
+    bend_deg: float = figure("bend", "", "as it is")
+    from_deg: float = figure("least bend")
+    to_deg: float = figure("largest bend")
+
+
+@dataclass(frozen=True)
+class RootRule:
+    """What the catalogues' root rule makes of a setting."""
+
+    fork_signs: tuple[int, ...] = word(
+        "fork signs", "+1 or -1 of each joint, for Driveline.catalogue_bend"
+    )
+    equivalent_bend_deg: float = figure("equivalent bend")
+    off_deg: float = figure(
+        "off",
+        "",
+        "how far the yokes are at most from the position, aligned or crossed, for which the rule "
+        "is meant",
+    )
+
+
+@dataclass(frozen=True)
+class RootRules:
+    """The root rule for each setting, over states in the worst of each."""
+
+    present: RootRule = parts("now")
+    best: RootRule = parts("best")
+    on_teeth: RootRule | None = optional(parts("on teeth"))
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What the yokes can do, and what would fix the rest; angles are in degrees."""
+
+    arrangement: Arrangement = word("arrangement", "over states that of the worst one at present")
+    cause: Literal["none", "phases", "bends"] = word(
+        "cause",
+        "why the equivalent bend is beyond its limit: none if it is not, phases if the best "
+        "setting is within it, bends if no setting is",
+    )
+    limit_deg: float = figure("limit", "", "of the equivalent bend")
+    equivalent_bend_deg: Bends = parts("equivalent bend", "over states the largest")
+    shafts: tuple[ShaftSetting, ...] = parts("best setting")
+    bend_ranges: tuple[BendRange, ...] = parts("bends", "none of several states")
+    states: OverStates | None = optional(parts("states"))
+    teeth: tuple[ShaftSetting, ...] = parts("on teeth", "the best setting on the splines, if known")
+
+    @property
+    def settable_deg(self) -> float:
+        """The equivalent bend with the best setting that can be made."""
+        bends = self.equivalent_bend_deg
+        return bends.best if bends.on_teeth is None else bends.on_teeth
+
+    @property
+    def set_shafts(self) -> tuple[ShaftSetting, ...]:
+        """The setting that can be made."""
+        return self.teeth or self.shafts
+
+    @property
+    def turned(self) -> list[ShaftSetting]:
+        """The shafts whose yokes are to be turned."""
+        return [shaft for shaft in self.set_shafts if shaft.turn_deg >= SHOWN]
+
+
+@dataclass(frozen=True)
+class YokeFigures(Advice):
+    """The answer of ``cardan phase``."""
+
+    view: str = word("view", "from where senses of rotation are seen")
+    catalogue: RootRules = parts("root rule", "what the catalogues make of the same settings")
+    above_limits: tuple[str, ...] = word(
+        "above limits", "what the check finds beyond its limits at the setting that can be made"
+    )
+
+
+def yoke_settings(scene: Scene) -> YokeFigures:
+    """Return the best yoke settings of a scene; one setting for all of its states.
 
     Raises:
         ValueError: one joint alone, bends that were recorded, states that set the phases.
     """
-    line = scene.line
+    line, states = scene.line, scene.states
     if line.n_joints == 1:
         raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
     if line.shape:
         raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
-    if scene.states:
-        return _over_states(scene)
-    best = line.optimal_phases()
-    found = advice(line, limit_of(scene), best)
-    settings = {"present": line.phases, "best": best}
-    teeth: list[dict[str, Any]] = []
-    if scene.teeth:
-        settings["on_teeth"] = line.optimal_phases(teeth=scene.teeth)
-        teeth = on_teeth(line, settings["on_teeth"], scene.teeth)
-        found["equivalent_bend_deg"]["on_teeth"] = equivalent_bend_deg(
-            line.with_phases(settings["on_teeth"])
-        )
-    # On splines, what can be set.
-    set_best = line.with_phases(settings.get("on_teeth", best))
-    check = set_best.check(scene.speed or None, scene.limits)
-    set_ = {key: scene.line.with_phases(phases) for key, phases in settings.items()}
-    return _answer(scene, found, teeth, set_, check)
-
-
-def _over_states(scene: Scene) -> dict[str, Any]:
-    """The setting that serves all states; the root rule is that of the worst state of each."""
-    assert scene.states
-    if scene.states.set_phases:
+    if states and states.set_phases:
         raise ValueError(
             f"{scene.name}: [states] gives phases_deg; one setting can serve all states only if "
             "none of them sets the yokes"
         )
-    found = states_advice(scene)
-    teeth = found.pop("teeth", [])
-    settings = {
-        key: np.radians([shaft["phase_deg"] for shaft in shafts])
-        for key, shafts in (("best", found["shafts"]), ("on_teeth", teeth))
-        if shafts
+    settings = _settings(line, states, scene.teeth)
+    found = _advice(line, limit_of(scene), settings, states, scene.teeth)
+    lines = {key: _of_states(line, states, phases) for key, phases in settings.items()}
+    # On splines, what can be set.
+    set_lines = lines.get("on_teeth", lines["best"])
+    if states:
+        check = check_states(scene, set_lines)
+    else:
+        check = set_lines[0].check(scene.speed or None, scene.limits)
+    rules = {
+        key: root_rule(each[int(np.argmax(each.equivalent().k))]) for key, each in lines.items()
     }
-    lines = scene.drivelines()
-    set_best = lines.with_phases(settings.get("on_teeth", settings["best"]))
-    settings = {"present": scene.line.phases, **settings}
-    check = check_states(scene, set_best)
-    worst = {key: _worst(lines.with_phases(phases)) for key, phases in settings.items()}
-    return _answer(scene, found, teeth, worst, check)
-
-
-def _worst(lines: Driveline) -> Driveline:
-    """The driveline of a batch with the largest equivalent bend."""
-    return lines[int(np.argmax(lines.equivalent().k))]
-
-
-def _answer(
-    scene: Scene,
-    found: dict[str, Any],
-    teeth: list[dict[str, Any]],
-    lines: Mapping[str, Driveline],
-    check: Check,
-) -> dict[str, Any]:
-    return answer(
-        "phase",
-        scene.title,
+    above = [str(finding) for finding in check.findings if not np.all(finding.passes)]
+    return YokeFigures(
+        **vars(found),
         view=VIEW,
-        **found,
-        teeth=teeth,
-        catalogue={key: root_rule(line) for key, line in lines.items()},
-        above_limits=[str(finding) for finding in check.findings if not np.all(finding.passes)],
+        catalogue=_by_setting(RootRules, rules),
+        above_limits=tuple(above),
     )
+
+
+def scene_advice(scene: Scene) -> Advice | None:
+    """Return the advice for a scene; ``None`` where a study or a recording varies the bends."""
+    line, states = scene.line, scene.states
+    if line.shape or (states and states.set_phases):
+        return None
+    if not states and scene.study is not None and scene.study.axes:
+        return None
+    settings = _settings(line, states, scene.teeth)
+    return _advice(line, limit_of(scene), settings, states, scene.teeth)
+
+
+def advice(line: Driveline, limit: float = MAX_EQUIVALENT_BEND) -> Advice:
+    """Return what the yokes can do for one driveline, with a limit of the equivalent bend."""
+    return _advice(line, limit, _settings(line, None, ()), None, ())
+
+
+def limit_of(scene: Scene) -> float:
+    """Return the limit of the equivalent bend of a scene in rad."""
+    return float(np.radians(scene.limits.figures["equivalent_bend_deg"].limit))
+
+
+def root_rule(line: Driveline) -> RootRule:
+    """Return what the root rule makes of one driveline with two or more joints."""
+    signs, off = line.fork_signs()
+    return RootRule(
+        tuple(signs.tolist()),
+        float(np.degrees(line.catalogue_bend(signs))),
+        float(np.degrees(np.max(off))),
+    )
+
+
+def _settings(
+    line: Driveline, states: States | None, teeth: Sequence[int]
+) -> dict[str, FloatArray]:
+    """The phases of each setting in rad; of states the setting serves all."""
+    lines, common = line, dict[str, Any]()
+    if states:
+        lines, common = states.drivelines(), {"states": 0, "weights": states.weights}
+    settings = {"present": line.phases, "best": lines.optimal_phases(**common)}
+    if teeth:
+        settings["on_teeth"] = lines.optimal_phases(**common, teeth=teeth)
+    return settings
+
+
+def _of_states(line: Driveline, states: States | None, phases: FloatArray) -> Driveline:
+    """The driveline with a setting in every state, or as a batch of one."""
+    return (states.drivelines() if states else line.reshape(1)).with_phases(phases)
+
+
+def _by_setting(of: type[_T], values: Mapping[str, Any], missing: Any = None) -> _T:  # noqa: ANN401
+    """Return what each setting makes, ``missing`` of teeth that are not known."""
+    return of(*(values.get(key, missing) for key in ("present", "best", "on_teeth")))
+
+
+def _advice(
+    line: Driveline,
+    limit: float,
+    settings: Mapping[str, FloatArray],
+    states: States | None,
+    teeth: Sequence[int],
+) -> Advice:
+    # To and from radians, 3 would become 3.0000000000000004.
+    limit_deg = round(float(np.degrees(limit)), 12)
+    each = {
+        key: tuple(map(equivalent_bend_deg, _of_states(line, states, phases)))
+        for key, phases in settings.items()
+    }
+    largest = {key: max(values) for key, values in each.items()}
+    within = {key: bend <= limit_deg * (1.0 + ROUNDING) for key, bend in largest.items()}
+    over, ranges, drawn = None, np.degrees(line.bend_ranges(limit)), line
+    if states:
+        worst = {key: states.names[int(np.argmax(values))] for key, values in each.items()}
+        drawn, ranges = states.driveline(states.names.index(worst["present"])), ranges[:0]
+        over = OverStates(
+            states.names,
+            tuple(states.weights.tolist()),
+            _by_setting(BendsOfStates, each, ()),
+            _by_setting(WorstStates, worst, ""),
+        )
+    return Advice(
+        drawn.arrangement(),
+        "none" if within["present"] else "phases" if within["best"] else "bends",
+        limit_deg,
+        _by_setting(Bends, largest),
+        tuple(_setting(line, i, phase) for i, phase in enumerate(settings["best"])),
+        tuple(
+            BendRange(i, float(line.bends_deg[i]), float(low), float(high))
+            for i, (low, high) in enumerate(ranges)
+        ),
+        over,
+        tuple(_setting(line, i, settings["on_teeth"][i], count) for i, count in enumerate(teeth)),
+    )
+
+
+def _setting(line: Driveline, place: int, phase: float, teeth: int | None = None) -> ShaftSetting:
+    """How to reach a phase in rad, on a spline by whole teeth."""
+    setting, sense = _turn(phase)
+    change = phase - line.phases[place]
+    turn_teeth, (turned, turn_sense) = None, _turn(change)
+    if teeth is not None:
+        steps = round(change * teeth / (2.0 * np.pi))
+        turn_teeth, turned = abs(steps), abs(steps) * 360.0 / teeth
+        turn_sense = get_args(Sense)[int(np.sign(steps))]
+    return ShaftSetting(
+        place + 1,
+        teeth,
+        turn_teeth,
+        turned,
+        turn_sense,
+        180.0 - turned,
+        -setting if sense == "counter-clockwise" else setting,
+        setting,
+        sense,
+        180.0 - setting,
+    )
+
+
+def _turn(angle: float) -> tuple[float, Sense]:
+    """Size in degrees and sense of a turn in rad."""
+    found = turn(angle)
+    sense: Any = str(found.sense)
+    return float(np.degrees(found.angle)), sense

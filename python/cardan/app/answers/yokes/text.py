@@ -1,118 +1,152 @@
-"""How to set the yokes of a scene, in the words of a workshop."""
+"""How to set the yokes of a scene, in the words of a workshop, and what would fix the rest."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+import math
+from collections.abc import Sequence
 
-from cardan.app.answers.limits.remedies_text import (
-    BEST_OF_STATES,
-    SHOWN,
-    advice_text,
-    arrangement_text,
-    teeth_text,
-    turn_text,
-)
+from cardan.app.answers.printed import listed
+from cardan.app.answers.yokes.figures import SHOWN, Advice, BendRange, ShaftSetting, YokeFigures
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import ARROW, SAME_YOKE, VIEW, both_senses
 
 _WIDTH = 79
-_COLUMNS = {"present": "now", "best": "best", "on_teeth": "on teeth"}
+
+_ARRANGEMENTS = {
+    "straight": "All joints are straight.",
+    "single bend": "Only one joint is bent.",
+    "W": "W arrangement: the bends lie in one plane, in the same direction.",
+    "Z": "Z arrangement: the bends lie in one plane, in opposite directions.",
+    "planar": "Planar arrangement: all bends lie in one plane.",
+    "spatial": "Spatial arrangement: the bends lie in different planes.",
+}
+
+BEST_OF_STATES = (
+    "The best setting has the least weighted mean over the states; single states may be worse than "
+    "now."
+)
+"""What the best of several states is."""
 
 
-def yoke_text(data: dict[str, Any]) -> str:
+def yoke_text(title: str, found: YokeFigures) -> str:
     """Say yoke settings in the words of a workshop."""
-    above: list[str] = data["above_limits"]
-    tried = "On these teeth" if data["teeth"] else "With the best setting"
-    passes = "does not pass the check:" if above else "passes the check."
-    if "states" in data:
-        passes = f"{passes[:-1]} in every state{passes[-1]}"
-    parts = [
-        [data["title"]] if data["title"] else [],
-        [arrangement_text(data)],
+    tried = "On these teeth" if found.teeth else "With the best setting"
+    passes = "does not pass the check" if found.above_limits else "passes the check"
+    passes += " in every state" if found.states else ""
+    paragraphs = [
+        [title] if title else [],
+        [arrangement_text(found)],
         [
             f"Set the output-side yoke of each shaft against its input-side yoke, {VIEW} "
             f"({ARROW}). {SAME_YOKE}.",
-            *(f"- {words}" for words in yoke_lines(data)),
+            *(f"- {words}" for words in yoke_lines(found)),
         ],
-        tooth_lines(data),
-        _states_table(data) if "states" in data else _table(data),
-        [advice_text(data), f"{tried} the driveline {passes}", *(f"- {words}" for words in above)],
-        [f"In the scene: {phases_text(data)}"],
+        tooth_lines(found),
+        _states_table(found) if found.states else _table(found),
+        [
+            advice_text(found),
+            f"{tried} the driveline {passes}{':' if found.above_limits else '.'}",
+            *(f"- {words}" for words in found.above_limits),
+        ],
+        [f"In the scene: {phases_text(found)}"],
     ]
-    return "\n\n".join("\n".join(map(_wrapped, part)) for part in parts if part)
+    return "\n\n".join("\n".join(map(_wrapped, part)) for part in paragraphs if part)
 
 
-def phases_text(data: dict[str, Any]) -> str:
+def arrangement_text(found: Advice) -> str:
+    """Name the arrangement, of states that of the worst at present."""
+    words = _ARRANGEMENTS[found.arrangement]
+    if found.states is None:
+        return words
+    name, colon, bends = words.rstrip(".").partition(":")
+    return f"{name} (in {found.states.worst.present}){colon}{bends}."
+
+
+def phases_text(found: Advice) -> str:
     """Return the setting as a line of a scene, on the teeth where these are known."""
-    phases = (round(shaft["phase_deg"], 4) + 0.0 for shaft in data["teeth"] or data["shafts"])
+    phases = (round(shaft.phase_deg, 4) + 0.0 for shaft in found.set_shafts)
     return f"phases_deg = [{', '.join(f'{phase:.7g}' for phase in phases)}]"
 
 
-def yoke_lines(data: dict[str, Any]) -> list[str]:
+def yoke_lines(found: Advice) -> list[str]:
     """Say the setting of each shaft, one line per shaft."""
     return [
-        f"shaft {shaft['shaft']}: {_setting(shaft)}; "
-        + ("nothing to turn" if shaft["turn_deg"] < SHOWN else f"turn it {turn_text(shaft)}")
-        for shaft in data["shafts"]
+        f"shaft {shaft.shaft}: {_setting(shaft)}; "
+        + ("nothing to turn" if shaft.turn_deg < SHOWN else f"turn it {_turn_text(shaft)}")
+        for shaft in found.shafts
     ]
 
 
-def tooth_lines(data: dict[str, Any]) -> list[str]:
+def tooth_lines(found: Advice) -> list[str]:
     """Say what the teeth cost, and on which tooth to set each shaft; nothing without teeth."""
-    if not data["teeth"]:
+    if not found.teeth:
         return []
     lines = ["On the splines:"]
     # Over several states teeth cost something in one and gain it in another.
-    if "states" not in data:
-        bend = data["equivalent_bend_deg"]
-        cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
+    if found.states is None:
+        cost = _deg(found.settable_deg - found.equivalent_bend_deg.best)
         lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
-    for tooth in data["teeth"]:
-        change = f"turn it {teeth_text(tooth)}" if tooth["turn_teeth"] else "nothing to turn"
-        spline = "cannot be turned" if tooth["teeth"] < 3 else f"{tooth['teeth']} teeth"
-        lines.append(f"- shaft {tooth['shaft']} ({spline}): {_setting(tooth)}; {change}")
+    for tooth in found.teeth:
+        change = f"turn it {_turn_text(tooth)}" if tooth.turn_teeth else "nothing to turn"
+        spline = "cannot be turned" if (tooth.teeth or 0) < 3 else f"{tooth.teeth} teeth"
+        lines.append(f"- shaft {tooth.shaft} ({spline}): {_setting(tooth)}; {change}")
     return lines
 
 
-def _table(data: dict[str, Any]) -> list[str]:
+def _table(found: YokeFigures) -> list[str]:
     """The equivalent bend of each setting, exactly and by the root rule, as aligned columns."""
-    settings = data["catalogue"]
-    signs = (
-        " ".join("+" if sign > 0 else "-" for sign in rule["fork_signs"])
-        for rule in settings.values()
-    )
-    rows: list[tuple[str, Iterable[str]]] = [
-        ("", (_COLUMNS[key] for key in settings)),
-        ("Equivalent bend", (f"{data['equivalent_bend_deg'][key]:.3f}°" for key in settings)),
+    bends, rules = found.equivalent_bend_deg, found.catalogue
+    columns = [("now", bends.present, rules.present), ("best", bends.best, rules.best)]
+    if bends.on_teeth is not None and rules.on_teeth:
+        columns.append(("on teeth", bends.on_teeth, rules.on_teeth))
+    rows = [
+        ("", *(name for name, _, _ in columns)),
+        ("Equivalent bend", *(_deg(bend) for _, bend, _ in columns)),
+        ("Catalogue's root rule", *(_deg(rule.equivalent_bend_deg) for _, _, rule in columns)),
         (
-            "Catalogue's root rule",
-            (f"{rule['equivalent_bend_deg']:.3f}°" for rule in settings.values()),
+            "  its fork signs",
+            *(" ".join("+-"[sign < 0] for sign in rule.fork_signs) for _, _, rule in columns),
         ),
-        ("  its fork signs", signs),
-        ("  yokes off these by", (f"{rule['off_deg']:.2f}°" for rule in settings.values())),
+        ("  yokes off these by", *(f"{rule.off_deg:.2f}°" for _, _, rule in columns)),
     ]
-    return [f"{label:24}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+    return _columns(rows)
 
 
-def _states_table(data: dict[str, Any]) -> list[str]:
+def _states_table(found: Advice) -> list[str]:
     """The equivalent bend of each state with each setting, as aligned columns."""
-    states = data["states"]
-    bends = states["equivalent_bend_deg"]
-    width = max(24, *(len(name) + 4 for name in states["names"]))
-    rows = [("Equivalent bend", [_COLUMNS[key] for key in bends])]
-    rows += [
-        (f"  {name}", [f"{each[i]:.3f}°" for each in bends.values()])
-        for i, name in enumerate(states["names"])
-    ]
-    lines = [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
-    return [*lines, "", BEST_OF_STATES]
+    assert found.states
+    bends = found.states.equivalent_bend_deg
+    columns = [("now", bends.present), ("best", bends.best), ("on teeth", bends.on_teeth)]
+    known = [(name, values) for name, values in columns if values]
+    rows = [("Equivalent bend", *(name for name, _ in known))]
+    for i, name in enumerate(found.states.names):
+        rows.append((f"  {name}", *(_deg(values[i]) for _, values in known)))
+    return [*_columns(rows), "", BEST_OF_STATES]
 
 
-def _setting(shaft: dict[str, Any]) -> str:
-    if shaft["setting_deg"] < SHOWN:
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    width = max(24, *(len(label) + 2 for label, *_ in rows))
+    return [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, *cells in rows]
+
+
+def _deg(value: float) -> str:
+    return f"{value:.3f}°"
+
+
+def _setting(shaft: ShaftSetting) -> str:
+    if shaft.setting_deg < SHOWN:
         return "in one plane"
-    return both_senses(shaft["setting_deg"], shaft["sense"])
+    return both_senses(shaft.setting_deg, shaft.sense)
+
+
+def _turn_text(shaft: ShaftSetting) -> str:
+    """How to turn a yoke; the other way round too where that is not much longer."""
+    if shaft.turn_teeth:
+        teeth = "tooth" if shaft.turn_teeth == 1 else "teeth"
+        return f"{shaft.turn_teeth} {teeth} {shaft.turn_sense} ({shaft.turn_deg:.2f}°)"
+    if shaft.turn_deg <= 45.0:
+        return f"{shaft.turn_deg:.2f}° {shaft.turn_sense}"
+    return both_senses(shaft.turn_deg, shaft.turn_sense).replace(" = ", " or ")
 
 
 def _wrapped(line: str) -> str:
@@ -123,3 +157,134 @@ def _wrapped(line: str) -> str:
     return fill(
         line, _WIDTH, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
     )
+
+
+# --- what would fix the rest ---------------------------------------------------------------------
+
+
+def advice_text(found: Advice) -> str:
+    """Say what is left at best, on the teeth where these are known, and what would fix it."""
+    limit, bends = f"the limit of {found.limit_deg:.4g}°", found.equivalent_bend_deg
+    if found.states:
+        return _states_advice_text(found, limit)
+    present, settable = _deg(bends.present), _deg(found.settable_deg)
+    if found.cause == "bends":
+        return " ".join(remedies(found))
+    if found.cause == "none" and not found.turned:
+        return f"The yokes have their best setting; nothing to turn. {present} is within {limit}."
+    if found.cause == "none":
+        leaves = "setting leaves" if bends.on_teeth is None else "teeth leave"
+        return (
+            f"Nothing has to be turned: {present} is within {limit}. The best {leaves} {settable}."
+        )
+    cause = f"The phases are the cause: {present} is beyond {limit}."
+    if found.settable_deg > found.limit_deg:
+        best = _deg(bends.best)
+        return f"{cause} The exact setting leaves {best}, but no teeth bring it within the limit."
+    which = listed([f"shaft {shaft.shaft}" for shaft in found.turned])
+    return (
+        f"{cause} Turn the output-side yoke of {which} as said above: {settable} is within "
+        "the limit."
+    )
+
+
+def remedies(found: Advice) -> list[str]:
+    """Say what would bring a driveline within its limit, a sentence each; nothing if it is."""
+    if found.cause == "none":
+        return []
+    if found.states:
+        return _states_remedies(found)
+    settable, best = _deg(found.settable_deg), _deg(found.equivalent_bend_deg.best)
+    if found.cause == "phases" and found.settable_deg > found.limit_deg:
+        return [
+            f"No teeth of the splines bring it within the limit of {found.limit_deg:.4g}°: the "
+            f"best teeth leave {settable}. The exact setting would leave {best}."
+        ]
+    if found.cause == "phases":
+        return [f"{_turns(found)}; that leaves {settable}."]
+    left = f": the best setting leaves {best}" if found.shafts else ""
+    return [f"{_too_different(found)}{left}.", _changes(found)]
+
+
+def _turns(found: Advice) -> str:
+    turns = ", of ".join(f"shaft {shaft.shaft} by {_turn_text(shaft)}" for shaft in found.turned)
+    return f"Turn the output-side yoke of {turns}, {VIEW}"
+
+
+def _at_most(found: Advice) -> str:
+    """What can be set leaves over the states, and in which of them."""
+    assert found.states
+    worst = found.states.worst
+    return f"{_deg(found.settable_deg)} in {worst.on_teeth or worst.best}"
+
+
+def _states_advice_text(found: Advice, limit: str) -> str:
+    assert found.states
+    verdict = "within" if found.cause == "none" else "beyond"
+    now = f"{_deg(found.equivalent_bend_deg.present)} in {found.states.worst.present}"
+    now = f"The largest equivalent bend of all states is {now}, {verdict} {limit}."
+    if not found.turned:
+        return f"{now} The yokes have the best common setting."
+    left = f"The best common setting leaves at most {_at_most(found)}"
+    if verdict == "within":
+        return f"{now} Nothing has to be turned. {left}."
+    within = "within" if found.settable_deg <= found.limit_deg else "beyond"
+    return f"{now} {left}, {within} the limit."
+
+
+def _states_remedies(found: Advice) -> list[str]:
+    if found.settable_deg <= found.limit_deg:
+        return [f"{_turns(found)}; that leaves at most {_at_most(found)}."]
+    if not found.shafts:
+        return ["A single joint cannot cancel its own unevenness; add a second joint."]
+    return [
+        f"Even the best common setting of the yokes leaves {_at_most(found)}, beyond the "
+        f"limit of {found.limit_deg:.4g}°. Bring the bends of the joints nearer to each other "
+        "in that state. More weight of that state favours it at the cost of the others."
+    ]
+
+
+def _too_different(found: Advice) -> str:
+    bent = _bent(found)
+    if not found.shafts:
+        return "A single joint cannot cancel its own unevenness"
+    if len(bent) == 1:
+        return "One bend alone cannot cancel; no phase can fix that"
+    if len(bent) == 2:
+        bends = " and ".join(f"{joint.bend_deg:.4g}°" for joint in bent)
+        return f"The bends differ ({bends}); no phase can fix that"
+    largest = _largest(found)
+    return (
+        f"Joint {largest.joint} is bent by {largest.bend_deg:.4g}°, more than the other "
+        "joints can cancel; no phase can fix that"
+    )
+
+
+def _changes(found: Advice) -> str:
+    """Say which bends would do: either of two, of more the largest; for one alone a second one.
+
+    Figures are rounded into the range, so that they do what they promise.
+    """
+    bent = _bent(found)
+    straight = [joint for joint in found.bend_ranges if joint not in bent]
+    changed = {1: [*bent, *straight[:1]], 2: bent}.get(len(bent), [_largest(found)])
+    changes = ", or ".join(f"joint {joint.joint} a bend of {_range(joint)}" for joint in changed)
+    then = "; then set the yokes anew"
+    if not found.shafts:
+        then = ", or add a second joint with the same bend"
+    return f"To come within the limit of {found.limit_deg:.4g}°, give {changes}{then}."
+
+
+def _bent(found: Advice) -> list[BendRange]:
+    return [joint for joint in found.bend_ranges if joint.bend_deg >= SHOWN]
+
+
+def _largest(found: Advice) -> BendRange:
+    return max(found.bend_ranges, key=lambda joint: joint.bend_deg)
+
+
+def _range(joint: BendRange) -> str:
+    most = f"{math.floor(joint.to_deg * 100.0 + 1e-6) / 100.0:.2f}°"
+    if joint.from_deg < SHOWN:
+        return f"at most {most}"
+    return f"{math.ceil(joint.from_deg * 100.0 - 1e-6) / 100.0:.2f}° to {most}"
