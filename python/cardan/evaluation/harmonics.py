@@ -158,7 +158,7 @@ def _closed(
     def spread(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
         """Of each item, broadcast to the rows."""
         each = [np.broadcast_to(own, (*rows, *last)) for own in array]
-        return np.array(each, array.dtype).reshape(*whole, *last)
+        return np.array(each, array.dtype).reshape((*whole, *last))
 
     return spread(series, len(order)), np.full(whole, mean), spread(error)
 
