@@ -26,7 +26,7 @@ from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.limits.data import check_data, check_schema
 from cardan.app.answers.limits.text import check_text
 from cardan.app.command import commands
-from cardan.app.command.files import wrote
+from cardan.app.command.run import wrote
 from cardan.app.files.columns import write_columns
 from cardan.app.scene import Scene, load_scene
 from cardan.app.scene.sections.table import FORMAT

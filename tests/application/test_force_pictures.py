@@ -18,7 +18,7 @@ from matplotlib.patches import Polygon
 
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.forces.paths import ForcePath, force_paths, scene_force_paths
+from cardan.app.answers.forces.picture import ForcePath, force_paths, scene_force_paths
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.pictures.driveline import _BEARING

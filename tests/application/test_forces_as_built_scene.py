@@ -15,7 +15,7 @@ from matplotlib import pyplot
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import BearingForce, Forces, JointForce, force_figures
-from cardan.app.answers.forces.paths import scene_force_paths
+from cardan.app.answers.forces.picture import scene_force_paths
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import tolerance_figures

@@ -45,8 +45,7 @@ from cardan.app.answers.torsion.picture import (
 )
 from cardan.app.answers.turn.picture import plot_scene, write_picture
 from cardan.app.files.columns import PICTURES as SUFFIXES
-from cardan.app.pictures.curves import plot_curves, plot_harmonics, plot_result
-from cardan.app.pictures.double_joint import plot_double_joint
+from cardan.app.pictures.curves import plot_curves, plot_double_joint, plot_harmonics, plot_result
 from cardan.app.pictures.driveline import plot_driveline, yoke_pins
 from cardan.app.pictures.sources import (
     plot_angle_error,

@@ -9,8 +9,7 @@ import click
 
 from cardan.app.answers.table import pictures
 from cardan.app.answers.turn.abscissa import Over
-from cardan.app.command.files import check_output
-from cardan.app.command.options import file_option, scene_argument
+from cardan.app.command.options import check_output, file_option, scene_argument
 from cardan.app.command.terminal import progress_bar, say
 from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.plots import plot_part, save, write_picture

@@ -9,8 +9,7 @@ import click
 
 from cardan.app.answers.optimise.figures import optimise_data, optimised
 from cardan.app.answers.optimise.text import optimise_text
-from cardan.app.command.files import check_output
-from cardan.app.command.options import file_option, json_option, scene_argument
+from cardan.app.command.options import check_output, file_option, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import check_writable, whole_file
 from cardan.app.plots import plot_optimise, save

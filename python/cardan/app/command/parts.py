@@ -21,8 +21,7 @@ from cardan.app.answers.tolerances.text import tolerances_text
 from cardan.app.answers.torsion.figures import needed_torsion, torsion_data
 from cardan.app.answers.torsion.picture import plot_torsion
 from cardan.app.answers.torsion.text import torsion_text
-from cardan.app.command.files import check_output
-from cardan.app.command.options import json_option, picture_as_well, scene_argument
+from cardan.app.command.options import check_output, json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.pictures.style import save
 from cardan.app.scene.scene import Scene

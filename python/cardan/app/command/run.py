@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -16,18 +18,15 @@ from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import DriveAngles, turn_figures
 from cardan.app.answers.turn.text import few_samples_text, signals_text, summary_text
-from cardan.app.command.files import (
-    check_folder,
-    check_for_cluster,
+from cardan.app.command.options import (
     check_output,
     check_picture,
-    missing_of,
-    write_ball_joint,
-    write_files,
-    write_on_cluster,
-    wrote,
+    into_option,
+    json_option,
+    missing_samples,
+    scene_argument,
+    units_option,
 )
-from cardan.app.command.options import into_option, json_option, scene_argument, units_option
 from cardan.app.command.terminal import (
     as_json_text,
     progress_bar,
@@ -35,10 +34,15 @@ from cardan.app.command.terminal import (
     say_before_files,
 )
 from cardan.app.scene import load_scene
+from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
-from cardan.app.scene.scene import BallJointScene
+from cardan.app.scene.scene import BallJointScene, Scene, SceneResult
+from cardan.app.scene.sections.ball_joint import BallJointCase
+from cardan.app.scene.study import cluster
 from cardan.app.scene.study.cluster import StudyFolder
+from cardan.app.scene.study.curves import write_curves, write_study
 from cardan.app.scene.study.states import StatesResult
+from cardan.arrays import import_optional
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")
@@ -95,20 +99,20 @@ def run(
         return
     whole = loaded = given
     if on_cluster:
-        check_for_cluster(whole, local, scheduler)
+        _check_for_cluster(whole, local, scheduler)
         loaded = replace(whole, study=None, table_file=None)
-        check_folder(into / str(whole.table_file))
+        _check_folder(into / str(whole.table_file))
     seat = loaded.ball_joint and loaded.ball_joint.picture_file
     for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
         if name:
             check_output(loaded, into / name)
     with progress_bar() as progress:
         result = loaded.run(progress)
-    files = write_files(result, into, radians)
+    files = _write_files(result, into, radians)
     study: StudyTable | None = result.study
     if on_cluster:
         assert whole.study
-        files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
+        files = chain(files, _write_on_cluster(whole, into, radians, local, scheduler))
         study = StudyFolder(whole.study, into / str(whole.table_file))
     answer, turn = Answer(whole), turn_figures(result)
     angles = turn.drive_angles
@@ -129,7 +133,7 @@ def run(
     if whole.states:
         say_before_files(f"\n{OF_DRIVELINE}")
     if whole.missing:
-        say_before_files(f"\n{missing_of(whole)}")
+        say_before_files(f"\n{_missing_of(whole)}")
     for part, found in answer.parts("run"):
         say_before_files(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
@@ -152,7 +156,7 @@ def _study_text(table: StudyTable, angles: DriveAngles, radians: bool) -> str:
 def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
     if scene.picture_file:
         check_picture(into / scene.picture_file)
-    files, answer = write_ball_joint(scene.ball_joint, into, scene.title), Answer(scene)
+    files, answer = _write_ball_joint(scene.ball_joint, into, scene.title), Answer(scene)
     if as_json:
         say(as_json_text(run_data(answer, None, None, list(files), radians=radians)))
         return
@@ -162,3 +166,97 @@ def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json
         say_before_files(part.text(found, radians=radians))
     for entry in files:
         say_before_files(f"\n{wrote(**entry)}")
+
+
+def _write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str, Any]]:
+    """Write the files of a scene one by one; yield path and number of rows of each."""
+    scene = result.scene
+    if scene.curves_file:
+        path = into / scene.curves_file
+        with progress_bar(path.name) as progress:
+            rows = write_curves(result, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
+    if scene.table_file and result.study:
+        path = into / scene.table_file
+        with progress_bar(path.name) as progress:
+            rows = write_study(result.study, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
+    if scene.picture_file:
+        path = into / scene.picture_file
+        from cardan.app.plots import write_picture
+
+        write_picture(result, path)
+        yield {"file": str(path)}
+    if scene.ball_joint:
+        yield from _write_ball_joint(scene.ball_joint, into, scene.title)
+
+
+def _write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[dict[str, Any]]:
+    """Write the picture of a ball joint if the scene names one; yield its path."""
+    if case.picture_file:
+        from cardan.app.plots import plot_ball_joint, save
+
+        path = into / case.picture_file
+        save(plot_ball_joint(case, title), path)
+        yield {"file": str(path)}
+
+
+def _missing_of(scene: Scene) -> str:
+    """Return the line that says how many recorded samples of a scene are missing."""
+    assert scene.recording
+    return missing_samples(scene.missing, len(scene.drive_angle), scene.recording.name)
+
+
+def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
+    """Return the line that says which file was written."""
+    if not rows:
+        return f"wrote {file}"
+    size, files = _count(rows, "row"), _count(parts, "file")
+    if not parts:
+        return f"wrote {file} ({size})"
+    if found == parts:
+        return f"kept {file} ({size} in {files}, already complete)"
+    there = f", {found} of them already complete" if found else ""
+    return f"wrote {file} ({size} in {files}{there})"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' if number != 1 else ''}"
+
+
+def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:
+    """Refuse options and scenes that do not go with a cluster."""
+    if local and scheduler:
+        raise ValueError("--local and --scheduler are both given; give one of them")
+    if scheduler == "":
+        raise ValueError("--scheduler is empty; give an address, as tcp://host:8786")
+    if scene.states:
+        raise ValueError("states are evaluated in one process; only a study is distributed")
+    if not scene.study or not str(scene.table_file).endswith(".parquet"):
+        option = "--local" if local else "--scheduler"
+        raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
+    import_optional("distributed", "dask")
+    import_optional("pyarrow", "table")
+
+
+def _check_folder(path: Path) -> None:
+    """Refuse a file in the place of the folder of a study, before the work is done."""
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
+
+
+def _write_on_cluster(
+    scene: Scene, into: Path, radians: bool, local: int | None, scheduler: str | None
+) -> Iterator[dict[str, Any]]:
+    """Write the table of a scene as a folder; yield path, rows and files."""
+    assert scene.study
+    assert scene.table_file
+    path = into / scene.table_file
+    with cluster.connect(scheduler, local) as client, progress_bar() as progress:
+        try:
+            done = cluster.write_study(
+                scene.study, path, client, radians=radians, progress=progress
+            )
+        except ValueError as error:
+            raise SceneError.of(error, scene.name, "study") from None
+    yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}

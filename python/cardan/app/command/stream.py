@@ -9,8 +9,7 @@ import click
 
 from cardan.app.answers.turn.figures import recorded_angles
 from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_text
-from cardan.app.command.files import missing_samples
-from cardan.app.command.options import into_option, scene_argument, units_option
+from cardan.app.command.options import into_option, missing_samples, scene_argument, units_option
 from cardan.app.command.terminal import progress_bar, say
 from cardan.app.scene.recording import streaming
 
