@@ -18,29 +18,24 @@ if TYPE_CHECKING:
 
 __all__ = ["SUBCOMMANDS", "commands", "main"]
 
-# The subcommands, each in one line, by the module that has their options and their help.
-_MODULES = {
-    "check": {"check": "Check a scene against the limits."},
-    "about": {
-        "explain": "Describe how a scene is evaluated.",
-        "new": "Write a scene to start from.",
-        "schema": "Print the JSON Schema of scenes.",
-    },
-    "identify": {"identify": "Find the bend in a recording."},
-    "parts": {
-        "life": "Say how long the joints last.",
-        "tolerances": "Say how much tolerances matter.",
-        "torsion": "Find resonances of the shafts.",
-    },
-    "optimise": {"optimise": "Find the best values of a scene."},
-    "phase": {"phase": "Say how to set the yokes."},
-    "draw": {"plot": "Draw a scene.", "report": "Write a page to share."},
-    "run": {"run": "Evaluate a scene."},
-    "stream": {"stream": "Evaluate a recording of any length."},
+SUBCOMMANDS = {
+    "check": ("check", "Check a scene against the limits."),
+    "explain": ("about", "Describe how a scene is evaluated."),
+    "identify": ("identify", "Find the bend in a recording."),
+    "life": ("parts", "Say how long the joints last."),
+    "new": ("about", "Write a scene to start from."),
+    "optimise": ("optimise", "Find the best values of a scene."),
+    "phase": ("phase", "Say how to set the yokes."),
+    "plot": ("draw", "Draw a scene."),
+    "report": ("draw", "Write a page to share."),
+    "run": ("run", "Evaluate a scene."),
+    "schema": ("about", "Print the JSON Schema of scenes."),
+    "stream": ("stream", "Evaluate a recording of any length."),
+    "tolerances": ("parts", "Say how much tolerances matter."),
+    "torsion": ("parts", "Find resonances of the shafts."),
 }
-
-SUBCOMMANDS = {name: module for module, names in _MODULES.items() for name in names}
-"""The module of each subcommand, in which it is a function of its name."""
+"""Of each subcommand the module, in which a function of its name has options and help, and what it
+does in a line."""
 
 
 def commands() -> click.Group:
@@ -55,8 +50,9 @@ def commands() -> click.Group:
         ) -> tuple[str | None, click.Command | None, list[str]]:
             name, listed, rest = super().resolve_command(context, args)
             if listed:
-                module = import_module(f"cardan.app.command.{SUBCOMMANDS[str(listed.name)]}")
-                listed = getattr(module, str(listed.name))
+                own = str(listed.name)
+                module = import_module(f"cardan.app.command.{SUBCOMMANDS[own][0]}")
+                listed = getattr(module, own)
             return name, listed, rest
 
         def main(self, *args: Any, **extra: Any) -> Any:  # noqa: ANN401 - as click has it
@@ -110,9 +106,8 @@ def commands() -> click.Group:
         if context.invoked_subcommand is None:
             click.echo(context.get_help())
 
-    for names in _MODULES.values():
-        for name, meaning in names.items():
-            cardan.add_command(click.Command(name, short_help=meaning))
+    for name, (_, meaning) in SUBCOMMANDS.items():
+        cardan.add_command(click.Command(name, short_help=meaning))
     return cardan
 
 
