@@ -162,9 +162,8 @@ def limits_of(limits: str | Limits | None) -> Limits:
             raise ArgumentValueError("limits", unknown_preset(limits))
         return _of_preset(limits)
     if not isinstance(limits, Limits):
-        raise ArgumentTypeError(
-            "limits", f"is a {type(limits).__name__}; it must be a cardan.Limits or its preset"
-        )
+        problem = f"is a {type(limits).__name__}; it must be a cardan.Limits or its preset"
+        raise ArgumentTypeError("limits", problem)
     return limits
 
 

@@ -195,9 +195,8 @@ class Machine:
         own, part = _states_of("steps", steps), np.atleast_1d(positive("shares", shares))
         own = own if own.size == len(part) or own.size > 1 else own[np.zeros(len(part), dtype=int)]
         if abs(float(np.sum(part)) - 1.0) > 1e-9 or part.shape != own.shape:
-            raise ArgumentValueError(
-                "shares", f"are {part.tolist()}; they must add up to 1, with one per step"
-            )
+            problem = f"are {part.tolist()}; they must add up to 1, with one per step"
+            raise ArgumentValueError("shares", problem)
         return self._with(steps=_cases(own, load, None), shares=part.tolist())
 
     def with_ratings(self, rating: ArrayLike) -> Machine:

@@ -282,21 +282,17 @@ def checked_weights(
 ) -> dict[str, FloatArray]:
     """Return the weights, each in the shape of its output for samples of this shape."""
     if not isinstance(weights, Mapping):
-        raise ArgumentTypeError(
-            "weights", f"is {type(weights).__name__}; it must map names of outputs to arrays"
-        )
+        problem = f"is {type(weights).__name__}; it must map names of outputs to arrays"
+        raise ArgumentTypeError("weights", problem)
     full = {}
     for name, given in weights.items():
         if name in ("bend", "equivalent_bend"):
-            problem = (
-                "has an infinite slope at constant velocity; differentiate abs(q)**2 instead, "
-                "by Driveline.transmission(shaft).d_abs2(by)"
-            )
+            problem = "has an infinite slope at constant velocity; differentiate abs(q)**2 instead"
+            problem += ", by Driveline.transmission(shaft).d_abs2(by)"
             raise ArgumentValueError("weights", problem, (name,))
         if name not in places:
-            raise ArgumentValueError(
-                "weights", f"is not an output of the plan; {nearest(name, places)}", (name,)
-            )
+            problem = f"is not an output of the plan; {nearest(name, places)}"
+            raise ArgumentValueError("weights", problem, (name,))
         array = as_float64("weights", given)
         wanted = places[name].shape(shape)
         try:

@@ -113,9 +113,8 @@ class Load:
 def require_load(load: object) -> None:
     """Raise an error unless ``load`` is a ``Load``."""
     if not isinstance(load, Load):
-        raise ArgumentTypeError(
-            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
-        )
+        problem = f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
+        raise ArgumentTypeError("load", problem)
 
 
 def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:

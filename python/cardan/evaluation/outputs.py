@@ -183,9 +183,8 @@ def checked(names: str | Iterable[str]) -> tuple[str, ...]:
     listed = (names,) if isinstance(names, str) else tuple(names)
     for i, name in enumerate(listed):
         if not isinstance(name, str):
-            raise ArgumentTypeError(
-                "outputs", f"is {name!r}; an output is asked for by its name", (i,)
-            )
+            problem = f"is {name!r}; an output is asked for by its name"
+            raise ArgumentTypeError("outputs", problem, (i,))
         if name not in OUTPUTS:
             raise ArgumentValueError("outputs", f"is {name!r}; {nearest(name, OUTPUTS)}", (i,))
         if listed.index(name) < i:

@@ -338,9 +338,8 @@ class Plan:
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """What is left of the samples' shape when the last axis is reduced."""
         if not shape:
-            raise ArgumentValueError(
-                "reduce", "works over the last axis of the samples; one angle has none"
-            )
+            problem = "works over the last axis of the samples; one angle has none"
+            raise ArgumentValueError("reduce", problem)
         if shape[-1] == 0:
             raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
         return shape[:-1]
@@ -350,20 +349,17 @@ class Plan:
     ) -> dict[str, NDArray[Any]]:
         checked: dict[str, NDArray[Any]] = {}
         if not isinstance(out, Mapping):
-            raise ArgumentTypeError(
-                "out", f"is {type(out).__name__}; it must map names of outputs to arrays"
-            )
+            problem = f"is {type(out).__name__}; it must map names of outputs to arrays"
+            raise ArgumentTypeError("out", problem)
         for name, array in out.items():
             if name not in self.places:
                 raise ArgumentValueError("out", "is not one of the requested outputs", (name,))
             if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
-                raise ArgumentTypeError(
-                    "out", f"is {type(array).__name__}; it must be an array", (name,)
-                )
+                problem = f"is {type(array).__name__}; it must be an array"
+                raise ArgumentTypeError("out", problem, (name,))
             if array.dtype != self.dtype:
-                raise ArgumentValueError(
-                    "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
-                )
+                problem = f"has dtype {array.dtype}; it must be {self.dtype.name}"
+                raise ArgumentValueError("out", problem, (name,))
             wanted = self.places[name].shape(rows)
             check_shape("out", array, array.shape == wanted, f"it must be {wanted}", (name,))
             if not array.flags.writeable:

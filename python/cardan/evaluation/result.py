@@ -162,11 +162,8 @@ class Result(Mapping[str, NDArray[Any]]):
         """Return the samples as rows, indexed by driveline and drive angle.
 
         A column is an output of one shaft or joint, and of one component: ``speed_ratio``,
-        ``torque_1``, ``moment_0_x``. The units of all columns are in ``attrs["units"]``.
-
-        Raises:
-            ImportError: pandas is missing.
-            ValueError: a result that does not come from an evaluation.
+        ``torque_1``, ``moment_0_x``. The units of all columns are in ``attrs["units"]``. Errors are
+        as of ``to_xarray``.
         """
         # Frames and tables have the same labels.
         made: pandas.DataFrame = adapter("xarray").frame(self)

@@ -57,9 +57,8 @@ class Evaluation:
             raise ArgumentTypeError("parameters", "must map names to arrays")
         for name in shapes:
             if name not in NAMES:
-                raise ArgumentValueError(
-                    "parameters", f"is unknown; {nearest(name, NAMES)}", (name,)
-                )
+                problem = f"is unknown; {nearest(name, NAMES)}"
+                raise ArgumentValueError("parameters", problem, (name,))
         if ("bends" in shapes) == ("points" in shapes):
             raise ArgumentValueError("parameters", "must have either 'bends' or 'points'")
         for name in ("twists", "lengths"):
@@ -72,9 +71,8 @@ class Evaluation:
         for name, ndim in (("drive_torque", 0), ("output_torque", 0), ("inertias", 1)):
             if name in shapes and len(shapes[name]) != ndim:
                 wanted = "one number" if ndim == 0 else "one number per shaft"
-                raise ArgumentValueError(
-                    "parameters", f"has shape {shapes[name]}; it must be {wanted}", (name,)
-                )
+                problem = f"has shape {shapes[name]}; it must be {wanted}"
+                raise ArgumentValueError("parameters", problem, (name,))
 
     def result_shapes(
         self, shapes: Mapping[str, tuple[int, ...]], angle: tuple[int, ...]

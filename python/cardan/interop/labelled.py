@@ -58,9 +58,8 @@ def evaluate(
     units = angle.attrs.get("units", wanted)
     if units not in _UNITS[wanted]:
         hint = hint if units in _UNITS["deg"] else ""
-        raise ArgumentValueError(
-            "angle", f"has units {units!r}; make it {wanted} and say so in attrs['units']{hint}"
-        )
+        rule = f"make it {wanted} and say so in attrs['units']{hint}"
+        raise ArgumentValueError("angle", f"has units {units!r}; {rule}")
     return dataset(plan(angle.data), angle)
 
 
@@ -93,9 +92,8 @@ def dataset(result: Result, given: xarray.DataArray | None = None) -> xarray.Dat
         variables[name] = ((*of_items, *samples.dims, *of_vector), array, attributes)
     twice = {dim for dim in samples.dims if samples.dims.count(dim) > 1}
     for name in sorted(taken & {*variables, *coordinates} | twice):
-        raise ArgumentValueError(
-            "angle", f"has a dimension or coordinate {name!r}, as the result; rename it"
-        )
+        problem = f"has a dimension or coordinate {name!r}, as the result; rename it"
+        raise ArgumentValueError("angle", problem)
     if given is not None:
         sizes = dict(zip(samples.dims, samples.shape, strict=True))
         for key, kept in given.coords.items():

@@ -344,8 +344,7 @@ def _part(name: str, value: Any, whole: int) -> _Part:  # noqa: ANN401 - an arra
         return _Part(as_float64(name, array), whole)
     as_float64(name, np.empty(0, array.dtype))
     if any(math.isnan(size) for size in array.shape):
-        raise ArgumentValueError(
-            name, "has chunks of unknown size; call its compute_chunk_sizes first"
-        )
+        problem = "has chunks of unknown size; call its compute_chunk_sizes first"
+        raise ArgumentValueError(name, problem)
     check_shape(name, array, array.ndim >= whole, f"it needs {whole} dimensions or more")
     return _Part(array, whole)

@@ -185,11 +185,7 @@ def identify_two_joints(
         drive_angle: angles of the drive, ``(samples,)``, as of ``identify``.
         intermediate: angles of the shaft between the joints, ``(samples,)``.
         driven: angles of the last shaft, ``(samples,)``.
-        degrees: whether the angles are in degrees.
-
-    Raises:
-        TypeError: values that are not real numbers.
-        ValueError: as of ``identify``.
+        degrees: whether the angles are in degrees; errors are as of ``identify``.
     """
     first = identify(drive_angle, angle=intermediate, degrees=degrees)
     whole = identify(drive_angle, angle=driven, degrees=degrees)

@@ -191,9 +191,8 @@ def _held(fixed: int | Sequence[int] | None, n_joints: int) -> NDArray[np.bool_]
         raise ArgumentTypeError("fixed", f"is {fixed!r}; it must list numbers of shafts") from None
     for shaft in shafts:
         if not 0 < shaft < n_joints:
-            raise ArgumentValueError(
-                "fixed", f"is {shaft}; shafts 1 to {n_joints - 1} have yokes at both ends"
-            )
+            problem = f"is {shaft}; shafts 1 to {n_joints - 1} have yokes at both ends"
+            raise ArgumentValueError("fixed", problem)
         held[shaft - 1] = True
     return held
 

@@ -334,13 +334,11 @@ def _checked_bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatA
     check_shape("bounds", array, array.shape == wanted, rule)
     for i, (low, high) in enumerate(array):
         if not low < high:
-            raise ArgumentValueError(
-                "bounds", f"is [{low:g}, {high:g}]; the first must be below the second", (i,)
-            )
+            problem = f"is [{low:g}, {high:g}]; the first must be below the second"
+            raise ArgumentValueError("bounds", problem, (i,))
         if not low <= start[i] <= high:
-            raise ArgumentValueError(
-                "start", f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]", (i,)
-            )
+            problem = f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]"
+            raise ArgumentValueError("start", problem, (i,))
     return array[:, 0].copy(), array[:, 1].copy()
 
 
@@ -350,9 +348,8 @@ def _checked_phases(phases: Sequence[int], count: int) -> list[int]:
     for i, given in enumerate(phases):
         number = integer("phases", given, place=(i,))
         if not 0 <= number < count:
-            raise ArgumentValueError(
-                "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
-            )
+            problem = f"is {number}; there are {count} variables, counted from 0"
+            raise ArgumentValueError("phases", problem, (i,))
         if number in numbers:
             raise ArgumentValueError("phases", f"is {number} again; name each once", (i,))
         numbers.append(number)
@@ -365,9 +362,8 @@ def _steps_of(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[
         return {}
     listed: Sequence[Any] = [teeth] * len(phases) if not isinstance(teeth, Sequence) else teeth
     if len(listed) != len(phases):
-        raise ArgumentValueError(
-            "teeth", f"has length {len(listed)}; there are {len(phases)} phases"
-        )
+        problem = f"has length {len(listed)}; there are {len(phases)} phases"
+        raise ArgumentValueError("teeth", problem)
     for i, count in enumerate(listed):
         integer("teeth", count, 1, (i,) if isinstance(teeth, Sequence) else ())
     return dict(zip(phases, listed, strict=True))
@@ -384,9 +380,8 @@ def _kept_of(
         value = float(as_float64(argument, limit))
         if not 0.0 < value < measure.largest:
             below = f" below {measure.largest:.6g}" if math.isfinite(measure.largest) else ""
-            raise ArgumentValueError(
-                "keep", f"is {limit!r}; a limit must be a positive number{below}", (name,)
-            )
+            problem = f"is {limit!r}; a limit must be a positive number{below}"
+            raise ArgumentValueError("keep", problem, (name,))
         measures.append(measure)
         lengths.append(measure.length(value))
     return tuple(measures), np.array(lengths)
@@ -399,9 +394,8 @@ def parameters_of(
     if parameters is None:
         return ()
     if len(parameters) != count:
-        raise ArgumentValueError(
-            "parameters", f"has length {len(parameters)}; there are {count} variables"
-        )
+        problem = f"has length {len(parameters)}; there are {count} variables"
+        raise ArgumentValueError("parameters", problem)
     found = []
     for i, (kind, place, *factor) in enumerate(parameters):
         try:

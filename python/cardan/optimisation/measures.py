@@ -82,15 +82,13 @@ def measure_of(
     if callable(quantity):
         return _of_function(argument, quantity)
     if not isinstance(quantity, str):
-        raise ArgumentTypeError(
-            argument, f"is {quantity!r}; it must be a name or a function of a driveline"
-        )
+        problem = f"is {quantity!r}; it must be a name or a function of a driveline"
+        raise ArgumentTypeError(argument, problem)
     if quantity in MOTION_QUANTITIES:
         of = MOTION_QUANTITIES[quantity]
         if not of.of_last and n_joints == 1:
-            raise ArgumentValueError(
-                argument, f"is {quantity!r}; one joint has no shaft between two joints"
-            )
+            problem = f"is {quantity!r}; one joint has no shaft between two joints"
+            raise ArgumentValueError(argument, problem)
         return _of_motion(argument, of, None if speed is None else np.square(speed))
     reduced = reduced_quantity(quantity)
     if reduced is None:

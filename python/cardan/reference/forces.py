@@ -94,15 +94,13 @@ def loads(
         ValueError: both torques given, or not one inertia per shaft.
     """
     if drive_torque is not None and output_torque is not None:
-        raise ArgumentValueError(
-            "drive_torque", "and output_torque exclude one another; give one of them"
-        )
+        problem = "and output_torque exclude one another; give one of them"
+        raise ArgumentValueError("drive_torque", problem)
     count = len(shafts.directions)
     inertias = (0.0,) * count if inertias is None else inertias
     if len(inertias) != count:
-        raise ArgumentValueError(
-            "inertias", f"has {len(inertias)} values; there are {count} shafts"
-        )
+        problem = f"has {len(inertias)} values; there are {count} shafts"
+        raise ArgumentValueError("inertias", problem)
     joints = _joints(shafts, angle)
     moving = zip(inertias, _rates(joints), strict=True)
     kept = [
@@ -220,9 +218,8 @@ def _supported(count: int, bearings: Sequence[int]) -> list[int | None]:
     for shaft in range(count):
         own = bearings.count(shaft)
         if own > 2:
-            raise ArgumentValueError(
-                "bearings", f"are {own} on shaft {shaft}; forces are determinate with two"
-            )
+            problem = f"are {own} on shaft {shaft}; forces are determinate with two"
+            raise ArgumentValueError("bearings", problem)
         if own or 0 < shaft < count - 1:
             missing[shaft] = 2 - own
     while any(missing.values()):

@@ -192,9 +192,8 @@ def from_directions(
     """
     for i, vector in enumerate(directions):
         if len(vector) != 3 or not 0.0 < math.hypot(*vector) < math.inf:
-            raise ArgumentValueError(
-                "directions", f"is {vector}; it must be finite and have a length", (i,)
-            )
+            problem = f"is {vector}; it must be finite and have a length"
+            raise ArgumentValueError("directions", problem, (i,))
     shafts = tuple(_unit((x, y, z)) for x, y, z in directions)
     phases = _between("phases", phases, len(shafts) - 1)
     for j, (u, v) in enumerate(pairwise(shafts)):
@@ -232,9 +231,8 @@ def _between(name: str, values: Sequence[float] | None, n_joints: int) -> tuple[
     if values is None:
         return (0.0,) * (n_joints - 1)
     if len(values) != n_joints - 1:
-        raise ArgumentValueError(
-            name, f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
-        )
+        problem = f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
+        raise ArgumentValueError(name, problem)
     return tuple(values)
 
 

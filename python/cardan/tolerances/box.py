@@ -259,14 +259,12 @@ def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:
     if "points" not in arrays:
         return
     if not line._geometry.lengths.shape[-1]:
-        raise ArgumentValueError(
-            "points", "have tolerances, but the driveline was not made from points"
-        )
+        problem = "have tolerances, but the driveline was not made from points"
+        raise ArgumentValueError("points", problem)
     for group in ("bends", "twists"):
         if group in arrays:
-            raise ArgumentValueError(
-                group, "do not go with points: the points determine bends and twists"
-            )
+            problem = "do not go with points: the points determine bends and twists"
+            raise ArgumentValueError(group, problem)
 
 
 def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:

@@ -256,9 +256,8 @@ def _designs(
         design = Design(tuple(cases[i] for i in numbers))
         sizes = [(case.box.halves, case.box.teeth) for case in design.cases]
         if any(one != sizes[0] for one in sizes):
-            raise ArgumentValueError(
-                "states", "have different tolerances; they are positions of one driveline"
-            )
+            problem = "have different tolerances; they are positions of one driveline"
+            raise ArgumentValueError("states", problem)
         designs.append(design)
     return order.shape[:-1], designs, shape[axis]
 
@@ -316,18 +315,16 @@ def _limits(
         return found
     if not isinstance(limit, Mapping):
         if several:
-            raise ArgumentTypeError(
-                "limit", f"is {limit!r}; with several figures it must be a mapping by their names"
-            )
+            problem = f"is {limit!r}; with several figures it must be a mapping by their names"
+            raise ArgumentTypeError("limit", problem)
         limit = {next(iter(quantities)): limit}
     for name, value in limit.items():
         if name not in quantities:
             raise ArgumentValueError("limit", f"names {name!r}; {nearest(str(name), quantities)}")
         number = as_float64("limit", value)
         if number.ndim or not number > 0.0:
-            raise ArgumentValueError(
-                "limit", f"is {value!r}; it must be a positive number", (name,)
-            )
+            problem = f"is {value!r}; it must be a positive number"
+            raise ArgumentValueError("limit", problem, (name,))
         in_degrees = degrees and quantities[name].unit == "rad"
         found[name] = math.radians(float(number)) if in_degrees else float(number)
     return found

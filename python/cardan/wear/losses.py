@@ -45,9 +45,8 @@ class Losses:
             ValueError: the load has no torque over the mean of a turn.
         """
         if not np.all(np.abs(self._drive) > 0.0):
-            raise ArgumentValueError(
-                "load", "has no torque over the mean of a turn; no power goes through the driveline"
-            )
+            problem = "has no torque over the mean of a turn; no power goes through the driveline"
+            raise ArgumentValueError("load", problem)
         return self._mean / np.abs(self._drive)
 
     @property

@@ -152,10 +152,8 @@ def lengths(line: Driveline) -> Lengths:
     array([0.     , 0.00416, 0.     ])
     """
     if not line._geometry.lengths.shape[-1]:
-        raise ValueError(
-            "the driveline has no lengths; drivelines from points have them, others get them with "
-            "with_bearings"
-        )
+        problem = "the driveline has no lengths; drivelines from points have them, others get them "
+        raise ValueError(f"{problem}with with_bearings")
     return Lengths(line._geometry.lengths)
 
 
