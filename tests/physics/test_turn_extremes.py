@@ -10,7 +10,7 @@ import pytest
 
 import tiers
 from cardan import OUTPUTS, Driveline, Load, Sweep
-from cardan.app.answers.turn.extremes import peak
+from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.arrays import FloatArray
 
 SEARCHED = (
@@ -157,3 +157,21 @@ def test_a_load_too_large_for_doubles_has_no_place() -> None:
     found = peak(Driveline.from_bends([1.5]), "moment", 0, Load(drive_torque=1e308))
     # Its largest length is 14 times as much.
     assert (found.value, found.places) == (math.inf, ())
+
+
+def test_a_batch_has_the_peaks_of_each_driveline() -> None:
+    """Of several items and drivelines, bearings as well, in the order of both."""
+    points = [[[0, 0, 0], [0.3, y, 0], [1.2, -y, 0.1], [1.6, 0, 0.1]] for y in (0.02, 0.05, 0.11)]
+    lines = Driveline.from_points(points).with_bearings([(0, 0.1), (0, 0.2), (2, 0.1), (2, 0.3)])
+    torques = [1.0, 2.0, 5.0]
+    cases = {"torque": [2, 1], "joint_force": [0, 1], "bearing_force": [3, 0, 1]}
+    for name, items in cases.items():
+        found = peaks(lines, name, items, Load(drive_torque=torques))
+        each = [
+            peak(lines[i], name, item, Load(drive_torque=torques[i])).value
+            for item in items
+            for i in range(3)
+        ]
+        np.testing.assert_allclose(found.ravel(), each, rtol=1e-14)
+    least = peaks(lines, "speed_ratio", [2], is_least=True)
+    np.testing.assert_allclose(least[0], lines.equivalent().min_speed_ratio, rtol=1e-12)

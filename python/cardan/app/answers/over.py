@@ -11,6 +11,7 @@ import numpy as np
 
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import UNITS, Judged
+from cardan.app.answers.turn.extremes import peaks
 from cardan.app.scene.language.units import split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.life import DutyCycle
@@ -30,13 +31,8 @@ def over(
 ) -> Judged:
     """Return the worst of the values of a figure, with its place and its limit.
 
-    Args:
-        scene: the scene.
-        values: one for each state, for each driveline of the study, or a single one.
-        limit: what they are judged against.
-        sense: whether that is the most or the least.
-        names: what the values are those of, if not of the states.
-        **more: further fields of ``Judged``.
+    There is one for each state, for each driveline of the study, or a single one; ``names`` says
+    what they are those of, if not of the states.
     """
     place = int(np.argmax(values) if sense == "most" else np.argmin(values))
     found = Judged(float(values[place]), limit, sense=sense, **more)
@@ -62,28 +58,29 @@ def limit_of(scene: Scene, key: str) -> dict[str, Any]:
     return {"limit": found.limit / factor, "maximum": maximum, "source": found.source}
 
 
-def cases(scene: Scene, *, as_built: bool = False) -> Iterator[tuple[Driveline, Load | None]]:
-    """Yield the drivelines that a scene judges, ``(rows, 1)``, with their loads.
+def drivelines(
+    scene: Scene, *, as_built: bool = False
+) -> Iterator[tuple[Driveline, Load | None, DutyCycle | None]]:
+    """Yield the drivelines that a scene judges, ``(places, 1)``, with their load and duty cycle.
 
-    They are those of its states, one by one, those of its study in blocks, or its only one.
-
-    Args:
-        scene: the scene.
-        as_built: whether the joints have their deviations.
+    The places are its states, blocks of its study, or the drawing alone. Of a recording the second
+    axis are the samples. As built, the joints have their deviations.
     """
-    if scene.states:
-        for i in range(scene.states.count):
-            yield from cases(scene.in_state(i), as_built=as_built)
-        return
-    blocks: Iterable[tuple[int, Driveline, Load | None]]
-    blocks = [(0, scene.line.reshape(1, 1), scene.load_case)]
-    if scene.study and scene.study.axes:
-        blocks = scene.study.blocks()
-    for _, lines, load in blocks:
+    duty, states = scene.service.duty, scene.states
+    blocks: Iterable[tuple[Driveline, Load | None, DutyCycle | None]]
+    if scene.study and varies(scene):
+        of_study = scene.study.blocks()
+        blocks = ((line, load, duty and duty.of(line, load)) for _, line, load in of_study)
+    elif states:
+        loads = states.loads(scene.load_case)
+        blocks = [(states.drivelines().reshape(-1, 1), loads and loads.at_any_angle(), duty)]
+    else:
+        known = scene.without_missing()
+        blocks = [(known.line.reshape(1, -1), known.load_case, duty)]
+    for line, load, own in blocks:
         if as_built and scene.deviations is not None:
-            yield lines.with_deviations(*scene.deviations.T), load
-        else:
-            yield lines, load
+            line = line.with_deviations(*scene.deviations.T)
+        yield line, load, own
 
 
 def varies(scene: Scene) -> bool:
@@ -91,36 +88,24 @@ def varies(scene: Scene) -> bool:
     return bool(scene.study and scene.study.axes)
 
 
-def runs(scene: Scene) -> Iterator[tuple[Driveline, Load | None, DutyCycle | None]]:
-    """Yield the drivelines of a scene, ``(places, 1)``, with their load and duty cycle.
+def largest_torques(scene: Scene, line: Driveline, load: Load, shafts: Sequence[int]) -> FloatArray:
+    """Return the largest torques of shafts over a turn, ``(shafts, places, steps)``.
 
-    The places are its states, blocks of its study, or the drawing alone. Of a recording the second
-    axis are the samples.
+    Recorded loads and bends count as they are.
     """
-    duty, states = scene.service.duty, scene.states
-    if scene.study and varies(scene):
-        for _, line, load in scene.study.blocks():
-            yield line, load, duty and duty.of(line, load)
-    elif states:
-        each = states.loads(scene.load_case)
-        yield states.drivelines().reshape(-1, 1), each and each.at_any_angle(), duty
-    else:
-        known = scene.without_missing()
-        yield known.line.reshape(1, -1), known.load_case, duty
+    if np.ndim(load.speed + load.torque) == 1 or scene.line.shape:
+        angle = scene.study.angle if scene.study else scene.without_missing().angle
+        found = line.evaluate(angle, "torque", shafts=[*shafts], load=load)
+        return np.asarray(np.abs(found.torque))
+    return peaks(line, "torque", [*shafts], load)
 
 
 @dataclass(frozen=True)
 class Wherever:
-    """A figure wherever a driveline runs: as it stands, and in its duty cycle.
-
-    Attributes:
-        scene: the scene.
-        figure: returns it of drivelines with their load, ``(items, places, steps)``, if it is
-            known.
-        sense: whether the largest or the least value is the worst.
-    """
+    """A figure wherever a driveline runs: as it stands, and in its duty cycle."""
 
     scene: Scene
+    # Of drivelines with their load, ``(items, places, steps)``, if it is known.
     figure: Callable[[Driveline, Load | None], FloatArray | None]
     sense: Literal["most", "least"] = "most"
 
@@ -129,11 +114,7 @@ class Wherever:
     ) -> Judged | None:
         """Return the worst value of an item with its place, ``None`` if it is not known.
 
-        Args:
-            item: its number.
-            limit: what it is judged against.
-            why: why it is not known, for a limit that cannot be judged.
-            factor: what the figure is multiplied by.
+        ``why`` says why it is not known, for a limit that cannot be judged.
         """
         values, names = self._found
         if values is None:
@@ -145,7 +126,7 @@ class Wherever:
         """The values, ``(items, places)``, and what the places are called."""
         scene, pick = self.scene, np.max if self.sense == "most" else np.min
         found: list[FloatArray] = []
-        for line, load, duty in runs(scene):
+        for line, load, duty in drivelines(scene):
             own = self.figure(line, load)
             steps = self.figure(duty.line, duty.load) if duty and duty.values else None
             alone = not varies(scene) and not (scene.states and duty and not duty.is_set)

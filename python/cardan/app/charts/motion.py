@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.turn.extremes import peak
+from cardan.app.answers.turn.extremes import peaks
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -52,15 +52,10 @@ def turn_motion(scene: Scene, line: Driveline, shaft: int) -> TurnMotion:
             *map(np.asarray, (joint.max_angle_error, joint.min_speed_ratio)),
             *map(np.asarray, (joint.max_speed_ratio, joint.max_acceleration_ratio)),
         )
-    found = []
-    for index in np.ndindex(line.shape):
-        built = as_built(scene, line[index] if line.shape else line)
-        found.append(
-            (
-                peak(built, "angle_error", shaft).value,
-                peak(built, "speed_ratio", shaft, is_least=True).value,
-                peak(built, "speed_ratio", shaft).value,
-                peak(built, "acceleration_ratio", shaft).value,
-            )
-        )
-    return TurnMotion(*np.reshape(np.transpose(found), (4, *line.shape)))
+    built = as_built(scene, line)
+    return TurnMotion(
+        peaks(built, "angle_error", [shaft])[0],
+        peaks(built, "speed_ratio", [shaft], is_least=True)[0],
+        peaks(built, "speed_ratio", [shaft])[0],
+        peaks(built, "acceleration_ratio", [shaft])[0],
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import cases, limit_of, over
+from cardan.app.answers.over import drivelines, limit_of, over
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -132,7 +132,7 @@ def find(answer: Answer) -> BacklashFigures | None:
 
 def _blocks(scene: Scene) -> Iterator[tuple[Driveline, Load | None]]:
     """The drivelines that the scene judges, few enough for the samples of a turn of each."""
-    for lines, load in cases(scene, as_built=True):
+    for lines, load, _ in drivelines(scene, as_built=True):
         for first in range(0, lines.shape[0], _ROWS):
             rows = slice(first, first + _ROWS)
             if load is None or not load.torque.shape:

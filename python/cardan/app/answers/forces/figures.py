@@ -10,9 +10,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import cases, limit_of, over
+from cardan.app.answers.over import drivelines, limit_of, over
 from cardan.app.answers.rows import Judged, count, figure, item, parts
-from cardan.app.answers.turn.extremes import peak
+from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.app.answers.turn.figures import first_place, noise
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.bearing import LENGTHS_NEEDED, has_lengths
@@ -21,9 +21,7 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
-from cardan.evaluation.sweep import Sweep
 
-_TURN = Sweep.revolutions(1, 720)
 _Row: TypeAlias = tuple[Judged, Any, Any, Any, Any, Any]
 
 FORCES = ("joint_force", "bearing_force")
@@ -195,9 +193,10 @@ def _sizes(scene: Scene, name: str) -> FloatArray | None:
     """The largest forces over the study, ``(items, rows)``; ``None`` without one."""
     if scene.study is None or not scene.study.axes:
         return None
+    per = scene.line.n_joints if force_source(name) == "joint" else scene.line.n_bearings
     found = [
-        lines.evaluate(_TURN, name, load=load, reduce="peak")[name]
-        for lines, load in cases(scene, as_built=True)
+        peaks(lines, name, [*range(per)], load)[..., 0]
+        for lines, load, _ in drivelines(scene, as_built=True)
     ]
     return np.concatenate(found, axis=-1)
 

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import Wherever, over, runs
+from cardan.app.answers.over import Wherever, drivelines, over
 from cardan.app.answers.rows import Judged, count, figure, flag, item, parts, word
 from cardan.app.answers.tubes.figures import speed_of
 from cardan.app.scene.language.units import RPM
@@ -195,7 +195,7 @@ def find(answer: Answer) -> LifeFigures | None:
     given, target = scene.service.joints or Joints((), ()), duty.target if duty else None
     if scene.service.joints is None and target is None:
         return None
-    duties = [each for _, _, each in runs(scene) if each]
+    duties = [each for _, _, each in drivelines(scene) if each]
     used, place = None, 0
     steps: tuple[Step, ...] = ()
     if duties:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.rounding import alike
+from cardan.app.answers.over import at_keys
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
 from cardan.design.check import Check
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 
 
 def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
@@ -32,13 +31,10 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
         if known.line.shape and known.speed_recorded and known.load_case is not None:
             return known.line.check(known.load_case.speed, scene.limits)
         return known.line.check(scene.speed or None, scene.limits)
-    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
     blocks = []
     rows = math.prod(scene.study.shape)
     for first, line, load in scene.study.blocks():
-        # Of a recorded speed the largest counts.
-        speed = scene.speed if scene.speed_recorded else load.speed if load and turns else None
-        blocks.append(line.check(speed, scene.limits).findings)
+        blocks.append(line.check(_speed(scene, load), scene.limits).findings)
         if progress:
             progress(first + line.shape[0], rows)
     findings = []
@@ -47,11 +43,30 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
         at_unit_speed = None
         if parts[0].at_unit_speed is not None:
             at_unit_speed = _joined([part.at_unit_speed for part in parts])
-        worst_at = {} if parts[0].needs_speed else _worst_at(scene.study, value)
+        worst_at = {}
+        if not parts[0].needs_speed:
+            worst_at = at_keys(scene.study.axes, value, int(np.argmax(value)))
         findings.append(
             replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
         )
     return Check(tuple(findings), scene.limits)
+
+
+def check_row(scene: Scene, row: int) -> Check:
+    """Check one driveline of the study of a scene."""
+    assert scene.study
+    _, line, load = next(scene.study.blocks(range(row, row + 1)))
+    speed = _speed(scene, load)
+    return line[0, 0].check(None if speed is None else np.max(speed), scene.limits)
+
+
+def _speed(scene: Scene, load: Load | None) -> FloatArray | float | None:
+    """The speeds of drivelines of the study; of a recorded speed the largest counts."""
+    axes = scene.study.axes if scene.study else ()
+    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in axes)
+    if scene.speed_recorded:
+        return scene.speed
+    return load.speed if load and turns else None
 
 
 def check_states(scene: Scene, lines: Driveline) -> Check:
@@ -73,15 +88,3 @@ def check_states(scene: Scene, lines: Driveline) -> Check:
 
 def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
     return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
-
-
-def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
-    """The keys of a study on which its largest value depends, and their values there."""
-    grid = value.reshape(study.shape)
-    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
-    found = {}
-    for number, axis in enumerate(study.axes):
-        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
-        if not alike(float(np.min(along)), float(np.max(along))):
-            found[axis.key] = float(axis.values[place[number]])
-    return found

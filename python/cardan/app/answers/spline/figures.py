@@ -9,12 +9,10 @@ from typing import Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import over
+from cardan.app.answers.over import drivelines, largest_torques, over
 from cardan.app.answers.rows import Judged, count, figure, item, parts, word
-from cardan.app.answers.turn.extremes import peak
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.slip import Slip
-from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -101,7 +99,7 @@ def find(answer: Answer) -> SplineFigures | None:
     scene, slip = answer.scene, answer.scene.slip
     if slip is None:
         return None
-    blocks = zip(*_states(scene), strict=True)
+    blocks = zip(*_places(scene, slip), strict=True)
     lengths, torques, bends, radial = (np.concatenate(parts) for parts in blocks)
     own, several = lengths[:, slip.shaft], len(lengths) > 1
     length = float(scene.line.lengths().each[slip.shaft])
@@ -172,29 +170,14 @@ def _push_in(slip: Slip, growth: FloatArray, scene: Scene, length: float) -> Jud
     return over(scene, left, 0.0, "least", size=length, source="a spline must not bottom")
 
 
-def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
+def _places(scene: Scene, slip: Slip) -> Iterator[tuple[FloatArray, ...]]:
     """Lengths, torque of the shaft, bends and forces of bearings, a row per driveline."""
-    slip = scene.slip
-    assert slip is not None
-    if scene.states:
-        for i in range(scene.states.count):
-            yield from _states(scene.in_state(i))
-        return
-    if scene.study is None or not scene.study.axes:
-        line, load = scene.line, scene.load_case
-        torque = np.nan
-        if _is_loaded(slip, load):
-            torque = peak(line, "torque", slip.shaft, load).value
-        torques = np.array([torque])
-        radial = _radial(slip, line, torques)
-        yield line.lengths().each[None], torques, line.bends[None], radial
-        return
-    for _, lines, load in scene.study.blocks():
+    for lines, load, _ in drivelines(scene):
         torques = np.full(lines.shape[0], np.nan)
-        if _is_loaded(slip, load):
-            torques = _peaks(lines, load, slip.shaft, scene.study)
-        radial = _radial(slip, lines[:, 0], torques)
-        yield lines.lengths().each[:, 0], torques, lines.bends[:, 0], radial
+        if load is not None and _is_loaded(slip, load):
+            torques = np.max(largest_torques(scene, lines, load, [slip.shaft])[0], axis=-1)
+        drawn = lines[:, 0]
+        yield drawn.lengths().each, torques, drawn.bends, _radial(slip, drawn, torques)
 
 
 def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
@@ -209,15 +192,9 @@ def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(forces, axis=-1).T)
 
 
-def _is_loaded(slip: Slip, load: Load | None) -> bool:
-    if load is None or slip.friction is None:
-        return False
-    return load.inertias is not None or bool(np.any(load.torque != 0.0))
-
-
-def _peaks(lines: Driveline, load: Load | None, shaft: int, study: Study) -> FloatArray:
-    found = lines.evaluate(study.angle, "torque", shafts=shaft, load=load, reduce="peak")
-    return np.asarray(found.torque)
+def _is_loaded(slip: Slip, load: Load) -> bool:
+    has_torque = load.inertias is not None or bool(np.any(load.torque != 0.0))
+    return slip.friction is not None and has_torque
 
 
 def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Support, ...]:

@@ -29,13 +29,7 @@ _MOST_DRAWN = 8
 
 
 def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> dict[str, Any]:
-    """Return verdicts, tables and charts of the states as plain data for ``page.html``.
-
-    Args:
-        answer: the answer to the scene.
-        table: its figures in every state.
-        yokes: the setting that serves all states, as ``yoke_settings`` makes it, if there is one.
-    """
+    """Return verdicts, tables and charts of the states as plain data for ``page.html``."""
     each: tuple[StateFigures, ...] = answer["states"]
     heading, found = PARTS["states"].heading(each), states_figures(table)
     return {

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import cases, over
+from cardan.app.answers.over import drivelines, over
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.arrays import FloatArray
 
@@ -61,7 +61,7 @@ def find(answer: Answer) -> SteeringFigures | None:
     if column is None:
         return None
     centre = float(np.radians(column.centre_deg))
-    each = [lines[:, 0].steering(centre, drawn=scene.line) for lines, _ in cases(scene)]
+    each = [lines[:, 0].steering(centre, drawn=scene.line) for lines, *_ in drivelines(scene)]
 
     def values(name: str) -> FloatArray:
         return np.concatenate([getattr(found, name) for found in each])

@@ -18,12 +18,7 @@ def heat_map(
 ) -> dict[str, Any]:
     """Return heading, ticks, bands and their legend as plain data for the macro ``map``.
 
-    Args:
-        panel: heading and unit.
-        x: values of the key across, rising, ``(columns,)``.
-        y: values of the key upwards, rising, ``(rows,)``.
-        values: the figure, ``(rows, columns)``, finite.
-        labels: what the keys are, with their units.
+    The values, ``(rows, columns)``, are finite, and those of both keys, x across, rise.
     """
     low, high, flat = scale_of(values, panel.scale)
     levels = np.array(ticks(low, high, 7.0))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.limits.check import check_row
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import judged_lines
@@ -34,10 +35,7 @@ _MOST_DRAWN, _MOST_CURVES, _MOST_POINTS = 12, 6, 1000
 def study(scene: Scene, result: StudyResult, found: Check) -> dict[str, Any]:
     """Return tables, charts and maps of a study as plain data for the page.
 
-    Args:
-        scene: the scene.
-        result: its study.
-        found: the check of its drivelines in the order of its rows, as ``check_scene`` makes it.
+    The check is that of its drivelines in the order of its rows, as ``check_scene`` makes it.
     """
     tables = [_extremes(result)]
     if not result.axes:
@@ -50,7 +48,7 @@ def study(scene: Scene, result: StudyResult, found: Check) -> dict[str, Any]:
     tables.insert(0, Table(caption, ("Input", "Values", "Range"), varied))
     row, ties = _best(found)
     place = np.unravel_index(row, result.shape)
-    figures = judged_lines(PARTS["limits"].entries(motion_of(scene, _only(found, row))))
+    figures = judged_lines(PARTS["limits"].entries(motion_of(scene, check_row(scene, row))))
     best = {"at": _at(result.axes, place), "figures": figures, "ties": ties}
     drawn = _drawn(result, place)
     return {"tables": tables, "best": best, **drawn}
@@ -96,24 +94,6 @@ def _best(found: Check) -> tuple[int, int]:
     excitation = np.sum(others, axis=0) if others else np.zeros(len(rows))
     least = excitation <= np.min(excitation) * (1.0 + ROUNDING) + ROUNDING
     return int(rows[np.argmax(least)]), int(np.count_nonzero(least))
-
-
-def _only(found: Check, row: int) -> Check:
-    """The check of one driveline of the study."""
-
-    def one(values: FloatArray | None) -> FloatArray | None:
-        return None if values is None else np.ravel(values)[row]
-
-    findings = [
-        replace(
-            finding,
-            value=np.ravel(finding.value)[row],
-            at_unit_speed=one(finding.at_unit_speed),
-            worst_at={},
-        )
-        for finding in found.findings
-    ]
-    return replace(found, findings=tuple(findings))
 
 
 def _at(axes: Sequence[Axis], place: Sequence[Any]) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cardan.app.answers.names import key_name
 from cardan.app.answers.rounding import ROUNDING, flat_limits
 from cardan.app.pictures.style import (
     LINES,
@@ -18,7 +19,7 @@ from cardan.app.pictures.style import (
     number,
     value_ticks,
 )
-from cardan.app.scene.language.units import ENDINGS, in_degrees, split
+from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
@@ -98,7 +99,7 @@ def plot_study(
             axes.grid(visible=True)
             axes.set_ylabel(heading)
             value_ticks(axes.yaxis)
-            title = _name(keys[1]) if len(grid) == 2 else ""
+            title = key_name(keys[1]) if len(grid) == 2 else ""
         _label(axes.xaxis, keys[0])
         if axes.get_legend_handles_labels()[1]:
             legend_above(axes, title=title, alignment="right", ncols=4)
@@ -142,33 +143,9 @@ def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
     ]
 
 
-# What an entry of a list is, and the number of the first one.
-_ENTRIES = {
-    "bends_deg": ("bend, joint", 0),
-    "twists_deg": ("twist, shaft", 1),
-    "phases_deg": ("phase, shaft", 1),
-    "slopes_vertical_deg": ("slope in side view, shaft", 0),
-    "slopes_horizontal_deg": ("slope in top view, shaft", 0),
-    "projected_bends_vertical_deg": ("bend in side view, joint", 0),
-    "projected_bends_horizontal_deg": ("bend in top view, joint", 0),
-    "inertias_kgm2": ("inertia, shaft", 0),
-}
-
-
-def _name(key: str) -> str:
-    """A scene's key as a label: ``phases_deg.0`` as ``phase, shaft 1 [deg]``."""
-    name, dot, place = key.partition(".")
-    quantity, ending = split(name)
-    unit = f" [{ENDINGS[ending].symbol}]" if ending else ""
-    if name in _ENTRIES and place.isdecimal():
-        entry, first = _ENTRIES[name]
-        return f"{entry} {first + int(place)}{unit}"
-    return f"{quantity.replace('_', ' ')}{dot}{place}{unit}"
-
-
 def _label(axis: Axis, key: str) -> None:
-    axis.set_label_text(_name(key))
-    if _name(key).endswith("[deg]"):
+    axis.set_label_text(key_name(key))
+    if key_name(key).endswith("[deg]"):
         degree_ticks(axis, *axis.get_view_interval())
     else:
         value_ticks(axis)

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.over import Wherever, varies
+from cardan.app.answers.over import Wherever, largest_torques
 from cardan.app.answers.rows import Judged, figure, item
-from cardan.app.answers.turn.extremes import peak
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.life import load_at
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-
-# Angles at which torques are computed for many drivelines: the largest is known to 1e-6 of itself.
-_HALF_TURN = np.linspace(0.0, np.pi, 721)
 
 
 @dataclass(frozen=True)
@@ -95,25 +89,11 @@ def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:
 
 
 def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | None:
-    """The largest magnitude of the torque of each tube over a turn, ``(tubes, places, steps)``."""
+    """The largest torques of the tubes over a turn, ``(tubes, places, steps)``, if any."""
     if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
         return None
     assert scene.service.tubes
-    shafts, study = [*scene.service.tubes.shafts], scene.study if varies(scene) else None
-    wanted: dict[str, Any] = {"shafts": shafts, "load": load}
-    if np.ndim(load.speed + load.torque) == 1 or scene.line.shape:
-        # Recorded loads count as they are.
-        angle = study.angle if study else scene.without_missing().angle
-        return np.asarray(np.abs(line.evaluate(angle, "torque", **wanted).torque))
-    if study:
-        wanted |= {"load": load.at_any_angle(), "reduce": "peak"}
-        return np.asarray(line[..., np.newaxis].evaluate(_HALF_TURN, "torque", **wanted).torque)
-    found = np.empty((len(shafts), *line.shape))
-    for i, shaft in enumerate(shafts):
-        for place in np.ndindex(*line.shape):
-            own = load_at(load, line.shape, place)
-            found[i, *place] = peak(line[place], "torque", shaft, own).value
-    return found
+    return largest_torques(scene, line, load, scene.service.tubes.shafts)
 
 
 def _turns(load: Load) -> bool:

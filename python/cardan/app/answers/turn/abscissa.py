@@ -31,31 +31,20 @@ _Curves = Sequence[tuple[str, FloatArray]]
 
 @dataclass(frozen=True, eq=False)
 class Abscissa:
-    """What is along the panels.
-
-    Attributes:
-        label: its name with the unit.
-        note: what must be known to read the panels; "" for nothing.
-        draw: draws curves by their labels, ``(samples,)`` each, on axes; the last argument is what
-            values that are all 0 would be measured in.
-    """
+    """What is along the panels, and what must be known to read them."""
 
     label: str
     note: str
-    draw: Callable[[Axes, _Curves, float], None]
+    # Draws ``curves`` by their labels on axes; ``scale`` is what values that are all 0 would be
+    # measured in.
+    draw: Callable[..., None]
 
 
 def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
-    """Return what to draw the curves of a scene over.
+    """Return what to draw the curves of a scene over, by default as of ``plot_scene``.
 
-    Args:
-        scene: the scene.
-        over: what; by default the time where it was recorded, and else the turns of the drive. Up
-            to three turns are drawn over the drive angle, or over the driven angle if the scene
-            gives that, unless the time is asked for.
-
-    Raises:
-        ValueError: times that were not recorded, a drive of which there are no orders.
+    Up to three turns are drawn over the drive angle, or over the driven angle if the scene gives
+    that, unless the time is asked for.
     """
     degrees = scene.drive_angle_deg
     if over == "time" and scene.time is None:
@@ -70,23 +59,15 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
         return Abscissa("time [s]", "", partial(_over_time, time=scene.time))
     if bands is None:
         driven = scene.driven_angle_deg
-        draw = partial(_over_angle, angle_deg=degrees if driven is None else driven)
+        draw = partial(panel.draw, angle_deg=degrees if driven is None else driven)
         return Abscissa(f"{'drive' if driven is None else 'driven'} angle [deg]", "", draw)
     note = f"Bands: from the least to the largest sample of each {bands.each}; lines: the mean."
-    return Abscissa(bands.label, note, partial(_over_bands, bands=bands))
-
-
-def _over_angle(axes: Axes, curves: _Curves, scale: float, *, angle_deg: FloatArray) -> None:
-    panel.draw(axes, angle_deg, curves, scale)
+    return Abscissa(bands.label, note, partial(panel.draw_bands, bands=bands))
 
 
 def _over_time(axes: Axes, curves: _Curves, scale: float, *, time: FloatArray) -> None:
     panel.draw(axes, time, curves, scale)
     value_ticks(axes.xaxis)
-
-
-def _over_bands(axes: Axes, curves: _Curves, scale: float, *, bands: Bands) -> None:
-    panel.draw_bands(axes, bands, curves, scale)
 
 
 def _orders(scene: Scene) -> Abscissa:

@@ -17,19 +17,15 @@ _MOST_BANDS = 400
 
 @dataclass(frozen=True, eq=False)
 class Bands:
-    """Which samples of a recording or a long sweep belong to which part of the run.
+    """Which samples of a recording or a long sweep belong to which part of the run."""
 
-    Attributes:
-        edges: where the parts begin and end, ``(parts + 1,)``: in turns from the first sample, of
-            which many are taken together, or times in s.
-        part: to which of them each sample belongs, ``(samples,)``; -1 for one that is missing.
-        label: what is along the axis.
-        each: what a part is.
-    """
-
+    # Where the parts begin and end, ``(parts + 1,)``: in turns from the first sample, of which many
+    # are taken together, or times in s.
     edges: FloatArray
+    # To which of them each sample belongs, ``(samples,)``; -1 for one that is missing.
     part: NDArray[np.intp]
     label: str
+    # What a part is.
     each: str
 
     @classmethod

@@ -18,16 +18,13 @@ from cardan.evaluation.outputs import OUTPUTS, Output
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest magnitude of a quantity over a turn.
+    """The largest magnitude of a quantity over a turn."""
 
-    Attributes:
-        value: the magnitude in SI units; its relative error is that of ``evaluate``, and below
-            1e-12 in any case where the drive angle as a double resolves the peak.
-        places: drive angles in rad within the period at which it occurs, each again a period
-            later; none where it is the same at every angle.
-    """
-
+    # In SI units; its relative error is that of ``evaluate``, and below 1e-12 in any case where the
+    # drive angle as a double resolves the peak.
     value: float
+    # Drive angles in rad within the period at which it occurs, each again a period later; none
+    # where it is the same at every angle.
     places: tuple[float, ...]
 
 
@@ -39,15 +36,22 @@ def peak(
     With ``is_least`` it is the least one. The output must repeat, which ``angle`` does not, and the
     load must be constant.
     """
-    return _found(line, name, [item], load, (), is_least=is_least)[0]
+    return _found(line, name, [item], load, (), is_least)[0]
 
 
-def peaks(line: Driveline, name: str, items: list[int], load: Load | None = None) -> FloatArray:
-    """Return the largest magnitudes of items of a batch of drivelines, ``(items, *batch)``."""
+def peaks(
+    line: Driveline,
+    name: str,
+    items: list[int],
+    load: Load | None = None,
+    *,
+    is_least: bool = False,
+) -> FloatArray:
+    """Return the values of ``peak`` of items of a batch of drivelines, ``(items, *batch)``."""
     own = () if load is None else np.broadcast_shapes(*load.shapes().values())
     shape = np.broadcast_shapes(line.shape, own)
-    found = _found(line, name, items, load, shape)
-    return np.array([each.value for each in found]).reshape(len(items), *shape)
+    found = np.array([each.value for each in _found(line, name, items, load, shape, is_least)])
+    return np.asarray(np.moveaxis(found.reshape(*shape, len(items)), -1, 0))
 
 
 def _found(
@@ -56,15 +60,16 @@ def _found(
     items: list[int],
     load: Load | None,
     shape: tuple[int, ...],
-    *,
-    is_least: bool = False,
+    is_least: bool,
 ) -> list[Peak]:
+    """The peaks of every driveline, and for each of them those of its items."""
     plan = line.plan(name, **_items(name, items), load=load)
     found = plan._core.peaks(shape, is_least, threads.at_most(None))
     if OUTPUTS[name].per == "bearing":
         # A plan has all bearings.
-        rows = math.prod(shape)
-        found = [found[item * rows + row] for item in items for row in range(rows)]
+        found = [
+            found[row + item] for row in range(0, len(found), line.n_bearings) for item in items
+        ]
     return [Peak(value, tuple(places)) for value, places in found]
 
 

@@ -19,30 +19,18 @@ _LEAST_PER_TURN, _MOST_PER_TURN = 64, 4096
 
 
 class Orders(NamedTuple):
-    """The orders of a signal.
+    """The orders of signals, in steps of one over the turns of a segment."""
 
-    Attributes:
-        orders: multiples of the drive's rotation, ``(orders,)``, in steps of one over the turns of
-            a segment.
-        amplitudes: amplitude of each, ``(signals, orders)``: the root mean square of the segments;
-            of order 0 the mean.
-        turns: turns of a segment.
-        segments: how many there are.
-    """
-
+    # Multiples of the drive's rotation, ``(orders,)``.
     orders: FloatArray
+    # Root mean squares of the segments, ``(signals, orders)``; of order 0 the mean.
     amplitudes: FloatArray
     turns: int
     segments: int
 
 
 def continued(angle: FloatArray, turn: float = math.tau) -> FloatArray:
-    """Return angles that a logger wrote within one turn, each turn added to those before.
-
-    Args:
-        angle: angles, ``(samples,)``, none missing.
-        turn: a turn in their unit.
-    """
+    """Return angles that a logger wrote within one turn, each turn added to those before."""
     within = np.ptp(angle) <= turn if angle.size else False
     if within and np.any(np.abs(np.diff(angle)) > turn / 2.0):
         return np.unwrap(angle, period=turn)
@@ -57,12 +45,7 @@ def orders(angle: FloatArray, signals: FloatArray) -> Orders:
     whole multiple of one over these turns does not leak into others. The linear trend of a segment
     is taken out: a run-up is no order. Orders go up to 12, or to half the samples per turn.
 
-    Args:
-        angle: drive angles in rad, ``(samples,)``; NaN where a sample is missing.
-        signals: ``(signals, samples)``.
-
-    Raises:
-        ValueError: less than a turn, less than two samples per turn, or a drive that turns back.
+    Drive angles are in rad, NaN where a sample is missing; the signals are ``(signals, samples)``.
     """
     known = ~(np.isnan(angle) | np.any(np.isnan(signals), axis=0))
     place, values = continued(angle[known]), signals[:, known]

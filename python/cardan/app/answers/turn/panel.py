@@ -38,12 +38,8 @@ def draw(
 ) -> None:
     """Draw curves by their labels, after those already drawn.
 
-    Args:
-        axes: where.
-        angle_deg: drive angles, ``(samples,)``; recorded ones need not rise, and NaN
-            leaves a gap.
-        curves: label and values of each, ``(samples,)``.
-        scale: what values that are all 0 would be measured in.
+    Recorded angles need not rise, and NaN leaves a gap. ``scale`` is what values that are all 0
+    would be measured in.
     """
     for place, (label, curve) in enumerate(curves, len(axes.get_lines())):
         axes.plot(angle_deg, curve, label=label, **line_style(place))
@@ -58,11 +54,7 @@ def draw_stems(
 ) -> None:
     """Draw amplitudes by order as stems, those of one order side by side; none where they are 0.
 
-    Args:
-        axes: where.
-        orders: multiples of the drive's rotation, ``(orders,)``.
-        curves: label and amplitudes of each, ``(orders,)``.
-        width: of the stems of one order together, in orders.
+    The stems of one order together have a width in orders.
     """
     apart = width / len(curves)
     for place, (label, sizes) in enumerate(curves):
@@ -77,14 +69,7 @@ def draw_stems(
 def draw_bands(
     axes: Axes, bands: Bands, curves: Iterable[tuple[str, FloatArray]], scale: float = 1.0
 ) -> None:
-    """Draw curves of many turns: bands of the extremes of each part, a line of its mean.
-
-    Args:
-        axes: where.
-        bands: the parts of the run.
-        curves: label and values of each, ``(samples,)``.
-        scale: what values that are all 0 would be measured in.
-    """
+    """Draw curves of many turns: bands of the extremes of each part, a line of its mean."""
     from matplotlib.colors import to_rgb
     from matplotlib.patches import StepPatch
 
@@ -121,11 +106,7 @@ def _frame(axes: Axes, first: float, last: float, drawn: FloatArray, scale: floa
 def names(
     line: Driveline, labels: Sequence[str] | None, components: Sequence[str] | None = None
 ) -> list[str]:
-    """Return what to call the curves of a driveline or a batch.
-
-    Raises:
-        ValueError: labels that are not one per curve.
-    """
+    """Return what to call the curves of a driveline or a batch, which must be as many."""
     if components is not None:
         known = list(components)
     elif not line.shape:

@@ -28,40 +28,29 @@ _KINDS = {"N m": "moments", "N": "forces"}
 
 @dataclass(frozen=True, eq=False)
 class DrawnQuantity:
-    """A panel.
-
-    Attributes:
-        heading: what it shows, with the unit.
-        per: ``"shaft"``, ``"joint"`` or ``"bearing"``.
-        items: of which of them, as many as are drawn.
-        curves: their values, ``(samples,)`` each.
-        scale: panels of the same name share their scale.
-        unit_size: what values that are all 0 would be measured in.
-        left_out: how many shafts, joints or bearings there is no room for.
-        vector: what it is a component of: ``"moments"`` or ``"forces"``; ``""`` of a scalar.
-    """
+    """A panel: a curve, ``(samples,)``, for each shaft, joint or bearing that there is room for."""
 
     heading: str
     per: str
     items: tuple[int, ...]
     curves: tuple[FloatArray, ...]
+    # Panels of the same name share their scale.
     scale: str
+    # What values that are all 0 would be measured in.
     unit_size: float = 1.0
     left_out: int = 0
+    # What it is a component of, "moments" or "forces"; "" of a scalar.
     vector: str = ""
 
     def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
         """Draw the panel with its heading and, of several curves, its legend.
 
-        Args:
-            axes: where.
-            over: what is along it.
-            aside: how far to the left of the axes heading and legend begin, in points.
+        These begin so many points to the left of the axes.
         """
         names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
         labels = names if len(self.items) > 1 else [""]
         curves = list(zip(labels, self.curves, strict=True))
-        over.draw(axes, curves, self.unit_size)
+        over.draw(axes, curves=curves, scale=self.unit_size)
         # Over the ticks too, where long headings and six names need the width.
         left = -aside / axes.bbox.width * axes.figure.dpi / 72.0
         many = len(self.items) > 1
