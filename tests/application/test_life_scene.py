@@ -101,7 +101,7 @@ def test_a_load_is_a_duty_cycle_of_one_step() -> None:
     assert value(found.efficiency) == pytest.approx(heat.efficiency, rel=1e-12)
     assert found.first is found.joints[1]
     assert found.hours == value(found.joints[1].hours)
-    assert headline(found) == f"L10h {own.hours[1]:.0f} h; joint 1 fails first."
+    assert headline(found) == f"L10 life {own.hours[1]:.0f} h; joint 1 fails first."
 
 
 def test_a_duty_cycle_adds_damage_and_heat() -> None:
@@ -198,7 +198,7 @@ def test_the_smallest_size_that_reaches_the_target_is_chosen(tmp_path: Path) -> 
     assert plain.chosen == "middle"
     only = figures(f"{TWO}{LOAD}[joints]\nsizes = 'sizes.csv'\n[life]\ntarget_h = 1\n", tmp_path)
     assert only.joints == ()
-    assert headline(only) == f"Size small would give {hours['small']:.0f} h."
+    assert headline(only) == f"Size small would give {hours['small']:.4g} h."
 
 
 def test_limits_of_a_type_are_judged() -> None:
@@ -415,7 +415,7 @@ def test_life_is_judged_in_every_driveline_of_a_study() -> None:
     assert found.joints[1].hours.at == {"speed_rpm": 1000.0}
     assert verdict(found.joints[1].hours) == "within"
     assert headline(found) == (
-        f"L10h {own.hours[1]:.0f} h at speed_rpm = 1000, at least the required {target} h; "
+        f"L10 life {own.hours[1]:.0f} h at speed_rpm = 1000, at least the required {target} h; "
         "joint 1 fails first."
     )
     heat = line.losses(load, friction=0.01, pin_radius=0.008, arm=0.032).power
@@ -566,20 +566,20 @@ def test_a_type_is_judged_without_speed_and_torque() -> None:
     ],
 )
 def test_a_target_that_cannot_be_judged_says_why(joints: str, why: str) -> None:
-    answer = Answer(Scene.parse(f"{TWO}{LOAD}{joints}[life]\ntarget_h = 1e9\n"))
+    answer = Answer(Scene.parse(f"{TWO}{LOAD}{joints}[life]\ntarget_h = 2e6\n"))
     (target,) = {each.value.why for each in answer.judged if each.entry.row.limit[1:5] == "life"}
     assert target == why
-    assert headline(answer["life"]) == f"The required life of 1000000000 h is not judged: {why}."
+    assert headline(answer["life"]) == f"The required life of 2000000 h is not judged: {why}."
 
 
 def test_a_target_that_no_size_reaches_is_beyond(tmp_path: Path) -> None:
     (tmp_path / "sizes.csv").write_text(TABLE)
-    text = f"{TWO}{LOAD}[joints]\nsizes = 'sizes.csv'\n[life]\ntarget_h = 1e9\n"
+    text = f"{TWO}{LOAD}[joints]\nsizes = 'sizes.csv'\n[life]\ntarget_h = 2e6\n"
     answer = Answer(Scene.parse(text, folder=tmp_path))
     assert [each.name for each in answer.of_verdict("beyond")][-1] == "life with the best size"
     best = answer["life"].of_sizes
     assert best.value == next(one.hours for one in answer["life"].sizes if one.size == "large")
-    assert "No size of the table reaches 1000000000 h" in headline(answer["life"])
+    assert "No size of the table reaches 2000000 h" in headline(answer["life"])
     assert CliRunner().invoke(commands(), ["check", write(tmp_path, text)]).exit_code == 1
 
 

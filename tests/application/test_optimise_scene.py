@@ -15,7 +15,8 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from cardan.app.answers.optimise.figures import optimised
-from cardan.app.answers.optimise.text import change_lines, table_of
+from cardan.app.answers.optimise.text import by_state, change_lines
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
 from cardan.app.plots import plot_optimise, plot_optimised_states, plot_over_variable
@@ -25,6 +26,7 @@ from cardan.app.scene.language.edit import map_of, with_values
 from cardan.optimisation import parameters_of
 from cardan.optimisation.problem import Problem
 from example_scenes import EXAMPLES, Answers, example
+from pages import first_number
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
@@ -81,7 +83,7 @@ def test_one_sentence_for_each_variable() -> None:
     text = EXAMPLE.replace("[-40, 40]", "[-12.5, 40]").replace("keep", "# keep")
     found = optimised(Scene.parse(text))
     assert found
-    lines = change_lines(found)
+    lines = [*change_lines(found)]
     assert lines[0] == "move joint 1 by 12.5 mm along -y (points_mm.2.y: -46 → -58.5 mm)"
     assert re.match(r"turn the output-side yoke of shaft 1 by 1 tooth counter-clockwise", lines[1])
     assert len(lines) == 3
@@ -107,7 +109,7 @@ def test_words_of_other_keys(vary: str, words: str) -> None:
         text = "[driveline]\nslopes_vertical_deg = [0, 6, 10]\n"
     found = optimised(Scene.parse(f"{text}[optimise]\nvary = {{{vary}}}\n"))
     assert found
-    assert re.match(words, change_lines(found)[0]), change_lines(found)
+    assert re.match(words, next(change_lines(found))), [*change_lines(found)]
 
 
 QUANTITIES = (
@@ -416,9 +418,10 @@ def test_rounding_counts_as_nothing_in_the_table() -> None:
     found = optimised(Scene.load(example("pto-shaft.toml")))
     assert found is not None
     assert 0.0 < max(found.best.per_state_before[0], found.best.per_state[0]) < 1e-8
-    _, ((_, *straight), *turns) = table_of(found)
-    assert straight == ["0", "0"]
-    assert all(float(value) > 0.01 for _, *row in turns for value in row)
+    ((_, states),) = by_state(found)
+    shown = [[quantity(end, "deg") for end in (each.before, each.after)] for each in states]
+    assert shown[0] == ["0°", "0°"]
+    assert all(first_number(value) > 0.01 for row in shown[1:] for value in row)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
@@ -510,8 +513,8 @@ def test_pictures_and_page_show_where_a_limit_is_not_kept(tmp_path: Path) -> Non
     assert meeting.size
     assert all(not kept[i - 1] or not kept[i + 1] for i in meeting if 0 < i < len(x) - 1)
     assert "beyond a limit" in [text.get_text() for text in axes.get_legend().get_texts()]  # type: ignore[union-attr]
-    headings, _ = table_of(found)
-    assert headings[3] == "inertia excitation [rad/s²], at most 250, before"
+    captions = [caption for caption, _ in by_state(found)]
+    assert captions[1] == "Inertia excitation, at most 250 rad/s²"
     write_report(scene, tmp_path / "a.html")
     page = (tmp_path / "a.html").read_text("utf-8")
     section = page[page.index('id="optimise"') :]

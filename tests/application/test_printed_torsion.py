@@ -2,80 +2,80 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cardan.app.answers.torsion.figures import (
-    Missing,
-    TorsionFigures,
-    Unstable,
-    needed_torsion,
-    torsion_basics,
-    torsion_data,
-)
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.data import data_of
+from cardan.app.answers.table import PARTS
+from cardan.app.answers.torsion.figures import Missing, TorsionFigures, Unstable, torsion_figures
 from cardan.app.answers.torsion.text import brief as torsion_check_text
-from cardan.app.answers.torsion.text import stability_lines, torsion_text
 from cardan.app.scene import Scene
-from pages import EXAMPLES, blocks, first_number
+from pages import EXAMPLES, first_number
+
+torsion_text = PARTS["torsion"].text
 
 
 def needed(name: str) -> TorsionFigures:
-    return needed_torsion(Scene.load(EXAMPLES / f"{name}.toml"))
+    found = torsion_figures(Scene.load(EXAMPLES / f"{name}.toml"))
+    assert found
+    return found
+
+
+def table(found: TorsionFigures, heading: str) -> list[list[str]]:
+    """Return the cells below a heading of the printed answer."""
+    lines = torsion_text(found).partition(f"\n  {heading}\n")[2].splitlines()
+    shown = itertools.takewhile(lambda line: line.startswith("    "), lines)
+    return [re.split(r"\s{2,}", line.strip()) for line in shown]
 
 
 def test_natural_frequencies_and_critical_speeds() -> None:
     found = needed("truck_torsion")
-    shown = blocks(torsion_text(found))
     system = found.torsion.system
-    frequencies = []
-    for (hertz, words), mode in zip(shown["Natural frequencies"].items(), found.modes, strict=True):
-        frequencies.append(first_number(hertz))
-        assert hertz.endswith(" Hz")
-        assert frequencies[-1] == pytest.approx(mode.frequency / (2.0 * np.pi), rel=1e-3)
-        shares = re.findall(r"shaft (\d) \((\d+) %\)", words)
-        by_shaft = {each.shaft: each.share for each in mode.shares}
-        assert [int(shaft) for shaft, _ in shares] == sorted(
-            by_shaft, key=lambda shaft: -by_shaft[shaft]
-        )
-        for shaft, percent in shares:
-            assert float(percent) == pytest.approx(100.0 * by_shaft[int(shaft)], abs=0.5)
-        ratio = float(words.rpartition("damping ratio ")[2])
-        assert ratio == pytest.approx(mode.damping_ratio, rel=1e-3)
-    criticals = shown["Critical speeds"]
+    modes, hertz, ratios, twisted, *shares = table(found, "Natural frequencies")
+    assert modes == ["mode 0", "mode 1"]
+    frequencies = [first_number(cell) for cell in hertz[1:]]
+    for place, mode in enumerate(found.modes):
+        assert hertz[place + 1].endswith(" Hz")
+        assert frequencies[place] == pytest.approx(mode.frequency / (2.0 * np.pi), rel=1e-3)
+        assert float(ratios[place + 1]) == pytest.approx(mode.damping_ratio, rel=1e-3)
+        assert int(twisted[place + 1]) == max(mode.shares, key=lambda each: each.share).shaft
+        for (label, *cells), each in zip(shares, mode.shares, strict=True):
+            assert label == f"share in the energy of twist of shaft {each.shaft}"
+            assert first_number(cells[place]) == pytest.approx(100.0 * each.share, abs=0.05)
     orders = []
-    for speed, words in criticals.items():
-        found_words = re.fullmatch(
-            r"order (\d) meets ([\d.]+) Hz: ([\d.]+) N m of this order in shaft (\d)"
-            r"(, outside the speed range)?",
-            words,
-        )
-        assert found_words, words
-        order, hertz, amplitude, shaft, outside = found_words.groups()
-        orders.append((int(order), float(hertz)))
+    heads, *criticals = table(found, "Critical speeds")
+    assert heads == [
+        *("mode", "order", "drive speed", "shaft twisted most", "in the range", "amplitude")
+    ]
+    for number, order, speed, shaft, inside, amplitude in criticals:
+        orders.append((int(order), int(number)))
         rpm = first_number(speed)
-        assert rpm == pytest.approx(60.0 * float(hertz) / int(order), rel=2e-3)
-        assert bool(outside) == (not 500.0 <= rpm <= 3000.0)
-        steady = system.steady(60.0 * float(hertz) / int(order) * np.pi / 30.0, int(order))
+        assert rpm == pytest.approx(60.0 * frequencies[int(number)] / int(order), rel=2e-3)
+        assert (inside == "yes") == (500.0 <= rpm <= 3000.0)
+        steady = system.steady(
+            60.0 * frequencies[int(number)] / int(order) * np.pi / 30.0, [int(order)]
+        )
         sizes = np.abs(steady.torque_orders[:, 0])
         place = list(system.compliant).index(int(shaft))
-        assert float(amplitude) == pytest.approx(sizes[place], rel=0.02)
-    assert orders == [(order, hertz) for order in (2, 4) for hertz in frequencies]
+        assert first_number(amplitude) == pytest.approx(sizes[place], rel=0.02)
+    assert orders == [(order, number) for order in (2, 4) for number in (0, 1)]
 
 
 def test_largest_torques() -> None:
     found = needed("truck_torsion")
-    shown = blocks(torsion_text(found))["Largest torque, 500 to 3000 rpm"]
+    shafts, speeds, *ends = table(found, "Largest torques")
+    assert [label for label, *_ in ends] == ["least torque", "largest torque", "mean torque"]
     system = found.torsion.system
     speed = np.linspace(500.0, 3000.0, 2501)
     steady = system.steady(speed * np.pi / 30.0)
-    for place, (shaft, words) in enumerate(shown.items()):
+    for place, shaft in enumerate(shafts):
         assert shaft == f"shaft {system.compliant[place]}"
-        numbers = re.fullmatch(r"(\S+) to (\S+) N m at (\S+) rpm, mean (\S+) N m", words)
-        assert numbers, words
-        least, most, rpm, mean = map(float, numbers.groups())
+        rpm, least, most, mean = (first_number(row[place + 1]) for row in (speeds, *ends))
         at = int(np.argmax(np.fmax(steady.torque_max, -steady.torque_min)[place]))
         assert rpm == pytest.approx(speed[at], abs=1.0)
         assert least == pytest.approx(steady.torque_min[place, at], rel=2e-3)
@@ -88,9 +88,9 @@ def test_largest_torques() -> None:
     assert float(said) == pytest.approx(ratio, rel=1e-3)
     # The worst critical speed of the table, with the amplitude that stands there.
     amplitudes = {
-        float(words.split(": ")[1].split()[0]): speed
-        for speed, words in blocks(torsion_text(found))["Critical speeds"].items()
-        if "outside" not in words
+        first_number(amplitude): speed
+        for _, _, speed, _, inside, amplitude in table(found, "Critical speeds")[1:]
+        if inside == "yes"
     }
     worst = max(amplitudes)
     assert f"The range contains {len(amplitudes)} critical speeds; the worst is" in sentences
@@ -99,30 +99,15 @@ def test_largest_torques() -> None:
 
 
 def test_unstable_speeds() -> None:
+    """Their ends and those of the range are those of the scene, in print and in data."""
     found = needed("rig_torsion")
     assert found.unstable
-    shown = blocks(torsion_text(found))["Stability"]
-    assert len(shown) == len(found.unstable)
-    for (speeds, words), region in zip(shown.items(), found.unstable, strict=True):
-        ends = [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
-        rpm = [speed * 30.0 / np.pi for speed in (region.start, region.stop)]
-        assert ends == pytest.approx(rpm, rel=1e-3)
-        percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
-        assert percent, words
-        assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
-
-
-def test_ranges_of_the_answer_are_those_of_the_scene() -> None:
-    """Speeds that the scene gives in rpm come back as such."""
-    found = needed("rig_torsion")
-    data = torsion_data("", found)
+    shown, data = table(found, "Unstable motion")[1:], data_of(found)
     assert data["speed_range"] == pytest.approx({"start_rpm": 500.0, "stop_rpm": 4000.0})
-    printed_ends = [
-        [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
-        for speeds in blocks(torsion_text(found))["Stability"]
-    ]
-    ends = [[part["start_rpm"], part["stop_rpm"]] for part in data["unstable"]]
-    assert ends == [pytest.approx(pair, rel=1e-3) for pair in printed_ends]
+    for row, region, part in zip(shown, found.unstable, data["unstable"], strict=True):
+        rpm = [speed * 30.0 / np.pi for speed in (region.start, region.stop)]
+        assert [part["start_rpm"], part["stop_rpm"]] == pytest.approx(rpm)
+        assert [*map(first_number, row)] == pytest.approx([*rpm, region.multiplier], rel=1e-3)
 
 
 def test_the_worst_critical_speed_is_one_whose_motion_is_known() -> None:
@@ -130,9 +115,7 @@ def test_the_worst_critical_speed_is_one_whose_motion_is_known() -> None:
     inside = [one for one in found.critical_speeds if one.inside and one.order % 2 == 0]
     assert len(inside) == 3
     worst = max(inside, key=lambda one: one.amplitude or 0.0)
-    known = [
-        replace(one, amplitude=np.nan) if one is worst else one for one in found.critical_speeds
-    ]
+    known = [replace(one, amplitude=None) if one is worst else one for one in found.critical_speeds]
     second = max((one for one in inside if one is not worst), key=lambda one: one.amplitude or 0.0)
     for criticals, named in ((found.critical_speeds, worst), (tuple(known), second)):
         said = " ".join(torsion_text(replace(found, critical_speeds=criticals)).split())
@@ -148,9 +131,11 @@ def test_ranges_of_speed_have_their_two_ends() -> None:
     found, rpm = needed("rig_torsion"), np.pi / 30.0
     region = Unstable(2000.0 * rpm, 2100.0 * rpm, 1.5)
     missing = Missing(600.0 * rpm, 700.0 * rpm, "it does not settle")
-    shown = stability_lines(replace(found, unstable=(region,), missing=(missing,)))
-    assert [speeds for speeds, _ in shown] == ["2000 to 2100 rpm", "600 to 700 rpm"]
-    said = torsion_text(replace(found, unstable=(region,), missing=(missing,)))
+    both = replace(found, unstable=(region,), missing=(missing,))
+    assert table(both, "Unstable motion")[1] == ["2000 rpm", "2100 rpm", "1.500"]
+    words = ["600.0 rpm", "700.0 rpm", "it does not settle"]
+    assert table(both, "Speeds without a periodic motion")[1] == words
+    said = torsion_text(both)
     assert "Between 2000 and 2100 rpm the motion" in said
     assert "Between 600 and 700 rpm the torques" in said
 
@@ -173,7 +158,7 @@ def test_a_check_names_the_critical_speeds_in_the_range(first: int, words: str) 
     """Of even order, each at the natural frequency over the order."""
     text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
     ends = f"from = {first}, to = 1800"
-    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    basics = Answer(Scene.parse(text.replace("from = 500, to = 4000", ends)))["torsion"]
     assert basics
     (mode,) = basics.modes
     speeds = {order: mode.frequency / order * 30.0 / np.pi for order in (2, 4, 6, 8, 10)}
@@ -196,12 +181,12 @@ def test_unstable_motion_outside_the_speeds_of_the_scene_is_named_as_such(
 ) -> None:
     """Of order 2, between the natural frequency times 1 - bend²/4 and times 1 + bend²/4."""
     text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
-    basics = torsion_basics(Scene.parse(text))
+    basics = Answer(Scene.parse(text))["torsion"]
     assert basics
     (mode,), half = basics.modes, np.radians(25.0) ** 2 / 4.0
     edge = mode.frequency * 30.0 / np.pi * (1.0 - half if first == 0.5 else 1.0 + half)
     ends = f"from = {first * edge}, to = {last * edge}"
-    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    basics = Answer(Scene.parse(text.replace("from = 500, to = 4000", ends)))["torsion"]
     assert basics
     said = " ".join(torsion_check_text(basics).split())
     assert "permits unstable motion near 3030 rpm" in said
@@ -220,15 +205,9 @@ def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
     speed_rpm = {{from = 3000, to = 4500, steps = 40}}
     damping_ratio = {ratio}
     """
-    said = " ".join(torsion_text(needed_torsion(Scene.parse(text))).split())
+    said = " ".join(torsion_text(torsion_figures(Scene.parse(text))).split())
     found = re.search(r"bend behind shaft 0 of at most (\S+)° instead of 20°", said)
     assert found
     bend = float(found[1])
     assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
     assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
-
-
-def test_one_compliant_shaft_needs_no_shares() -> None:
-    shown = blocks(torsion_text(needed("rig_torsion")))["Natural frequencies"]
-    (words,) = shown.values()
-    assert re.fullmatch(r"shaft \d, damping ratio [\d.]+", words)

@@ -371,7 +371,7 @@ def test_scatter_of_tolerances(answered: Answers) -> None:
     assert widths == pytest.approx([170.0 * one / max(shares) for one in shares], abs=0.02)
     words = [text.text or "" for text in bars.iter("text")]
     assert words[::2] == ["Phase of shaft 1", "Bend of joint 0", "Bend of joint 1"]
-    assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
+    assert [float(text.removesuffix("%")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
 

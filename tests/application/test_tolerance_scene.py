@@ -15,19 +15,20 @@ from click.testing import CliRunner, Result
 
 import cardan
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.data import data_of
+from cardan.app.answers.json_schema import answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigures,
     permitted_tolerances,
     tolerance_figures,
-    tolerances_data,
 )
 from cardan.app.answers.tolerances.text import (
     percent,
     permitted_texts,
     sentences,
-    tolerances_text,
 )
 from cardan.app.command import commands
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
@@ -47,6 +48,10 @@ POINTS_M = """\
 points_m = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03]]
 """
 TWO = "[driveline]\nbends_deg = [10, 10]\n"
+
+
+def tolerances_data(of: Scene) -> dict[str, Any]:
+    return answer("tolerances", of.title, **data_of(Answer(of).needed("tolerances")))
 
 
 def scene(text: str) -> Scene:
@@ -192,7 +197,7 @@ def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
     assert result.exit_code == 1
     flat = " ".join(result.output.split())
     sentence = (
-        "As drawn, the driveline is within the 3° limit. With these tolerances, 50.3 % of all "
+        "As drawn, the driveline is within the 3° limit. With these tolerances, 50.3% of all "
         "drivelines are within it; the worst has 4.238°, mostly from the phase of shaft 1."
     )
     assert sentence in flat
@@ -211,9 +216,9 @@ def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
 def test_sentences() -> None:
     texts = {
         "[tolerances]\nphases_deg = 1\n": "As drawn, the driveline is within the 3° limit. With "
-        "these tolerances, 100.0 % of all",
+        "these tolerances, 100.0% of all",
         "phases_deg = [20]\n[tolerances]\nphases_deg = 1\n": "As drawn, the driveline is beyond "
-        "the 3° limit. With these tolerances, 0.0 % of all drivelines are within it; the worst has",
+        "the 3° limit. With these tolerances, 0.0% of all drivelines are within it; the worst has",
     }
     for text, said in texts.items():
         assert next(sentences(figures(TWO + text))).startswith(said)
@@ -234,11 +239,11 @@ def test_sentences() -> None:
     (text,) = permitted_texts(found, permitted_tolerances(small))
     assert text == "With any error of the phases every driveline is within 3°."
     assert [percent(x) for x in (1.0, 0.99999, 0.5, 1e-5, 0.0)] == [
-        "100.0 %",
-        "more than 99.9 %",
-        "50.0 %",
-        "less than 0.1 %",
-        "0.0 %",
+        "100.0%",
+        "more than 99.9%",
+        "50.0%",
+        "less than 0.1%",
+        "0.0%",
     ]
 
 
@@ -251,7 +256,7 @@ def test_the_printed_tolerance_is_within_the_limit() -> None:
 
 def test_text_of_teeth_and_points() -> None:
     text = f"{POINTS}[tolerances]\npoints_mm = [0, 1, 2, 0]\nteeth = 40\nsamples = 1000\n"
-    printed = tolerances_text(figures(text), ())
+    printed = PARTS["tolerances"].text(figures(text))
     assert re.search(r"least tolerance, ± +1\.000 mm +4\.500°\n", printed)
     assert re.search(r"largest tolerance, ± +2\.000 mm +4\.500°\n", printed)
     assert "random drivelines  1000" in printed
@@ -325,7 +330,7 @@ def test_a_small_share_is_not_none() -> None:
     axes = plot_tolerance_shares(found)
     assert found.shares["bends"][1] < 5e-4
     texts = [text.get_text() for text in axes.texts]
-    assert texts[2:] == ["< 0.1 %", "0.0 %", "0.0 %"]
+    assert texts[2:] == ["less than 0.1%", "0.0%", "0.0%"]
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -13,15 +14,17 @@ from click.testing import CliRunner
 
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.data import data_of
+from cardan.app.answers.json_schema import answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigure,
     tolerance_figures,
-    tolerances_data,
 )
-from cardan.app.answers.tolerances.text import sentences, tolerances_text
+from cardan.app.answers.tolerances.text import sentences
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -44,6 +47,10 @@ phases_deg = 3
 samples = 20_000
 """
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+
+
+def tolerances_data(of: Scene) -> dict[str, Any]:
+    return answer("tolerances", of.title, **data_of(Answer(of).needed("tolerances")))
 
 
 def line() -> Driveline:
@@ -126,7 +133,7 @@ def test_the_sentence_names_the_state() -> None:
     assert passing is not None
     assert passing.value is not None
     assert worst is not None
-    share = f"{100.0 * passing.value:.1f} %"
+    share = f"{100.0 * passing.value:.1f}%"
     assert sentence.startswith(
         f"As drawn, the driveline is within the 2° limit in every state. With these tolerances, "
         f"{share} of all drivelines are within it in every state; the worst has about "
@@ -136,7 +143,7 @@ def test_the_sentence_names_the_state() -> None:
     assert tight is not None
     assert re.match(
         r"As drawn, the driveline is beyond the 1\.4° limit in high\. With these tolerances, "
-        r"\d+\.\d % of all drivelines are within it in every state; the worst has about "
+        r"\d+\.\d% of all drivelines are within it in every state; the worst has about "
         r"\d\.\d+° in low, ",
         next(sentences(tight)),
     )
@@ -154,7 +161,7 @@ def test_the_sentence_names_the_state() -> None:
 def test_the_text_has_a_row_for_each_state() -> None:
     found = tolerance_figures(Scene.parse(TEXT))
     assert found is not None
-    text = tolerances_text(found, ())
+    text = PARTS["tolerances"].text(found)
     assert "Equivalent bend in each state\n" in text
     heads, *rows = text.partition("  state ")[2].partition("\n\n")[0].splitlines()
     assert heads.split("  ")[-1] == "within the limit"

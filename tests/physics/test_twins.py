@@ -100,7 +100,7 @@ TWINS = {
         "natural_frequencies critical_speeds": "torsion.natural_frequencies",
         "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
-        "modes bend_rules unstable_ranges stability_map side_by_side": SEARCH,
+        "modes bend_rules unstable_ranges stability_map side_by_side speed_response": SEARCH,
         "changed dampings inertias line load_damping load_torque shape stiffnesses": SHAPE,
     },
     "Machine": {

@@ -1,6 +1,14 @@
 """Torsional vibration of drivelines with compliant shafts."""
 
-from cardan.torsion.analyses import BendRule, Mode, SideBySide, StabilityMap, UnstableRange
+from cardan.torsion.analyses import (
+    BendRule,
+    LargestTorque,
+    Mode,
+    SideBySide,
+    SpeedResponse,
+    StabilityMap,
+    UnstableRange,
+)
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.system import TorsionalSystem
 from cardan.torsion.transient import TorsionalMotion, Transient
@@ -9,9 +17,11 @@ from cardan.torsion.tube import Tube, tube
 __all__ = [
     "BendRule",
     "Coexisting",
+    "LargestTorque",
     "Mode",
     "Orbit",
     "SideBySide",
+    "SpeedResponse",
     "Stability",
     "StabilityMap",
     "SteadyState",

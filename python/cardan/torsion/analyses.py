@@ -14,6 +14,7 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
+from cardan.torsion.results import SteadyState
 
 if TYPE_CHECKING:
     from cardan.torsion.system import TorsionalSystem
@@ -31,6 +32,13 @@ _PARTS = (1, 2)
 _CLOSE, _TOLERANCE = 2e-3, 1e-6
 
 _MOST = 8  # motions whose torques are compared
+
+# Speeds on each side of a critical speed that are added to a response, and how far they reach in
+# shares of it.
+_AROUND, _REACH = 20, 0.1
+
+# Rounds in which the largest torque is located, each with so many speeds.
+_ROUNDS, _EACH = 5, 9
 
 
 @dataclass(frozen=True)
@@ -360,3 +368,148 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
             )
         )
     return tuple(motions)
+
+
+@dataclass(frozen=True)
+class LargestTorque:
+    """The largest torque of one compliant shaft over a range of drive speeds.
+
+    Attributes:
+        shaft: the shaft.
+        speed: drive speed in rad/s at which its torque is largest.
+        least: least torque in N m over the turn at that speed; ``-inf`` in a resonance that nothing
+            damps, where there is no periodic motion.
+        most: largest torque, likewise.
+        mean: mean torque, NaN there.
+        reversals: lowest and highest speed of each range in which the torque changes its sign
+            though its mean is not 0.
+    """
+
+    shaft: int
+    speed: float
+    least: float
+    most: float
+    mean: float
+    reversals: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedResponse:
+    """The periodic motion of one system over a range of drive speeds.
+
+    Attributes:
+        speed: those asked for in rad/s and more near resonances, rising, ``(speeds,)``.
+        steady: the motion at them.
+        largest: the largest torque of each compliant shaft.
+    """
+
+    speed: FloatArray
+    steady: SteadyState
+    largest: tuple[LargestTorque, ...]
+
+
+def speed_response(
+    self: TorsionalSystem, speed: ArrayLike, orders: ArrayLike = (2, 4)
+) -> SpeedResponse:
+    """Return the periodic motion of one system over a range of speeds, and its largest torques.
+
+    Resonances may be narrower than the steps between the speeds: more speeds are added around the
+    critical speeds of even orders, and the largest torque is searched between the speeds.
+
+    Args:
+        speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
+        orders: of the drive's rotation, as of ``steady``.
+
+    Raises:
+        TypeError: speeds that are not real numbers, orders that are not integers.
+        ValueError: a batch of systems, speeds that do not rise, an order out of range.
+
+    >>> import cardan
+    >>> system = cardan.TorsionalSystem(
+    ...     cardan.Driveline.from_bends([20], degrees=True),
+    ...     inertias=[[0, 0], [0, 0.05]],
+    ...     stiffnesses=[8000, float("inf")],
+    ...     damping_ratios=0.02,
+    ... )
+    >>> (largest,) = system.speed_response([150, 250]).largest
+    >>> round(largest.speed), round(largest.most)
+    (200, 6208)
+    """
+    check_single(self)
+    critical = self.critical_speeds(np.atleast_1d(orders))
+    even = critical[:, np.atleast_1d(orders) % 2 == 0]
+    speeds = _with_resonances(self, _rising(speed), even)
+    steady = self.steady(speeds, orders)
+    return SpeedResponse(speeds, steady, tuple(_largest(self, speeds, steady, critical)))
+
+
+def _with_resonances(
+    system: TorsionalSystem, speed: FloatArray, critical: FloatArray
+) -> FloatArray:
+    around = [speed]
+    for mode, centres in zip(system.modes(), critical, strict=True):
+        # The half-width of a resonance is its damping ratio.
+        least = min(max(0.25 * mode.damping_ratio, 1e-4), 0.5 * _REACH)
+        away = np.geomspace(least, _REACH, _AROUND)
+        around += [centre * (1.0 + np.concatenate([-away, [0.0], away])) for centre in centres]
+    speeds = np.unique(np.concatenate(around))
+    return np.asarray(speeds[(speeds >= speed[0]) & (speeds <= speed[-1])], dtype=np.float64)
+
+
+def _largest(
+    system: TorsionalSystem, speed: FloatArray, steady: SteadyState, critical: FloatArray
+) -> Iterator[LargestTorque]:
+    unlimited = np.zeros(0)
+    if not (system.load_damping > 0.0 or np.any(system.dampings > 0.0)):
+        by_order = critical.T.ravel()
+        inside = by_order[(by_order >= speed[0]) & (by_order <= speed[-1])]
+        unlimited = inside[~system.steady(inside).found]
+    for place, shaft in enumerate(system.compliant):
+        reversals = tuple(_reversals(speed, steady, place))
+        if unlimited.size:
+            yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
+        elif np.any(steady.found):
+            at, found, best = _located(system, place, speed, steady)
+            ends = (found.torque_min, found.torque_max, found.torque_mean)
+            least, most, mean = (float(end[place, best]) for end in ends)
+            yield LargestTorque(shaft, float(at[best]), least, most, mean, reversals)
+
+
+def _located(
+    system: TorsionalSystem, place: int, speed: FloatArray, steady: SteadyState
+) -> tuple[FloatArray, SteadyState, int]:
+    """Speeds ever closer to the largest torque, the motion at them and the place of the largest."""
+    at, found = speed, steady
+    best = int(np.nanargmax(_sizes(found, place)))
+    for _ in range(_ROUNDS):
+        low, high = at[max(best - 1, 0)], at[min(best + 1, len(at) - 1)]
+        at = np.union1d(np.linspace(low, high, _EACH), [at[best]])
+        found = system.steady(at, steady.orders)
+        best = int(np.nanargmax(_sizes(found, place)))
+    return at, found, best
+
+
+def _sizes(found: SteadyState, place: int) -> FloatArray:
+    return np.asarray(np.maximum(np.abs(found.torque_min), np.abs(found.torque_max))[place])
+
+
+def _reversals(speed: FloatArray, steady: SteadyState, place: int) -> Iterator[tuple[float, float]]:
+    """Where the torque changes its sign though it has a mean, the ends interpolated."""
+    if not np.any(steady.found):
+        return
+    mean = steady.torque_mean[place]
+    noise = 1e-9 * np.nanmax(_sizes(steady, place))
+    low = np.where(mean >= 0.0, steady.torque_min[place], -steady.torque_max[place])
+    for first, last in ranges(steady.found & (low < 0.0) & (np.abs(mean) > noise)):
+        start, stop = float(speed[first]), float(speed[last])
+        if first > 0 and low[first - 1] >= 0.0:
+            start = _crossing(speed, low, first - 1)
+        if last + 1 < len(speed) and low[last + 1] >= 0.0:
+            stop = _crossing(speed, low, last)
+        yield start, stop
+
+
+def _crossing(speed: FloatArray, value: FloatArray, place: int) -> float:
+    """The speed between two neighbours at which the value is 0, on a straight line."""
+    before, after = value[place], value[place + 1]
+    return float(speed[place] + (speed[place + 1] - speed[place]) * before / (before - after))

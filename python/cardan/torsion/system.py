@@ -30,7 +30,14 @@ from cardan.arrays.errors import (
 )
 from cardan.arrays.indices import checked_orders, integer
 from cardan.driveline import Driveline
-from cardan.torsion.analyses import bend_rules, modes, side_by_side, stability_map, unstable_ranges
+from cardan.torsion.analyses import (
+    bend_rules,
+    modes,
+    side_by_side,
+    speed_response,
+    stability_map,
+    unstable_ranges,
+)
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (
     Equations,
@@ -186,6 +193,7 @@ class TorsionalSystem:
     unstable_ranges = unstable_ranges
     stability_map = stability_map
     side_by_side = side_by_side
+    speed_response = speed_response
 
     def changed(
         self, line: Driveline | None = None, stiffnesses: ArrayLike | None = None

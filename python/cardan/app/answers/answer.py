@@ -17,15 +17,10 @@ _FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")
 
 
 class JudgedFigure(NamedTuple):
-    """A figure that has a limit, or could have one.
+    """A figure that has a limit, or could have one."""
 
-    Attributes:
-        entry: the figure with its row and its value, a ``Judged``.
-        part: the part that it is of.
-    """
-
-    entry: Entry
-    part: Part
+    entry: Entry  # the figure with its row and its value, a Judged
+    part: Part  # that it is of
 
     @property
     def value(self) -> Judged:
@@ -55,6 +50,7 @@ class Answer:
         self.of = of
         self._progress = progress
         self._found: dict[str, Any] = {}
+        self._whole: dict[str, Any] = {}
 
     @property
     def scene(self) -> Scene:
@@ -69,6 +65,19 @@ class Answer:
             is_there = part.alone or isinstance(self.of, Scene)
             self._found[name] = part.find(self) if is_there else None
         return self._found[name]
+
+    def needed(self, name: str) -> Any:  # noqa: ANN401 - each part has its own type
+        """Return a part with what its own command shows.
+
+        Raises:
+            ValueError: the scene has no section of this name.
+        """
+        if self[name] is None:
+            given = PARTS[name].given
+            raise ValueError(f"{self.of.name}: section [{name}] is missing; it gives {given}")
+        if name not in self._whole:
+            self._whole[name] = PARTS[name].whole(self, self[name])
+        return self._whole[name]
 
     def parts(self, command: str) -> Iterator[tuple[Part, Any]]:
         """Yield the parts that the answer of a command has, with their figures."""

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from cardan.app.answers.printed import given, judged_text, lines_of, place_of, quantity, table_of
+from cardan.app.answers.printed import (
+    given,
+    is_nested,
+    judged_text,
+    lines_of,
+    place_of,
+    quantity,
+    table_of,
+)
 from cardan.app.answers.rows import Entry, Judged, rows_of, worst_of
 from cardan.app.charts.charts import Table
 
@@ -69,9 +77,9 @@ def tables_of(caption: str, found: Any) -> list[Table]:  # noqa: ANN401 - any pa
     """Return the figures of a part as tables, one for the items of each of its parts."""
     if isinstance(found, tuple):
         return [Table(caption, *table_of(found))]
-    tables = [Table(caption, ("Figure", "Value"), list(lines_of(found)))]
+    lines = list(lines_of(found))
+    tables = [Table(caption, ("Figure", "Value"), lines)] if lines else []
     for name, row, _ in rows_of(type(found)):
-        value = getattr(found, name)
-        if row.kind == "parts" and value:
-            tables += tables_of(row.label, value if isinstance(value, tuple) else (value,))
+        if is_nested(row) and (value := getattr(found, name)):
+            tables += tables_of(row.label, value)
     return tables

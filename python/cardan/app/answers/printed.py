@@ -17,6 +17,11 @@ _WIDTH = 79
 _FINEST = {"deg": 1e-6, "rad": 1e-8, "mm": 1e-6, "rad_s2": 1e-9}
 
 
+def capital(text: str) -> str:
+    """Return a text that begins with a capital letter, the rest as it is."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
 def listed(parts: Sequence[str]) -> str:
     """Return ``"a, b and c"``."""
     *others, last = parts or [""]
@@ -29,6 +34,14 @@ def rounded_up(value: float) -> str:
         return figure_text(value)
     step = 10.0 ** (math.floor(math.log10(value)) - 2)
     return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"
+
+
+def rounded_down(value: float, unit: str, digits: int = 3) -> str:
+    """Return so many digits, not above the value, with its unit: ``"16.1°"``."""
+    shown, step = UNITS[unit].factor * value, 1.0
+    if shown > 0.0:
+        step = 10.0 ** (math.floor(math.log10(shown)) + 1 - digits)
+    return given(math.floor(shown / step) * step / UNITS[unit].factor, unit)
 
 
 def short(value: float) -> str:
@@ -62,6 +75,8 @@ def given(value: float, unit: str, *, radians: bool = False) -> str:
 
 def _with_unit(value: float, unit: str, radians: bool, shown: Callable[[float], str]) -> str:
     number = value * (1.0 if radians and unit == "deg" else UNITS[unit].factor)
+    if not math.isfinite(number):
+        return "not known" if math.isnan(number) else "unlimited"
     return in_unit([shown(settled(number, unit))], unit, radians=radians)
 
 
@@ -87,6 +102,16 @@ def items_text(per: str, items: Sequence[int]) -> str:
     if len(items) > 2 and list(items) == list(range(items[0], items[-1] + 1)):
         return f"{per}s {items[0]} to {items[-1]}"
     return f"{per}s {listed([str(item) for item in items])}"
+
+
+def symbol_of(unit: str) -> str:
+    """Return a unit, a key of ``UNITS``, as axes have it: ``"deg"``, ``"mm"``."""
+    return UNITS[unit].symbol.replace("°", "deg")
+
+
+def with_unit(label: str, unit: str) -> str:
+    """Return a label with a unit as axes have it: ``"bend [deg]"``."""
+    return f"{label} [{symbol_of(unit)}]" if unit else label
 
 
 def place_of(value: Judged) -> str:
@@ -154,6 +179,11 @@ def _is_printed(row: Row) -> bool:
     return row.kind not in ("parts", "item") and not row.is_detail
 
 
+def is_nested(row: Row) -> bool:
+    """Return whether a field holds further figures that are printed."""
+    return row.kind == "parts" and not row.is_detail
+
+
 def lines_of(found: Any, *, radians: bool = False) -> Iterator[tuple[str, str]]:  # noqa: ANN401
     """Yield label and value of what is known of a part, one line each; not those of its parts."""
     for name, row, _ in rows_of(type(found)):
@@ -169,13 +199,13 @@ def table_of(
     """Return figures of several items: a head with the items, and a row for each figure known.
 
     A limit that is the same for all is named beside the label; where a figure is worst has a row of
-    its own.
+    its own. Items without a name are rows, and their figures columns.
     """
     head = ("", *map(item_of, found))
     rows: list[tuple[str, ...]] = []
     for name, row, _ in rows_of(type(found[0])):
         values = [getattr(each, name) for each in found]
-        if row.kind == "parts" and all(isinstance(value, tuple) for value in values):
+        if is_nested(row) and all(isinstance(value, tuple) for value in values):
             # Columns of figures of the same items, a row each.
             for column in zip(*values, strict=False):
                 _, more = table_of(column, radians=radians)
@@ -195,6 +225,8 @@ def table_of(
         rows.append((", ".join(filter(None, (row.label, shared))), *cells))
         rows += [("  limit", *bounds)] if any(bounds) and not shared else []
         rows += [("  worst", *places)] if any(places) else []
+    if not any(head):
+        head, *rows = zip(*rows, strict=True)
     return head, rows
 
 
@@ -206,25 +238,26 @@ def part_text(
     radians: bool = False,
 ) -> str:
     """Return a part as plain text: heading, figures, tables of its items, sentences."""
-    blocks = [heading]
-    if isinstance(found, tuple):
-        blocks.append(_several(found, radians))
-    else:
-        if any(True for _ in lines_of(found, radians=radians)):
-            blocks.append(_lines(found, radians))
-        for name, row, _ in rows_of(type(found)):
-            value = getattr(found, name)
-            if row.kind == "parts" and value:
-                several = isinstance(value, tuple)
-                text = _several(value, radians) if several else _lines(value, radians)
-                blocks.append(f"  {row.label}\n{indent(text, '  ')}")
-    words = [fill(text, _WIDTH, break_on_hyphens=False) for text in sentences]
-    text = "\n".join(blocks)
+    text, words = "\n".join([heading, *_blocks(found, radians)]), filled(sentences)
     return "\n".join([text, "", *words]) if words else text
 
 
-def _lines(found: Any, radians: bool) -> str:  # noqa: ANN401 - any part
-    return aligned(lines_of(found, radians=radians), indent="  ")
+def filled(sentences: Iterable[str]) -> list[str]:
+    """Return sentences 79 wide."""
+    return [fill(text, _WIDTH, break_on_hyphens=False) for text in sentences]
+
+
+def _blocks(found: Any, radians: bool) -> Iterator[str]:  # noqa: ANN401 - any part
+    """The figures of a part and those of its parts below their headings."""
+    if isinstance(found, tuple):
+        yield _several(found, radians)
+        return
+    if lines := [*lines_of(found, radians=radians)]:
+        yield aligned(lines, indent="  ")
+    for name, row, _ in rows_of(type(found)):
+        if is_nested(row) and (value := getattr(found, name)):
+            yield f"  {row.label}"
+            yield from (indent(text, "  ") for text in _blocks(value, radians))
 
 
 def _several(found: Sequence[Any], radians: bool) -> str:

@@ -50,32 +50,20 @@ def key_of(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """What there is to say of a field, but for its value.
-
-    Attributes:
-        kind: what the field holds.
-        label: what people call it.
-        unit: a key of ``UNITS``.
-        meaning: what it is, for those who do not know the label.
-        source: formula and source.
-        limit: the key of the scene that gives its limit, as ``"[slip] travel_mm"``.
-        is_detail: whether it is left out of printed text.
-        own: ``"own"`` if the unit is what the field ``unit`` beside it says, ``"each"`` if keys
-            end in it as well; of an item, if it is what the field ``per`` says.
-        is_optional: whether JSON leaves it out where it is ``None`` or empty.
-        is_shown: whether it is held in the unit in which it is shown, as a scene gives it.
-    """
+    """What there is to say of a field, but for its value."""
 
     kind: Kind
-    label: str
-    unit: str = ""
-    meaning: str = ""
-    source: str = ""
-    limit: str = ""
-    is_detail: bool = False
+    label: str  # what people call it
+    unit: str = ""  # a key of UNITS
+    meaning: str = ""  # what it is, for those who do not know the label
+    source: str = ""  # formula and source
+    limit: str = ""  # the key of the scene that gives its limit: "[slip] travel_mm"
+    is_detail: bool = False  # whether it is left out of printed text
+    # "own" if the unit is what the field "unit" beside it says, "each" if keys end in it as well;
+    # of an item, if it is what the field "per" says
     own: str = ""
-    is_optional: bool = False
-    is_shown: bool = False
+    is_optional: bool = False  # whether JSON leaves it out where it is None or empty
+    is_shown: bool = False  # whether it is held in the unit in which it is shown, as a scene has it
 
     def beside(self, found: Any) -> Row:  # noqa: ANN401 - any part
         """Return the row with the unit, or of an item the label, that the figures say."""
@@ -116,7 +104,7 @@ def figure(
 
 
 def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
-    """Declare several numbers of one kind, ``tuple[float, ...]``, in the order of their items."""
+    """Declare several numbers of one kind, in an array or tuple in the order of their items."""
     return _declared(Row("numbers", label, unit, meaning, is_detail=True))
 
 
@@ -164,38 +152,25 @@ def flag(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # n
     return field(metadata={"row": Row("flag", label, meaning=meaning, is_detail=is_detail)})
 
 
-def parts(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def parts(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare further figures: a dataclass, or a tuple of one kind of dataclass."""
-    return field(metadata={"row": Row("parts", label, meaning=meaning)})
+    return field(metadata={"row": Row("parts", label, meaning=meaning, is_detail=is_detail)})
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A figure where it is worst, beside its limit.
+    """A figure where it is worst, beside its limit."""
 
-    Attributes:
-        value: the figure; ``None`` where the scene does not determine it.
-        limit: what it is judged against; ``None`` if the scene gives none.
-        maximum: what it must not pass if that is not the limit.
-        sense: whether the limit is the most or the least that the value may be.
-        source: whose rule the limit is.
-        size: of what is judged, in the same unit; rounding counts by it where the limit is 0.
-        state: the state, step or driveline in which it is worst; "" if all are alike.
-        at: in a study, the keys on which it depends and their values there.
-        each: the figure in each state, by name.
-        why: why it is not judged although there is a limit.
-    """
-
-    value: float | None
-    limit: float | None = None
-    maximum: float | None = None
-    sense: Literal["most", "least"] = "most"
-    source: str = "own limit"
-    size: float = 0.0
-    state: str = ""
-    at: Mapping[str, float] = field(default_factory=dict)
-    each: Mapping[str, float] = field(default_factory=dict)
-    why: str = ""
+    value: float | None  # None where the scene does not determine it
+    limit: float | None = None  # what it is judged against; None if the scene gives none
+    maximum: float | None = None  # what it must not pass if that is not the limit
+    sense: Literal["most", "least"] = "most"  # what the limit is of the value
+    source: str = "own limit"  # whose rule the limit is
+    size: float = 0.0  # of what is judged; rounding counts by it where the limit is 0
+    state: str = ""  # the state, step or driveline in which it is worst; "" if all are alike
+    at: Mapping[str, float] = field(default_factory=dict)  # in a study, keys and values there
+    each: Mapping[str, float] = field(default_factory=dict)  # the figure in each state, by name
+    why: str = ""  # why it is not judged although there is a limit
 
     @property
     def verdict(self) -> str:
@@ -220,20 +195,20 @@ class Judged:
         return self.value - bound if self.sense == "most" else bound - self.value
 
 
+@dataclass(frozen=True)
+class NotFound:
+    """A part that a scene asks for and that could not be found: why."""
+
+    reason: str
+
+
 class Entry(NamedTuple):
-    """A field of a part with its value.
+    """A field of a part with its value."""
 
-    Attributes:
-        path: its key: ``"spline.travel"``, ``"tubes.1.stress"``.
-        row: what it is.
-        value: as the field has it.
-        item: what it is about: ``"shaft 1"``; "" if there is only one.
-    """
-
-    path: str
+    path: str  # its key: "spline.travel", "tubes.1.stress"
     row: Row
-    value: Any
-    item: str
+    value: Any  # as the field has it
+    item: str  # what it is about: "shaft 1"; "" if there is only one
 
 
 def rows_of(of: type) -> Iterator[tuple[str, Row, Any]]:

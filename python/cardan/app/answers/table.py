@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 from cardan.app.answers.data import data_of, schema_of
-from cardan.app.answers.printed import part_text
+from cardan.app.answers.printed import filled, part_text
 from cardan.app.answers.rows import Entry, Judged, Row, element_of, entries, item_of
 
 if TYPE_CHECKING:
@@ -26,23 +26,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of an answer.
+    """A part of an answer."""
 
-    Attributes:
-        name: its room, and its key in the JSON.
-        title: its heading.
-        noun: what its figures are those of, in a sentence: ``"the spline"``; "" of the driveline.
-        sections: the sections of a scene without which there is no such part.
-        shown: the commands whose answers have it.
-        alone: whether a ball joint alone has it.
-    """
-
-    name: str
-    title: str
-    noun: str
-    sections: tuple[str, ...]
-    shown: tuple[str, ...]
-    alone: bool = False
+    name: str  # its room, and its key in the JSON
+    title: str  # its heading
+    noun: str  # what its figures are those of, in a sentence: "the spline"; "" of the driveline
+    sections: tuple[str, ...]  # the sections of a scene without which there is no such part
+    shown: tuple[str, ...]  # the commands whose answers have it
+    given: str = ""  # what its own section gives, for a scene that lacks it
+    said: bool = False  # whether an answer about more than it only has its sentences
+    alone: bool = False  # whether a ball joint alone has it
 
     def _module(self, name: str) -> ModuleType | None:
         path = f"cardan.app.answers.{self.name}.{name}"
@@ -58,6 +51,11 @@ class Part:
     def find(self, answer: Answer) -> Any:  # noqa: ANN401 - any part
         """Return the figures of a scene, ``None`` or nothing without them."""
         return self._own("find", "figures")(answer)
+
+    def whole(self, answer: Answer, found: Any) -> Any:  # noqa: ANN401 - any part
+        """Return the figures with those that only the page and the part's own command show."""
+        own = self._own("whole", "figures")
+        return own(answer, found) if own else found
 
     def entries(self, found: Any) -> Iterator[Entry]:  # noqa: ANN401 - any part
         """Yield the figures as rows with values."""
@@ -85,12 +83,12 @@ class Part:
         return {"type": "array", "items": schema} if several else schema
 
     def figures(self) -> type:
-        """Return the dataclass of the figures, or of those of each item."""
-        found: type = element_of(self._hint())
+        """Return the dataclass of all figures, or of those of each item."""
+        found: type = element_of(self._hint("whole" if self._own("whole", "figures") else "find"))
         return found
 
-    def _hint(self) -> Any:  # noqa: ANN401 - any annotation
-        return get_type_hints(self._own("find", "figures"))["return"]
+    def _hint(self, function: str = "find") -> Any:  # noqa: ANN401 - any annotation
+        return get_type_hints(self._own(function, "figures"))["return"]
 
     def text(self, found: Any, *, radians: bool = False, brief: bool = False) -> str:  # noqa: ANN401
         """Return the figures and what follows from them as plain text, 79 wide.
@@ -102,20 +100,22 @@ class Part:
         """
         if brief and (own := self._own("brief", "text")):
             return str(own(found))
+        if brief and self.said:
+            return "\n".join([self.heading(found), *filled(self.sentences(found))])
         if own := self._own("words", "text"):
             return str(own(found, radians=radians))
         return part_text(self.heading(found), found, self.sentences(found), radians=radians)
 
     def section(self, answer: Answer, found: Any) -> dict[str, Any]:  # noqa: ANN401 - any part
-        """Return the figures as data for the page: own data, or what the macro ``answered`` takes.
+        """Return the figures as data for the page: what the macro ``answered`` takes, and own data.
 
         ``template`` is the part's own template, if it has one.
         """
         # The page alone needs it.
         from cardan.app.answers.page import section_of
 
-        own = self._own("section", "page")
-        data = own(answer, found) if own else section_of(self, found)
+        found = answer.needed(self.name)
+        data = section_of(self, found)
         if drawn := self._own("drawn", "picture"):
             data |= drawn(answer, found)
         folder = resources.files("cardan.app").joinpath("answers", self.name)
@@ -140,6 +140,7 @@ class Part:
 
 
 _ALL = ("run", "check", "report")
+_LIFE = ("check", "life", "report")
 
 _PARTS = (
     Part("moves", "What would help", "", (), ()),
@@ -147,15 +148,27 @@ _PARTS = (
     Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
     Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), _ALL),
-    Part("backlash", "Backlash", "the driveline", ("joints",), ("run", "check", "report")),
+    Part("backlash", "Backlash", "the driveline", ("joints",), _ALL),
     Part("forces", "Forces", "the bearings", ("load",), _ALL),
     Part("spline", "Spline", "the spline", ("slip",), _ALL),
     Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
     Part("steering", "Steering", "the steering", ("steering",), _ALL),
-    Part("tolerances", "Tolerances", "", ("tolerances",), ("check", "report")),
-    Part("life", "Life of the joints", "", ("joints", "life"), ("check", "life", "report")),
-    Part("tubes", "Tubes", "the tube", ("tubes",), ("check", "life", "report")),
-    Part("torsion", "Torsional vibration", "the shafts", ("torsion",), ("check", "report")),
+    Part(
+        *("tolerances", "Tolerances", "", ("tolerances",), ("check", "tolerances", "report")),
+        given="the tolerances",
+        said=True,
+    ),
+    Part("life", "Life of the joints", "", ("joints", "life"), _LIFE, said=True),
+    Part("tubes", "Tubes", "the tube", ("tubes",), _LIFE),
+    Part(
+        *("torsion", "Torsional vibration", "the shafts", ("torsion",)),
+        ("check", "torsion", "report"),
+        given="stiffnesses and inertias",
+    ),
+    Part(
+        *("optimise", "Best values", "", ("optimise",), ("optimise", "report")),
+        given="what may change",
+    ),
     Part("ball_joint", "Ball joint", "the ball joint", ("ball_joint",), _ALL, alone=True),
 )
 

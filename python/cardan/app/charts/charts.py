@@ -119,6 +119,17 @@ def chart(
     }
 
 
+def bars(heading: str, items: Sequence[tuple[str, float, str]]) -> dict[str, Any]:
+    """Return bars for the macro ``bars``, of their labels, sizes and texts."""
+    most = max((size for _, size, _ in items), default=0.0) or 1.0
+    widths = [f"{100.0 * size / most:.2f}" for _, size, _ in items]
+    shown = [
+        {"label": label, "text": text, "width": width}
+        for (label, _, text), width in zip(items, widths, strict=True)
+    ]
+    return {"heading": heading, "items": shown}
+
+
 def _names(names: Sequence[str]) -> _NameAxis | None:
     """The names below the frame, each in the middle of its share of the axis, if they fit."""
     edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.identification.figures import identification_data, identified
-from cardan.app.answers.identification.text import identification_text
+from cardan.app.answers.data import data_of
+from cardan.app.answers.identification.figures import identified, sentences
+from cardan.app.answers.json_schema import answer
+from cardan.app.answers.printed import part_text
 from cardan.app.command.options import file_argument, json_option
 from cardan.app.command.terminal import as_json_text, say
 
@@ -57,6 +59,6 @@ def identify(
         radians=radians,
     )
     if as_json:
-        say(as_json_text(identification_data(found, radians=radians)))
+        say(as_json_text(answer("identify", found.path, **data_of(found, radians=radians))))
         return
-    say(identification_text(found, radians=radians))
+    say(part_text(found.path, found, sentences(found), radians=radians))

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import click
 
-from cardan.app.answers.optimise.figures import optimise_data, optimised
-from cardan.app.answers.optimise.text import optimise_text
+from cardan.app.answers.data import data_of
+from cardan.app.answers.json_schema import answer
+from cardan.app.answers.optimise.figures import optimised
+from cardan.app.answers.optimise.picture import plot_optimise
+from cardan.app.answers.table import PARTS
 from cardan.app.command.options import check_output, file_option, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import check_writable, whole_file
-from cardan.app.plots import plot_optimise, save
+from cardan.app.pictures.style import save
 from cardan.app.scene.language.document import read_text
 from cardan.app.scene.language.edit import with_values
 from cardan.app.scene.language.errors import SceneError
@@ -64,9 +67,9 @@ def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) 
         save(plot_optimise(found), picture)
         files.append(str(picture))
     if as_json:
-        say(as_json_text(optimise_data(found, files)))
+        say(as_json_text(answer("optimise", loaded.title, **data_of(found), files=files)))
         return
-    say(optimise_text(found))
+    say("\n\n".join(filter(None, [loaded.title, PARTS["optimise"].text(found)])))
     say()
     for name in files:
         say(f"wrote {name}")

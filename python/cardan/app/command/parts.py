@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.data import data_of
+from cardan.app.answers.json_schema import Kind
 from cardan.app.answers.json_schema import answer as answer_of
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.table import PARTS
-from cardan.app.answers.tolerances.figures import (
-    needed_tolerances,
-    permitted_tolerances,
-    tolerances_data,
-)
-from cardan.app.answers.tolerances.text import tolerances_text
-from cardan.app.answers.torsion.figures import needed_torsion, torsion_data
-from cardan.app.answers.torsion.picture import plot_torsion
-from cardan.app.answers.torsion.text import torsion_text
 from cardan.app.command.options import check_output, json_option, picture_as_well, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.pictures.style import save
 from cardan.app.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @click.command()
@@ -49,16 +39,15 @@ def life(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan life conveyor.toml --output life.svg
       cardan life conveyor.toml --json
     """
-    answer = Answer(_loaded(scene, output))
+    answer = _answer(scene, output)
     needed(answer)
     parts = list(answer.parts("life"))
-    title = answer.scene.title
     _say(
-        title,
+        answer,
+        "life",
         lambda: "\n\n".join(part.text(each) for part, each in parts),
-        lambda: answer_of("life", title, **{part.name: part.data(each) for part, each in parts}),
+        {part.name: part.data(each) for part, each in parts},
         output,
-        lambda: PARTS["life"].pictures()["life"](answer),
         as_json=as_json,
     )
 
@@ -83,17 +72,10 @@ def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan tolerances shaft.toml --output tolerances.svg
       cardan tolerances shaft.toml --json
     """
-    loaded = _loaded(scene, output)
-    found, of = needed_tolerances(loaded), loaded.tolerances
-    assert of
-    _say(
-        loaded.title,
-        lambda: tolerances_text(found, permitted_tolerances(of, loaded.tolerance_arms)),
-        lambda: tolerances_data(loaded),
-        output,
-        lambda: PARTS["tolerances"].pictures()["tolerances"](Answer(loaded)),
-        as_json=as_json,
-    )
+    answer = _answer(scene, output)
+    found = answer.needed("tolerances")
+    text = PARTS["tolerances"].text
+    _say(answer, "tolerances", lambda: text(found), data_of(found), output, as_json=as_json)
 
 
 @click.command()
@@ -120,42 +102,43 @@ def torsion(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan torsion shaft.toml --output response.svg
       cardan torsion shaft.toml --json
     """
-    loaded = _loaded(scene, output)
-    found = needed_torsion(loaded)
+    answer = _answer(scene, output)
+    found, loaded = answer.needed("torsion"), answer.scene
     left_out = "states" if loaded.states else "study" if loaded.study else ""
     note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
     _say(
-        loaded.title,
-        lambda: torsion_text(found) + (f"\n\n{note}" if left_out else ""),
-        lambda: torsion_data(loaded.title, found, [] if output is None else [str(output)]),
+        answer,
+        "torsion",
+        lambda: PARTS["torsion"].text(found) + (f"\n\n{note}" if left_out else ""),
+        data_of(found) | {"files": [] if output is None else [str(output)]},
         output,
-        lambda: plot_torsion(found, loaded.title),
         as_json=as_json,
     )
 
 
-def _loaded(path: Path, output: Path | None) -> Scene:
-    """The scene, after a look whether the picture can be written."""
+def _answer(path: Path, output: Path | None) -> Answer:
+    """The answer to a scene, after a look whether the picture can be written."""
     scene = Scene.load(path)
     if output is not None:
         check_output(scene, output)
-    return scene
+    return Answer(scene)
 
 
 def _say(
-    title: str,
+    answer: Answer,
+    name: Kind,
     text: Callable[[], str],
-    data: Callable[[], Any],
+    data: Mapping[str, Any],
     output: Path | None,
-    picture: Callable[[], Figure],
     *,
     as_json: bool,
 ) -> None:
-    """Write the picture, and print the answer as JSON or as text under its title."""
+    """Write the picture of a part, and print the answer as JSON or as text under its title."""
+    title = answer.scene.title
     if output is not None:
-        save(picture(), output)
+        save(PARTS[name].pictures()[name](answer), output)
     if as_json:
-        say(as_json_text(data()))
+        say(as_json_text(answer_of(name, title, **data)))
         return
     if title:
         say(f"{title}\n")

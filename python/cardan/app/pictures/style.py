@@ -22,6 +22,7 @@ from cardan.driveline import Driveline
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.container import BarContainer
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
@@ -200,6 +201,28 @@ def text_width(text: str, size: float) -> float:
         return 0.0
     path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
     return 1.06 * float(np.max(path.vertices[:, 0]))
+
+
+def draw_bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> BarContainer:
+    """Draw bars of labels, sizes and texts at their ends, from the top down; return them."""
+    rows = range(len(bars))
+    drawn = axes.barh(rows, [size for _, size, _ in bars], 0.62, color=LINES[0]["color"])
+    for row, (_, size, text) in enumerate(bars):
+        axes.annotate(
+            text,
+            (size, row),
+            xytext=(2.0, 0.0),
+            textcoords="offset points",
+            va="center",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+            zorder=4.0,
+        )
+    axes.set_yticks(list(rows), [label for label, _, _ in bars], parse_math=False)
+    axes.invert_yaxis()
+    axes.tick_params(axis="y", length=0)
+    # Room for the texts.
+    axes.set_xlim(0.0, 1.2 * max((size for _, size, _ in bars), default=0.0) or 1.0)
+    return drawn
 
 
 def finish(axes: Axes, x: str, y: str, *, grid: Any = "both", **legend: Any) -> None:  # noqa: ANN401

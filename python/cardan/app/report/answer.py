@@ -54,11 +54,7 @@ def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) ->
     """Return the three answers as plain data for ``answer.html``."""
     scene = answer.scene
     return {
-        "verdict": {
-            "word": answer.verdict,
-            "class": CLASSES[answer.verdict],
-            "words": verdict_text(answer),
-        },
+        "verdict": verdict_of(answer),
         "smooth": _smooth(answer),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
@@ -73,6 +69,12 @@ def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) ->
         "spline": _spline(answer),
         "toleranced": _toleranced(answer),
     }
+
+
+def verdict_of(answer: Answer) -> dict[str, str]:
+    """Return the one verdict for the top of a page."""
+    words = verdict_text(answer)
+    return {"word": answer.verdict, "class": CLASSES[answer.verdict], "words": words}
 
 
 def _toleranced(answer: Answer) -> list[str]:

@@ -14,7 +14,6 @@ import numpy as np
 
 from cardan import __version__
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.optimise.page import optimise
 from cardan.app.answers.page import judged_table, tables_of
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
@@ -24,7 +23,7 @@ from cardan.app.charts.drawing import drawing
 from cardan.app.charts.samples import Samples, evaluated
 from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
-from cardan.app.report.answer import first_answer
+from cardan.app.report.answer import first_answer, verdict_of
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -35,9 +34,19 @@ if TYPE_CHECKING:
 
 def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
-    if isinstance(scene, BallJointScene):
-        return _ball_joint_page(scene)
+    known: dict[str, Any] = {
+        "version": __version__,
+        "style": _part("page.css"),
+        "script": _part("page.js"),
+        "title": scene.title or Path(scene.name).name,
+        "name": Path(scene.name).name,
+        "date": _today(),
+    }
     template = environment().get_template("page.html")
+    if isinstance(scene, BallJointScene):
+        answer = Answer(scene)
+        known |= {"verdict": verdict_of(answer), "parts": _parts(answer)}
+        return template.render(known, joints=0, varied=False, states=None, study=None)
     result = scene.run(progress)
     samples, answer = evaluated(scene), Answer(scene)
     motion = answer["limits"]
@@ -51,17 +60,11 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
-        first_answer(answer, samples, yokes),
-        version=__version__,
-        style=_part("page.css"),
-        script=_part("page.js"),
-        title=scene.title or Path(scene.name).name,
-        name=Path(scene.name).name,
+        known | first_answer(answer, samples, yokes),
         joints=scene.line.n_joints,
         over="time" if samples.time is not None else "the drive angle",
         varied=bool(scene.study and scene.study.axes),
         recorded=scene.recording is not None,
-        date=_today(),
         every=samples.every,
         inputs=results.inputs(scene),
         results=[judged_table(answer.judged), *speeds, *results.results(samples, answer)],
@@ -72,7 +75,6 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
         parts=_parts(answer),
-        optimise=optimise(scene),
         catalogue=results.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
@@ -81,20 +83,6 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
 def _parts(answer: Answer) -> list[dict[str, Any]]:
     """The sections of the parts."""
     return [part.section(answer, found) for part, found in answer.parts("report")]
-
-
-def _ball_joint_page(scene: BallJointScene) -> str:
-    answer = Answer(scene)
-    template = environment().get_template("ball_joint/whole_page.html")
-    return template.render(
-        title=scene.title or Path(scene.name).name,
-        name=Path(scene.name).name,
-        parts=_parts(answer),
-        verdict=answer.verdict,
-        version=__version__,
-        style=_part("page.css"),
-        date=_today(),
-    )
 
 
 def _today() -> str:

@@ -150,29 +150,8 @@ def _smallest(case: BallJointCase, allowable: float) -> float:
     return float(BallJoint.sized_for(case.load, allowable, joint.half_angle, **loose).radius)
 
 
-# --- the pressure over the seat ----------------------------------------------------------------
-
-
 def pressure_curve(case: BallJointCase, steps: int = 361) -> tuple[FloatArray, FloatArray]:
     """Return angles from the load, from edge to edge of the seat, in rad and pressures in Pa."""
     edge = float(case.joint.half_angle)
     theta = np.linspace(-edge, edge, steps)
     return theta, np.asarray(case.joint.pressure(theta, case.load))
-
-
-def fitting_curve(case: BallJointCase, theta: FloatArray) -> FloatArray | None:
-    """Return the pressures in Pa without clearance, Marcus's cosine; ``None`` if there is none."""
-    if not case.joint.clearance:
-        return None
-    fit = BallJoint(case.joint.radius, case.joint.half_angle)
-    return np.asarray(fit.pressure(theta, case.load))
-
-
-def cross_section(theta: FloatArray, height: FloatArray | float) -> tuple[FloatArray, FloatArray]:
-    """Return points of a section through ball and seat in ball radii, the load pointing down.
-
-    Args:
-        theta: angles from the load in rad.
-        height: over the surface of the ball, in its radii.
-    """
-    return (1.0 + height) * np.sin(theta), -(1.0 + height) * np.cos(theta)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
+    BallJointFigures,
     ball_joint_figures,
-    cross_section,
-    fitting_curve,
     pressure_curve,
 )
 from cardan.app.answers.printed import quantity
+from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import (
     THIN,
     drawing,
@@ -23,15 +23,98 @@ from cardan.app.pictures.style import (
 )
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
+from cardan.ball_joint import BallJoint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# In ball radii: how far the peak pressure stands out, how thick the seat is drawn, the arrows.
-_PEAK, _SEAT = 0.55, 0.75
+# In ball radii: how far the peak pressure stands out, how thick the seat is drawn.
+_PEAK, _SEAT = 0.5, 0.7
 _ARROWS = 15
-_PAGE = (170.0, 78.0)
+
+_ANGLE = "angle from the line of the load [deg]"
+
+# Pixels of a ball radius on the page.
+_SCALE = 100.0
+
+
+class _Outlines(NamedTuple):
+    """Ball, seat, pressure and its arrows in section, ``(points, 2)`` in ball radii."""
+
+    ball: FloatArray
+    seat: FloatArray
+    pressure: FloatArray
+    arrows: list[FloatArray]
+
+
+def _outlines(case: BallJointCase, found: BallJointFigures) -> _Outlines:
+    """The section with the load pointing down; the pressure stands on the ball."""
+    theta, pressure = pressure_curve(case)
+    touches = np.abs(theta) <= found.contact_angle
+    arrows = zip(*pressure_curve(case, _ARROWS), strict=True)
+    return _Outlines(
+        _section(np.linspace(-np.pi, np.pi, 361), 0.0),
+        _ring(theta, np.full_like(theta, _SEAT)),
+        _ring(theta[touches], _PEAK * pressure[touches] / found.peak),
+        [
+            _section(np.full(2, angle), np.array([0.0, _PEAK * size / found.peak]))
+            for angle, size in arrows
+            if size > 0.05 * found.peak
+        ],
+    )
+
+
+def _section(theta: FloatArray, height: FloatArray | float) -> FloatArray:
+    """Points at angles from the load and heights over the surface of the ball."""
+    return np.stack([(1.0 + height) * np.sin(theta), -(1.0 + height) * np.cos(theta)], axis=-1)
+
+
+def _ring(theta: FloatArray, height: FloatArray) -> FloatArray:
+    """The outline of what lies between the surface of the ball and a height over it."""
+    return np.concatenate([_section(theta, 0.0), _section(theta[::-1], height[::-1])])
+
+
+def _curves(case: BallJointCase, found: BallJointFigures) -> tuple[FloatArray, dict[str, Any]]:
+    """Angles from the load in degrees, and the pressures in MPa that are compared there.
+
+    Without clearance the pressure is Marcus's cosine.
+    """
+    theta, pressure = pressure_curve(case)
+    curves = {"pressure on the seat": pressure}
+    if case.joint.clearance:
+        fit = BallJoint(case.joint.radius, case.joint.half_angle)
+        curves["without clearance"] = np.asarray(fit.pressure(theta, case.load))
+    if found.weaker is not None and case.allowable_pressure is not None:
+        curves[f"allowable for the {found.weaker}"] = np.full_like(theta, case.allowable_pressure)
+    return np.degrees(theta), {label: 1e-6 * values for label, values in curves.items()}
+
+
+def drawn(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
+    """Return the section and the curves of the pressure as plain data for ``page.html``."""
+    case = answer.of.ball_joint
+    assert case
+    degrees, curves = _curves(case, found)
+    panel = Panel("Pressure on the seat", "MPa", tuple(Curve(*each) for each in curves.items()))
+    shapes = _outlines(case, found)
+    peak = quantity(found.peak, "MPa")
+    return {
+        "charts": [chart(panel, degrees, _ANGLE)],
+        "drawing": {
+            "ball": f"{_path(shapes.ball)}Z",
+            "seat": f"{_path(shapes.seat)}Z",
+            "pressure": f"{_path(shapes.pressure)}Z",
+            "arrows": [_path(arrow) for arrow in shapes.arrows],
+            "load": quantity(case.load, "N"),
+            "peak": peak,
+            "spoken": f"Ball and seat in section: the pressure is largest in line with the load, "
+            f"{peak}",
+        },
+    }
+
+
+def _path(points: FloatArray) -> str:
+    return "M" + "L".join(f"{_SCALE * x:.1f} {-_SCALE * y:.1f}" for x, y in points)
 
 
 def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
@@ -41,7 +124,7 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
         case: the ball joint of a scene.
         title: heading.
     """
-    with page(*_PAGE, title, 90) as figure:
+    with page(170.0, 78.0, title, 90) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         plot_seat_section(case, ax=left)
         plot_seat_pressure(case, ax=right)
@@ -70,43 +153,38 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
     """
-    theta, pressure = pressure_curve(case)
     found = ball_joint_figures(case)
+    shapes, blue = _outlines(case, found), line_style(0)["color"]
+    body: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.8}
     with drawing(ax, height_mm=78.0) as axes:
-        around = np.linspace(-np.pi, np.pi, 361)
-        axes.fill(*cross_section(around, 0.0), facecolor="0.92", edgecolor="0.35", linewidth=0.8)
-        seat = _ring(theta, np.zeros_like(theta), np.full_like(theta, _SEAT))
-        axes.fill(
-            *seat, facecolor="white", edgecolor="0.35", linewidth=0.8, hatch="////", alpha=0.3
-        )
-        height = _PEAK * pressure / found.peak
-        blue = line_style(0)["color"]
-        axes.fill(*_ring(theta, np.zeros_like(theta), height), facecolor=blue, alpha=0.25)
-        axes.plot(*cross_section(theta, height), color=blue)
-        _arrows(axes, case, found.peak)
+        axes.fill(*shapes.ball.T, facecolor="0.92", **body)
+        axes.fill(*shapes.seat.T, facecolor="white", hatch="////", alpha=0.3, **body)
+        axes.fill(*shapes.pressure.T, facecolor=blue, alpha=0.25)
+        axes.plot(*shapes.pressure[len(shapes.pressure) // 2 :].T, color=blue)
+        for foot, head in shapes.arrows:
+            _arrow(axes, foot, head, "-|>,head_length=0.25,head_width=0.12", blue, 0.7)
         for side in (-1.0, 1.0):
             edge = np.full(2, side * found.contact_angle)
-            axes.plot(*cross_section(edge, np.array([-1.0, _SEAT])), **THIN)
-        axes.annotate(
-            "",
-            (0.0, -0.15),
-            (0.0, 0.75),
-            arrowprops={"arrowstyle": "-|>", "color": "black", "linewidth": 1.2},
-        )
+            axes.plot(*_section(edge, np.array([-1.0, _SEAT])).T, **THIN)
+        _arrow(axes, (0.0, 0.75), (0.0, -0.15), "-|>", "black", 1.2)
         axes.text(0.07, 0.35, quantity(case.load, "N"), parse_math=False)
-        across, down = cross_section(np.array(0.0), _SEAT + 0.04)
-        axes.text(
-            float(across),
-            float(down),
-            quantity(found.peak, "MPa"),
-            ha="center",
-            va="top",
-            parse_math=False,
-        )
+        peak = quantity(found.peak, "MPa")
+        axes.text(0.0, -1.04 - _SEAT, peak, ha="center", va="top", parse_math=False)
         axes.text(0.0, 1.06, f"ball radius {quantity(float(case.joint.radius), 'mm')}", ha="center")
         axes.set_aspect("equal")
         axes.set_axis_off()
     return axes
+
+
+def _arrow(axes: Axes, foot: Any, head: Any, style: str, colour: str, width: float) -> None:  # noqa: ANN401
+    look = {
+        "arrowstyle": style,
+        "color": colour,
+        "linewidth": width,
+        "shrinkA": 0.0,
+        "shrinkB": 0.0,
+    }
+    axes.annotate("", head, foot, arrowprops=look)
 
 
 def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
@@ -116,50 +194,12 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
     """
-    theta, pressure = pressure_curve(case)
-    fit = fitting_curve(case, theta)
     found = ball_joint_figures(case)
-    degrees = np.degrees(theta)
+    degrees, curves = _curves(case, found)
     with drawing(ax, height_mm=60.0) as axes:
-        axes.plot(degrees, 1e-6 * pressure, label="pressure", **line_style(0))
-        top = found.peak
-        if fit is not None:
-            axes.plot(degrees, 1e-6 * fit, label="without clearance", **line_style(1))
-        if found.weaker is not None and case.allowable_pressure is not None:
-            label = f"allowable, {found.weaker}"
-            axes.axhline(1e-6 * case.allowable_pressure, label=label, **line_style(3))
-            top = max(top, case.allowable_pressure)
+        for (label, values), style in zip(curves.items(), (0, 1, 3), strict=False):
+            axes.plot(degrees, values, label=label, **line_style(style))
         axes.set_xlim(degrees[0], degrees[-1])
-        axes.set_ylim(0.0, 1.05e-6 * top)
-        finish(axes, "angle from the line of the load [deg]", "pressure [MPa]")
+        axes.set_ylim(0.0, 1.05 * max(float(np.max(values)) for values in curves.values()))
+        finish(axes, _ANGLE, "pressure [MPa]", ncols=2)
     return axes
-
-
-def _ring(theta: FloatArray, inner: FloatArray, outer: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The outline of what lies between two heights over the ball."""
-    inside, outside = cross_section(theta, inner), cross_section(theta, outer)
-    return (
-        np.concatenate([inside[0], outside[0][::-1]]),
-        np.concatenate([inside[1], outside[1][::-1]]),
-    )
-
-
-def _arrows(axes: Axes, case: BallJointCase, peak: float) -> None:
-    """Arrows of the pressure, from the surface of the ball into the seat."""
-    theta, pressure = pressure_curve(case, _ARROWS)
-    for angle, height in zip(theta, _PEAK * pressure / peak, strict=True):
-        if height < 0.05 * _PEAK:
-            continue
-        (x0, x1), (y0, y1) = cross_section(np.full(2, angle), np.array([0.0, height]))
-        axes.annotate(
-            "",
-            (x1, y1),
-            (x0, y0),
-            arrowprops={
-                "arrowstyle": "-|>,head_length=0.25,head_width=0.12",
-                "color": line_style(0)["color"],
-                "linewidth": 0.7,
-                "shrinkA": 0.0,
-                "shrinkB": 0.0,
-            },
-        )

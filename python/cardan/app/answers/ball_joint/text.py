@@ -55,8 +55,8 @@ def _verdict(found: BallJointFigures) -> str:
     assert judged.limit is not None
     if judged.verdict == "within":
         return (
-            f"The ball joint is within the allowable pressure: the peak uses "
-            f"{100.0 * found.peak / judged.limit:.0f} % of what the scene allows the "
+            "The ball joint is within the allowable pressure: the peak uses "
+            f"{quantity(found.peak / judged.limit, 'percent')} of what the scene allows the "
             f"{_named(found, weaker)}."
         )
     assert found.smallest_radius is not None

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import Any, Literal
+from typing import Literal
 
-from cardan.app.answers.data import data_of, schema_of
-from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.rows import count, figure, flag, item, parts, word
 from cardan.app.files.recording import read_columns
 from cardan.motion.identification import identify, identify_two_joints
 
 _LARGEST_ORDER = 4
+
+# A recording whose purity is farther from 1, and by more than the noise can do, shows something
+# besides the joints.
+_PURE = 0.2
+_SIGMAS = 3.0
 
 
 @dataclass(frozen=True)
@@ -87,16 +91,9 @@ def identified(
     intermediate: str | None = None,
     radians: bool = False,
 ) -> Identified:
-    """Find the joints that a file's columns show.
+    """Find the joints that the columns of a file show, as ``cardan identify`` names them.
 
-    Args:
-        path: a recording in CSV, Parquet, NPZ or MDF.
-        drive: name of the column with the drive angle.
-        driven: name of the column with the angle of the driven shaft.
-        speed_ratio: or: name of the column with its speed over that of the drive.
-        intermediate: with ``driven``: name of the column with the angle of the shaft between two
-            joints, which tells both bends.
-        radians: whether the angles of the file and of the answer are in radians.
+    The angles of the file and of the answer are in degrees unless ``radians`` says otherwise.
 
     Raises:
         ImportError: Parquet without pyarrow, MDF without asammdf.
@@ -143,17 +140,35 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def identification_data(found: Identified, *, radians: bool = False) -> dict[str, Any]:
-    """Return an identification as plain data for JSON."""
-    return answer("identify", found.path, **data_of(found, radians=radians))
-
-
-_SCHEMA = schema_of(Identified)
-
-IDENTIFY_SCHEMA = answer_schema(
-    "identify",
-    "what cardan identify prints with --json; the title is the file",
-    {key: _SCHEMA["properties"][key] for key in _SCHEMA["required"]},
-    {key: each for key, each in _SCHEMA["properties"].items() if key not in _SCHEMA["required"]},
-) | {"allOf": _SCHEMA["allOf"]}
-"""JSON Schema of ``identification_data``."""
+def sentences(found: Identified) -> Iterator[str]:
+    """Say what the recording shows and what it cannot show."""
+    if not found.detected:
+        yield "The bend is not larger than the noise permits to detect."
+    else:
+        yield (
+            "The offset is what to add to the recorded drive angle so that the driving pin lies in "
+            "the bend plane of the equivalent joint at 0°."
+        )
+    if found.detected and found.purity is not None:
+        noise = _SIGMAS * (found.purity_standard_deviation or 0.0)
+        if abs(found.purity - 1.0) > max(_PURE, noise):
+            yield (
+                "The purity is not 1: order 4 does not fit order 2, so the recording shows "
+                "something besides universal joints."
+            )
+        elif noise > 1.0:
+            yield (
+                "The noise hides order 4, so the purity does not tell whether order 2 comes from "
+                "joints. A longer recording, with more samples, does."
+            )
+    yield (
+        "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
+        "from a bend."
+    )
+    if found.joints:
+        yield "Phase and twist cannot be told apart: only their difference shows."
+    else:
+        yield (
+            "Bends and phases of several joints cannot be told apart by two encoders: only the "
+            "equivalent bend shows."
+        )

@@ -141,27 +141,16 @@ class LifeFigures:
 
 
 class _Used(NamedTuple):
-    """What duty cycles make of joints; the places are the last axis, and what is not known is NaN.
+    """What duty cycles make of joints; the places are the last axis, and NaN is not known."""
 
-    Attributes:
-        hours: life by the load of the pins, ``(joints, places)``.
-        catalogue: the same by the catalogue.
-        small_swing: whether needles hardly turn in some step.
-        damage: share of each step in the damage, ``(joints, steps, places)``.
-        heat: ``(joints, steps, places)``.
-        size_hours: life with each size at every joint, ``(sizes, joints, places)``.
-        size_heat: the mean likewise.
-        power: mean of the load, ``(places,)``.
-    """
-
-    hours: FloatArray
-    catalogue: FloatArray
-    small_swing: FloatArray
-    damage: FloatArray
-    heat: FloatArray
-    size_hours: FloatArray
-    size_heat: FloatArray
-    power: FloatArray
+    hours: FloatArray  # life by the load of the pins, (joints, places)
+    catalogue: FloatArray  # the same by the catalogue
+    small_swing: FloatArray  # whether needles hardly turn in some step
+    damage: FloatArray  # share of each step in the damage, (joints, steps, places)
+    heat: FloatArray  # (joints, steps, places)
+    size_hours: FloatArray  # life with each size at every joint, (sizes, joints, places)
+    size_heat: FloatArray  # the mean likewise
+    power: FloatArray  # mean of the load, (places,)
 
 
 def needed(answer: Answer) -> LifeFigures:
@@ -206,10 +195,9 @@ def find(answer: Answer) -> LifeFigures | None:
         duty, place = [(each, i) for each in duties for i in range(each.line.shape[0])][worst]
         used = used._replace(damage=used.damage[..., worst])
         steps = tuple(_steps(duty, place))
-    bend = Wherever(scene, _bends)
-    speed_bend = Wherever(scene, _speed_bends)
-    joints = tuple(_joints(scene, given.each, used, bend, speed_bend))
-    sizes = tuple(_sizes(scene, given.table, used, bend, speed_bend))
+    service = _Service(scene, used, target)
+    joints = tuple(service.joint(joint, size) for joint, size in enumerate(given.each))
+    sizes = tuple(service.size(i, size) for i, size in enumerate(given.table))
     lasting = [(one.hours.value, one.joint) for one in joints if one.hours and one.hours.value]
     hours, decisive = min(lasting, default=(None, None))
     return LifeFigures(
@@ -218,7 +206,7 @@ def find(answer: Answer) -> LifeFigures | None:
         target,
         None if joints or target is None else _best(sizes, target),
         _chosen(joints, sizes, target),
-        *_losses(scene, given.each, used),
+        *service.losses(given.each),
         steps,
         joints,
         sizes,
@@ -278,93 +266,90 @@ def _most_speed_bend(size: JointSize) -> float | None:
     return None if most is None else float(np.radians(most * RPM))
 
 
-def _joints(
-    scene: Scene,
-    sizes: Sequence[JointSize],
-    used: _Used | None,
-    bend: Wherever,
-    speed_bend: Wherever,
-) -> Iterator[JointLife]:
-    duty = scene.service.duty
-    target = duty.target if duty else None
-    for joint, size in enumerate(sizes):
+class _Service:
+    """Judges the joints of a scene over its duty cycle, wherever the driveline runs."""
+
+    def __init__(self, scene: Scene, used: _Used | None, target: float | None) -> None:
+        self.scene, self.used, self.target = scene, used, target
+        self.duty = scene.service.duty
+        self.bend = Wherever(scene, _bends)
+        self.speed_bend = Wherever(scene, _speed_bends)
+
+    def joint(self, joint: int, size: JointSize) -> JointLife:
+        """Return the life and the heat of a joint, and what else has a limit."""
+        used = self.used
         hours = catalogue = damage = heat = largest = None
-        if used and duty and size.wears:
-            hours = _over(scene, used.hours[joint], target, "least")
+        if used and size.wears:
+            hours = self._over(used.hours[joint], self.target, "least")
             catalogue = float(np.min(used.catalogue[joint]))
-            damage = _by_step(scene, used.damage[joint])
-        elif target is not None:
+            damage = self._by_step(used.damage[joint])
+        elif self.target is not None:
             plain = "plain bearings have no rated life" if size.rating else "no rating is given"
-            hours = Judged(None, target, sense="least", why=plain)
-        if used and duty and not np.isnan(used.heat[joint]).any():
+            hours = Judged(None, self.target, sense="least", why=plain)
+        if used and self.duty and not np.isnan(used.heat[joint]).any():
             steps = used.heat[joint]
-            heat = _over(scene, duty.shares @ steps, size.most_heat)
+            heat = self._over(self.duty.shares @ steps, size.most_heat)
             hottest = int(np.argmax(np.max(steps, axis=0)))
-            largest = _by_step(scene, steps[:, hottest])
+            largest = self._by_step(steps[:, hottest])
         elif size.most_heat is not None:
             why = "the scene does not give what heat needs: friction, torque and speed"
             heat = Judged(None, size.most_heat, why=why)
-        swings = bool(used and np.any(used.small_swing[joint])) and size.bearing == "needle"
-        yield JointLife(
-            joint,
-            size.name or None,
-            size.bearing,
-            size.rating,
-            hours,
-            catalogue,
-            damage,
-            swings,
-            bend.worst(joint, _most_bend(size)),
-            speed_bend.worst(joint, _most_speed_bend(size), "the scene gives no speed"),
+        return JointLife(
+            *(joint, size.name or None, size.bearing, size.rating, hours, catalogue, damage),
+            bool(used and np.any(used.small_swing[joint])) and size.bearing == "needle",
+            self.bend.worst(joint, _most_bend(size)),
+            self.speed_bend.worst(joint, _most_speed_bend(size), "the scene gives no speed"),
             heat,
             largest,
         )
 
-
-def _over(
-    scene: Scene,
-    values: FloatArray,
-    limit: float | None = None,
-    sense: Literal["most", "least"] = "most",
-) -> Judged:
-    """The worst value of all places; there is one where the steps say how the driveline stands."""
-    duty = scene.service.duty
-    return over(scene, values, limit, sense, () if duty and duty.is_set else None)
-
-
-def _by_step(scene: Scene, values: FloatArray) -> Judged | None:
-    """The worst step; ``None`` of one step."""
-    assert scene.service.duty
-    if len(values) == 1 or np.isnan(values).any():
-        return None
-    return over(scene, values, names=scene.service.duty.names)
-
-
-def _sizes(
-    scene: Scene,
-    table: Sequence[JointSize],
-    used: _Used | None,
-    bend: Wherever,
-    speed_bend: Wherever,
-) -> Iterator[SizeLife]:
-    """Each size at every joint."""
-    for i, size in enumerate(table):
+    def size(self, number: int, size: JointSize) -> SizeLife:
+        """Return the life with a size at every joint."""
+        used = self.used
         hours = heat = decisive = None
         judged: list[Judged | None] = []
-        for joint in range(scene.line.n_joints):
-            judged += [
-                bend.worst(joint, _most_bend(size)),
-                speed_bend.worst(joint, _most_speed_bend(size)),
-            ]
+        for joint in range(self.scene.line.n_joints):
+            judged.append(self.bend.worst(joint, _most_bend(size)))
+            judged.append(self.speed_bend.worst(joint, _most_speed_bend(size)))
         if used and size.wears:
-            lives = np.min(used.size_hours[i], axis=-1)
+            lives = np.min(used.size_hours[number], axis=-1)
             decisive = int(np.argmin(lives))
             hours = float(lives[decisive])
         if used and size.rubs:
-            heat = float(np.max(np.sum(used.size_heat[i], axis=0)))
-            judged.append(Judged(float(np.max(used.size_heat[i])), size.most_heat))
+            heat = float(np.max(np.sum(used.size_heat[number], axis=0)))
+            judged.append(Judged(float(np.max(used.size_heat[number])), size.most_heat))
         fits = all(each.verdict != "beyond" for each in judged if each)
-        yield SizeLife(size.name, size.rating, hours, decisive, fits, heat)
+        return SizeLife(size.name, size.rating, hours, decisive, fits, heat)
+
+    def losses(self, sizes: Sequence[JointSize]) -> tuple[Judged | None, Judged | None]:
+        """Return the heat of all joints, and the efficiency over the duty cycle.
+
+        Over a turn the mean torque of the drive is the torque of the load at either end: the speed
+        ratio has the mean 1, and inertias take nothing over a turn at a steady speed.
+        """
+        used, duty = self.used, self.duty
+        if not (used and duty and sizes) or np.isnan(used.heat).any():
+            return None, None
+        lost = np.sum(duty.shares @ used.heat, axis=0)
+        share = np.divide(lost, used.power, out=np.zeros_like(lost), where=used.power > 0.0)
+        return self._over(lost), self._over(1.0 - share, sense="least")
+
+    def _over(
+        self,
+        values: FloatArray,
+        limit: float | None = None,
+        sense: Literal["most", "least"] = "most",
+    ) -> Judged:
+        """The worst value of all places; one where the steps say how the driveline stands."""
+        names = () if self.duty and self.duty.is_set else None
+        return over(self.scene, values, limit, sense, names)
+
+    def _by_step(self, values: FloatArray) -> Judged | None:
+        """The worst step; ``None`` of one step."""
+        assert self.duty
+        if len(values) == 1 or np.isnan(values).any():
+            return None
+        return over(self.scene, values, names=self.duty.names)
 
 
 def _best(sizes: Sequence[SizeLife], target: float) -> Judged:
@@ -401,22 +386,6 @@ def passes(joints: Sequence[JointLife]) -> bool:
     """Return whether nothing of the joints is beyond its limit."""
     judged = ((one.hours, one.bend, one.speed_bend, one.heat) for one in joints)
     return all(not each or each.verdict != "beyond" for of_joint in judged for each in of_joint)
-
-
-def _losses(
-    scene: Scene, sizes: Sequence[JointSize], used: _Used | None
-) -> tuple[Judged | None, Judged | None]:
-    """Heat of all joints, and the efficiency over the duty cycle.
-
-    Over a turn the mean torque of the drive is the torque of the load at either end: the speed
-    ratio has the mean 1, and inertias take nothing over a turn at a steady speed.
-    """
-    duty = scene.service.duty
-    if not (used and duty and sizes) or np.isnan(used.heat).any():
-        return None, None
-    lost = np.sum(duty.shares @ used.heat, axis=0)
-    share = np.divide(lost, used.power, out=np.zeros_like(lost), where=used.power > 0.0)
-    return _over(scene, lost), _over(scene, 1.0 - share, sense="least")
 
 
 def _steps(duty: DutyCycle, place: int) -> Iterator[Step]:

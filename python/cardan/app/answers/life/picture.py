@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
-from cardan.app.answers.life.text import hours_text
+from cardan.app.answers.printed import given
+from cardan.app.charts.charts import Curve, Panel, bars, chart
 from cardan.app.pictures.style import (
     LINES,
+    draw_bars,
     drawing,
     finish,
     legend_above,
@@ -21,6 +23,8 @@ from cardan.app.pictures.style import (
     stacked,
     value_ticks,
 )
+from cardan.app.scene.language.units import RPM
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -31,7 +35,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SPEEDS = 41
-_RPM = np.pi / 30.0
+
+
+def drawn(_: Answer, found: LifeFigures) -> dict[str, Any]:
+    """Return the pins over the turn in the step that wears most, and the life with each size."""
+    data: dict[str, Any] = {}
+    if found.duty:
+        angle = np.linspace(0.0, 360.0, 181)
+        line, load, name = found.hardest()
+        curves = (Curve(*each) for each in _moments(line, load, np.radians(angle)))
+        scale = abs(float(load.torque))
+        moment = Panel(f"Moment of the pins, {name}", "N m", tuple(curves), scale)
+        data["charts"] = [chart(moment, angle, "drive angle [deg]")]
+    if known := _bars(found):
+        data["bars"] = [bars("L10 life with each size at every joint", known)]
+    return data
+
+
+def _moments(line: Driveline, load: Load, angle: FloatArray) -> list[tuple[str, FloatArray]]:
+    return [(f"joint {i}", pins_at(line, load, i, angle).moment) for i in range(line.n_joints)]
 
 
 def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axes:
@@ -47,10 +69,8 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     """
     _check_single(line)
     turn = np.asarray(panel.TURN)
-    moments = [pins_at(line, load, joint, turn).moment for joint in range(line.n_joints)]
     with drawing(ax) as axes:
-        drawn = [(f"joint {joint}", moment) for joint, moment in enumerate(moments)]
-        panel.draw(axes, np.degrees(turn), drawn)
+        panel.draw(axes, np.degrees(turn), _moments(line, load, turn))
         finish(axes, "drive angle [deg]", "moment of the pins [N m]")
     return axes
 
@@ -86,13 +106,12 @@ def plot_heat(
     values: dict[str, Any] = {f"{load.end}_torque": load.torque, "inertias": load.inertias}
     given = {"friction": friction, "pin_radius": pin_radius, "arm": arm}
     heat = line.losses(Load(speed=speeds, **values), **given, seal_torque=seal_torque).power
+    # At rest there is no heat.
+    rpm = np.append(0.0, speeds / RPM)
     with drawing(ax) as axes:
         for joint, watts in enumerate(heat):
-            style = line_style(joint)
-            # At rest there is no heat.
-            rpm = np.append(0.0, speeds / _RPM)
-            axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **style)
-        axes.set_xlim(0.0, float(speeds[-1] / _RPM))
+            axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **line_style(joint))
+        axes.set_xlim(0.0, rpm[-1])
         axes.set_ylim(0.0, None)
         finish(axes, "speed of the drive [rpm]", "heat [W]")
     return axes
@@ -110,36 +129,27 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
     Raises:
         ValueError: a scene without sizes whose life is known.
     """
-    known = [(one, one.hours) for one in found.sizes if one.hours is not None]
+    known = _bars(found)
     if not known:
         raise ValueError("the scene has no table of sizes whose life is known")
+    fits = [one.fits for one in found.sizes if one.hours is not None]
     with drawing(ax, height_mm=_height(len(known))) as axes:
-        rows = range(len(known))
-        bars = axes.barh(rows, [hours for _, hours in known], 0.62, color="#0072B2")
-        for row, (one, hours) in enumerate(known):
-            if not one.fits:
-                bars[row].set(facecolor="#BFD9EA", hatch="////", edgecolor="white")
-            axes.annotate(
-                hours_text(hours),
-                (hours, row),
-                xytext=(2.0, 0.0),
-                textcoords="offset points",
-                va="center",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-                zorder=4.0,
-            )
-        axes.set_yticks(list(rows), [one.size for one, _ in known], parse_math=False)
-        axes.invert_yaxis()
-        axes.tick_params(axis="y", length=0)
-        axes.set_xlim(0.0, 1.2 * max(hours for _, hours in known))
+        for bar, within in zip(draw_bars(axes, known), fits, strict=True):
+            if not within:
+                bar.set(facecolor="#BFD9EA", hatch="////", edgecolor="white")
         value_ticks(axes.xaxis)
         axes.set_xlabel("L10 life [h]")
-        target = found.target
-        if target is not None:
+        if found.target is not None:
             style: dict[str, Any] = {**LINES[1], "linewidth": 1.4}
-            axes.axvline(target, label=f"required {target:g} h", **style)
+            axes.axvline(found.target, label=f"required {given(found.target, 'h')}", **style)
             legend_above(axes)
     return axes
+
+
+def _bars(found: LifeFigures) -> list[tuple[str, float, str]]:
+    """The sizes whose life is known."""
+    known = ((one.size, one.hours) for one in found.sizes)
+    return [(size, hours, given(hours, "h")) for size, hours in known if hours is not None]
 
 
 def _whole(answer: Answer) -> Figure:
@@ -152,8 +162,8 @@ def _whole(answer: Answer) -> Figure:
     line, load, *_ = found.hardest()
     panels: list[tuple[float, Callable[[Axes], object]]]
     panels = [(50.0, lambda axes: plot_pin_load(line, load, ax=axes))]
-    if count := sum(one.hours is not None for one in found.sizes):
-        panels.insert(0, (_height(count), lambda axes: plot_sizes(found, ax=axes)))
+    if sizes := _bars(found):
+        panels.insert(0, (_height(len(sizes)), lambda axes: plot_sizes(found, ax=axes)))
     hot = [joint.largest_heat or joint.heat for joint in found.joints]
     if known := [heat for heat in hot if heat and heat.value is not None]:
         hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))

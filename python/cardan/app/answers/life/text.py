@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cardan.app.answers.life.figures import JointLife, LifeFigures, passes
-from cardan.app.answers.printed import listed, place_of, quantity
-from cardan.design.wrapping import fill
-
-
-def brief(found: LifeFigures) -> str:
-    """Return what a check says of the life, 79 wide."""
-    said = (fill(text, 79, break_on_hyphens=False) for text in sentences(found))
-    return "\n".join(["Life of the joints", *said])
+from cardan.app.answers.printed import capital, given, listed, place_of, quantity
 
 
 def sentences(found: LifeFigures) -> Iterator[str]:
@@ -60,21 +53,20 @@ def _headline(found: LifeFigures) -> str:
         required = ""
         if target is not None:
             relation = "below" if first.hours.verdict == "beyond" else "at least"
-            required = f", {relation} the required {hours_text(target)}"
-        life = f"L10h {hours_text(first.hours.value)}{place_of(first.hours)}{required}"
+            required = f", {relation} the required {_hours(target)}"
+        life = f"L10 life {_hours(first.hours.value)}{place_of(first.hours)}{required}"
         parts += [life, f"joint {first.joint} fails first"]
     if found.chosen is not None:
         parts.append(f"size {found.chosen} would give {_chosen(found)}")
     elif found.sizes and target is not None and not (first and passes(found.joints)):
-        parts.append(f"no size of the table reaches {hours_text(target)} within its limits")
+        parts.append(f"no size of the table reaches {_hours(target)} within its limits")
     if parts:
-        text = "; ".join(parts)
-        return f"{text[0].upper()}{text[1:]}"
+        return capital("; ".join(parts))
     whys = [joint.hours.why for joint in found.joints if joint.hours]
     if found.of_sizes:
         whys.append(found.of_sizes.why)
     if whys:
-        return f"The required life of {hours_text(target or 0.0)} is not judged: {whys[0]}"
+        return f"The required life of {_hours(target or 0.0)} is not judged: {whys[0]}"
     if not found.steps:
         return "No life is known: it needs a speed and a torque"
     if any(joint.rating is not None for joint in found.joints):
@@ -83,7 +75,7 @@ def _headline(found: LifeFigures) -> str:
 
 
 def _chosen(found: LifeFigures) -> str:
-    return next(hours_text(one.hours or 0.0) for one in found.sizes if one.size == found.chosen)
+    return next(_hours(one.hours or 0.0) for one in found.sizes if one.size == found.chosen)
 
 
 def _faults(joint: JointLife) -> Iterator[str]:
@@ -105,11 +97,8 @@ def _faults(joint: JointLife) -> Iterator[str]:
             yield f"The {what} of joint {joint.joint} is not judged: {judged.why}."
 
 
-def hours_text(hours: float) -> str:
-    """Return a life in hours, to the hour from 100 h on."""
-    if hours == float("inf"):
-        return "unlimited"
-    return f"{hours:.0f} h" if hours >= 100.0 else f"{hours:.3g} h"
+def _hours(hours: float) -> str:
+    return given(hours, "h")
 
 
 def _joints(joints: list[int]) -> str:

@@ -14,6 +14,7 @@ from cardan.app.answers.rows import UNITS, Judged, count, figure, item, parts, w
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
+from cardan.design.quantities import label
 
 # Findings have their own units; figures are in SI.
 _UNITS = {"deg": UNITS["deg"].factor, "rad/s²": 1.0}
@@ -152,7 +153,9 @@ def _speeds(found: Check) -> Sequence[SpeedLimits]:
             # Rounding noise is reached at no speed of a machine.
             if within * UNITS["rpm"].factor < 1e7:
                 speeds.append(
-                    SpeedLimits(each.name, within, tolerable if tolerable > within else None)
+                    SpeedLimits(
+                        label(each.figure), within, tolerable if tolerable > within else None
+                    )
                 )
     return speeds
 

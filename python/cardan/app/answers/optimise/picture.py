@@ -6,8 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.answers.optimise.figures import Optimised, unit_of
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.optimise.figures import Optimised
+from cardan.app.answers.optimise.text import by_state
+from cardan.app.answers.printed import symbol_of, table_of, with_unit
+from cardan.app.answers.rows import NotFound
 from cardan.app.answers.states.figures import without_common
+from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.pictures.style import (
     THIN,
     drawing,
@@ -30,6 +35,32 @@ _SHORT = 30
 _GREY = "0.75"
 
 _BEYOND: dict[str, Any] = {**THIN, "color": line_style(0)["color"], "linestyle": (0, (1, 1.2))}
+_TEETH: dict[str, Any] = {"linestyle": "none", "marker": "|", "markersize": 6.0, "color": "0.35"}
+
+_HEIGHT = 58.0  # mm
+
+
+def drawn(_: Answer, found: Optimised | NotFound) -> dict[str, Any]:
+    """Return tables of the states and a chart over each variable, the others at their best."""
+    if isinstance(found, NotFound):
+        return {}
+    tables = []
+    for caption, states in by_state(found):
+        head, rows = table_of(states)
+        first, *others = zip(head, *rows, strict=True)
+        tables.append(Table(caption, first, others))
+    return {"tables": tables, "charts": [_chart(found, i) for i in range(len(found.variables))]}
+
+
+def _chart(found: Optimised, number: int) -> dict[str, Any]:
+    variable, over = found.asked.variables[number], found.over(number)
+    known = np.isfinite(over.values)
+    best = variable.base + float(found.best.x[number])
+    curves = [Curve(f"best at {best:.6g} {symbol_of(variable.unit)}".strip(), over.within[known])]
+    if np.any(np.isfinite(over.beyond)):
+        curves.append(Curve("beyond a limit", over.beyond[known]))
+    panel = Panel(found.goal_words, symbol_of(found.minimised.unit), tuple(curves), 1.0)
+    return chart(panel, over.x[known], with_unit(variable.axis.key, variable.unit))
 
 
 def plot_optimise(found: Optimised) -> Figure:
@@ -41,13 +72,25 @@ def plot_optimise(found: Optimised) -> Figure:
     Returns:
         a figure of 170 mm width with a panel for the states and one for each variable.
     """
-    panels = len(found.asked.variables) + 1
-    rows = (panels + 1) // 2
-    with page(170.0, 58.0 * rows, found.scene.title, 90) as figure:
+    count = len(found.variables)
+    rows = count // 2 + 1
+    with page(170.0, _HEIGHT * rows, found.scene.title, 90) as figure:
         plot_optimised_states(found, ax=figure.add_subplot(rows, 2, 1))
-        for i in range(panels - 1):
+        for i in range(count):
             plot_over_variable(found, i, ax=figure.add_subplot(rows, 2, i + 2))
     return figure
+
+
+def _whole(answer: Answer) -> Figure:
+    """Best values: the quantity over each variable, each state before and after."""
+    found = answer.needed("optimise")
+    if isinstance(found, NotFound):
+        raise ValueError(found.reason)
+    return plot_optimise(found)
+
+
+PICTURES = {"optimise": _whole}
+"""The pictures of the part by name."""
 
 
 def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = None) -> Axes:
@@ -64,50 +107,33 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
     Raises:
         ValueError: a variable that does not exist.
     """
-    if not 0 <= variable < len(found.asked.variables):
-        count = len(found.asked.variables)
+    count = len(found.variables)
+    if not 0 <= variable < count:
         raise ArgumentValueError("variable", f"is {variable}; there are {count}, counted from 0")
-    own = found.asked.variables[variable]
-    curve = found.over(variable)
+    own, curve = found.asked.variables[variable], found.over(variable)
     best = own.base + float(found.best.x[variable])
-    unit = unit_of(own)
-    with drawing(ax, height_mm=58.0) as axes:
-        x = own.base + curve.changes
-        axes.plot(x, curve.within, **line_style(0))
+    with drawing(ax, height_mm=_HEIGHT) as axes:
+        axes.plot(curve.x, curve.within, **line_style(0))
         if np.any(np.isfinite(curve.beyond)):
-            axes.plot(x, curve.beyond, label="beyond a limit", **_BEYOND)
+            axes.plot(curve.x, curve.beyond, label="beyond a limit", **_BEYOND)
         if own.teeth:
             pitch = 360.0 / own.teeth
-            first, last = curve.changes[0] / pitch, curve.changes[-1] / pitch
-            turns = np.arange(np.ceil(first), np.floor(last) + 1.0)
-            heights = np.interp(pitch * turns, curve.changes, curve.values)
-            teeth: dict[str, Any] = {
-                "linestyle": "none",
-                "marker": "|",
-                "markersize": 6.0,
-                "color": "0.35",
-            }
-            axes.plot(own.base + pitch * turns, heights, label="teeth", **teeth)
+            first, last = (curve.x[[0, -1]] - own.base) / pitch
+            turned = own.base + pitch * np.arange(np.ceil(first), np.floor(last) + 1.0)
+            heights = np.interp(turned, curve.x, curve.values)
+            axes.plot(turned, heights, label="teeth", **_TEETH)
         axes.axvline(own.base, label="scene", **{**THIN, "linestyle": (0, (4, 1.5))})
-        axes.plot(
-            [best],
-            [float(found.goal(found.best.value))],
-            linestyle="none",
-            marker="o",
-            markersize=4.0,
-            color=line_style(1)["color"],
-            label="best",
-        )
+        dot: dict[str, Any] = {"markersize": 4.0, "color": line_style(1)["color"]}
+        axes.plot([best], [float(found.goal(found.best.value))], "o", label="best", **dot)
+        axes.set_xlim(curve.x[0], curve.x[-1])
         if np.isfinite(own.high - own.low):
-            room = 0.06 * (own.high - own.low)
-            for end, beyond in ((own.low, own.low - room), (own.high, own.high + room)):
-                axes.axvspan(own.base + beyond, own.base + end, color=_GREY, linewidth=0.0)
-            axes.set_xlim(own.base + own.low - room, own.base + own.high + room)
-        else:
-            axes.set_xlim(x[0], x[-1])
+            ends, room = own.base + np.array([own.low, own.high]), 0.06 * (own.high - own.low)
+            for end, outside in zip(ends, (-room, room), strict=True):
+                axes.axvspan(end + outside, end, color=_GREY, linewidth=0.0)
+            axes.set_xlim(ends[0] - room, ends[1] + room)
         axes.set_ylim(bottom=0.0)
-        goal = ",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1))
-        finish(axes, f"{own.axis.key}{unit and f' [{unit}]'}", goal)
+        goal = with_unit(found.goal_words, found.minimised.unit)
+        finish(axes, with_unit(own.axis.key, own.unit), ",\n".join(goal.rsplit(", ", 1)))
     return axes
 
 
@@ -120,7 +146,7 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
     """
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)
-    with drawing(ax, height_mm=58.0) as axes:
+    with drawing(ax, height_mm=_HEIGHT) as axes:
         at = np.arange(len(names), dtype=np.float64)
         axes.bar(at - 0.2, before, 0.4, color=_GREY, label="before")
         axes.bar(at + 0.2, after, 0.4, color=line_style(0)["color"], label="after")
@@ -131,13 +157,9 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         if max(map(len, ticks)) * len(ticks[::step]) > 2 * _SHORT:
             axes.tick_params(axis="x", labelrotation=60.0)
         axes.set_xlabel(heading)
-        axes.set_ylabel(_with_unit(found, label(found.asked.minimise)))
+        axes.set_ylabel(with_unit(label(found.asked.minimise), found.minimised.unit))
         axes.grid(visible=True, axis="y")
         axes.set_axisbelow(True)
         value_ticks(axes.yaxis)
         legend_above(axes)
     return axes
-
-
-def _with_unit(found: Optimised, words: str) -> str:
-    return f"{words}{found.goal_unit and f' [{found.goal_unit}]'}"

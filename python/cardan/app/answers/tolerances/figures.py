@@ -10,11 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.data import data_of, schema_of
-from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.over import over
 from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, key_of, parts, word
-from cardan.app.scene.language.units import ENDINGS
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.design.quantities import MOTION_QUANTITIES, label
@@ -82,8 +79,8 @@ class ToleranceFigure:
     unit: str = word("unit", _UNIT, is_detail=True)
     nominal: Judged = figure("in the middle of the tolerances", "own", "as drawn or as measured")
     half: float = figure("half of the drivelines up to", "own", "median")
-    most: float = figure("95 % up to", "own", "of 100 drivelines, 95 are not above it")
-    nearly: float = figure("99 % up to", "own", "of 100 drivelines, 99 are not above it")
+    most: float = figure("95% up to", "own", "of 100 drivelines, 95 are not above it")
+    nearly: float = figure("99% up to", "own", "of 100 drivelines, 99 are not above it")
     worst: Judged = figure(
         "worst with tolerances",
         "own",
@@ -120,6 +117,15 @@ class ToleranceFigures:
     shares: tuple[Share, ...] = parts("Shares in the scatter", "the largest of each figure first")
 
 
+@dataclass(frozen=True, kw_only=True)
+class AllToleranceFigures(ToleranceFigures):
+    """The figures of a scene's tolerances, with how exact each group must be."""
+
+    permitted: tuple[Permitted, ...] = parts(
+        "Permitted", "of a single figure with a limit", is_detail=True
+    )
+
+
 def find(answer: Answer) -> ToleranceFigures | None:
     """Return the figures of a scene's tolerances; ``None`` without any."""
     return tolerance_figures(answer.scene)
@@ -144,39 +150,11 @@ def tolerance_figures(scene: Scene) -> ToleranceFigures | None:
     )
 
 
-def needed_tolerances(scene: Scene) -> ToleranceFigures:
-    """Return the figures of a scene's tolerances.
-
-    Raises:
-        ValueError: it has none.
-    """
-    found = tolerance_figures(scene)
-    if found is None:
-        raise ValueError(f"{scene.name}: section [tolerances] is missing; it gives the tolerances")
-    return found
-
-
-def tolerances_data(scene: Scene) -> dict[str, Any]:
-    """Return the tolerances of a scene as plain data for JSON.
-
-    Raises:
-        ValueError: it has none.
-    """
-    found = needed_tolerances(scene)
-    assert scene.tolerances
-    permitted = permitted_tolerances(scene.tolerances, scene.tolerance_arms)
-    return answer("tolerances", scene.title, **data_of(found), permitted=data_of(permitted))
-
-
-TOLERANCES_SCHEMA = answer_schema(
-    "tolerances",
-    "what cardan tolerances prints with --json",
-    {
-        **schema_of(ToleranceFigures)["properties"],
-        "permitted": {"type": "array", "items": schema_of(Permitted)},
-    },
-)
-"""JSON Schema of what ``tolerances_data`` returns."""
+def whole(answer: Answer, found: ToleranceFigures) -> AllToleranceFigures:
+    """Return the figures with how exact each group must be."""
+    of, arms = answer.scene.tolerances, answer.scene.tolerance_arms
+    assert of
+    return AllToleranceFigures(**vars(found), permitted=permitted_tolerances(of, arms))
 
 
 def _given(
@@ -184,9 +162,7 @@ def _given(
 ) -> Iterator[tuple[str, str, float, float]]:
     """The groups with tolerances above 0: name, unit, the least and the largest.
 
-    Args:
-        found: the tolerances.
-        arms: arm of each joint in m by the groups that are given as lengths.
+    Some are given as lengths at an arm of each joint in m.
     """
     for group, sizes in found.given.items():
         length = group == "points" or group in arms
@@ -199,21 +175,11 @@ def _given(
 def permitted_tolerances(
     found: Tolerances, arms: Mapping[str, FloatArray] | None = None
 ) -> tuple[Permitted, ...]:
-    """Return how exact each group must be, for a single figure with a limit.
-
-    Args:
-        found: the tolerances.
-        arms: arm of each joint in m by the groups of deviations that are given as lengths.
-    """
+    """Return how exact each group must be, for a single figure with a limit; ``arms`` as above."""
     if len(found.of) > 1 or math.isnan(float(found.limit)):
         return ()
     factors = ((each, float(found.permitted(each[0]))) for each in _given(found, arms or {}))
     return tuple(Permitted(*each, factor, math.isinf(factor)) for each, factor in factors)
-
-
-def unit_of(found: Tolerances, name: str) -> str:
-    """Return the unit in which a figure is shown, a key of ``UNITS``."""
-    return key_of(found.unit(name))
 
 
 def figure_of(found: Tolerances, name: str, scene: Scene) -> ToleranceFigure:
@@ -235,7 +201,7 @@ def figure_of(found: Tolerances, name: str, scene: Scene) -> ToleranceFigure:
     return ToleranceFigure(
         called(found, name),
         name,
-        unit_of(found, name),
+        key_of(found.unit(name)),
         worst_of("nominal", None),
         half,
         most,
@@ -257,13 +223,7 @@ def called(found: Tolerances, name: str) -> str:
 
 def in_its_unit(found: Tolerances, name: str, value: Any) -> Any:  # noqa: ANN401
     """Return a result of one figure in the unit in which it is shown."""
-    return UNITS[unit_of(found, name)].factor * np.asarray(one(value, name))
-
-
-def with_symbol(found: Tolerances, name: str) -> str:
-    """Return what a figure is called with its unit, for an axis."""
-    unit = unit_of(found, name)
-    return called(found, name) + (f" [{ENDINGS[unit].symbol}]" if unit else "")
+    return UNITS[key_of(found.unit(name))].factor * np.asarray(one(value, name))
 
 
 def one(value: Any, name: str) -> Any:  # noqa: ANN401

@@ -9,15 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.page import tables_of
+from cardan.app.answers.printed import capital, given, quantity, with_unit
+from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.tolerances.figures import (
+    ToleranceFigure,
+    ToleranceFigures,
+    called,
     in_its_unit,
-    needed_tolerances,
     shares_of,
-    unit_of,
-    with_symbol,
 )
+from cardan.app.answers.tolerances.text import by_state, percent
+from cardan.app.charts.charts import Curve, Panel, Table, bars, chart
 from cardan.app.pictures.style import (
     LINES,
+    draw_bars,
     drawing,
     legend_above,
     stacked,
@@ -30,16 +36,62 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_BINS, _POINTS = 40, 400
-
-# Smaller shares would be written as 0.0 %.
-_LEAST = 5e-4
+_BINS, _POINTS, _CHART_POINTS = 40, 400, 200
+_PANEL = 55.0  # mm
 
 # Parameters beyond this many share one bar.
 _MOST_BARS = 8
 
 _LIMIT: Mapping[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
 _WORST: Mapping[str, Any] = {"color": "0.25", "linestyle": (0, (1, 1.2)), "linewidth": 1.1}
+
+
+def drawn(answer: Answer, found: ToleranceFigures) -> dict[str, Any]:
+    """Return tables of the states, how the drivelines scatter and what makes them."""
+    of = answer.scene.tolerances
+    assert of
+    return {
+        "tables": [
+            *tables_of("Tolerances", found),
+            *(
+                Table(caption, tuple(map(str.capitalize, head)), rows)
+                for caption, (head, *rows) in by_state(found)
+            ),
+        ],
+        "charts": [_scatter(figure, of) for figure in found.figures],
+        "bars": [
+            bars(f"What makes the {figure.label} scatter", _shares(of, figure.name, 10))
+            for figure in found.figures
+        ],
+    }
+
+
+def _scatter(figure: ToleranceFigure, of: Tolerances) -> dict[str, Any]:
+    """The share of the drivelines up to each value, with the limit as a step."""
+    sampled, worst = (in_its_unit(of, figure.name, each) for each in (of.ascending, of.worst))
+    limit = None if figure.limit is None else UNITS[figure.unit].factor * figure.limit
+    high = max(float(sampled[-1]), float(worst), limit or 0.0)
+    x = np.linspace(
+        float(sampled[0]), high if high > sampled[0] else sampled[0] + 1.0, _CHART_POINTS
+    )
+    if limit is not None:
+        x = np.sort(np.append(x, [limit, limit]))
+    shares = 100.0 * np.searchsorted(sampled, x, side="right") / len(sampled)
+    curves = [Curve("share up to this value", shares)]
+    if limit is not None and figure.limit is not None:
+        step = np.where(x > limit, 100.0, 0.0)
+        step[np.searchsorted(x, limit, side="left") + 1] = 100.0
+        curves.append(Curve(f"limit {quantity(figure.limit, figure.unit)}", step))
+    panel = Panel(f"Random drivelines up to this {figure.label}", "%", tuple(curves), 100.0)
+    return chart(panel, x, with_unit(figure.label, figure.unit))
+
+
+def _shares(found: Tolerances, name: str, most: int) -> list[tuple[str, float, str]]:
+    """The shares in the scatter as bars in percent; beyond so many parameters they share one."""
+    shares = [(capital(each.label), each.share) for each in shares_of(found, name)]
+    if rest := math.fsum(share for _, share in shares[most:]):
+        shares[most:] = [(f"the other {len(shares) - most}", rest)]
+    return [(label, 100.0 * share, percent(share)) for label, share in shares[: most + 1]]
 
 
 def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None = None) -> Axes:
@@ -59,7 +111,7 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
     name = _checked(found, of)
     values = in_its_unit(found, name, found.ascending)
     limit, worst = in_its_unit(found, name, found.limit), in_its_unit(found, name, found.worst)
-    with drawing(ax, height_mm=55.0) as axes:
+    with drawing(ax, height_mm=_PANEL) as axes:
         counts, edges = np.histogram(values, _BINS)
         shares = 100.0 * counts / len(values)
         axes.bar(
@@ -85,13 +137,13 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         upto.set_ylabel("drivelines up to this value [%]")
         upto.grid(visible=True, axis="y")
         upto.set_zorder(2.0)
-        mark = "°" if unit_of(found, name) == "deg" else ""
-        if not np.isnan(limit):
-            upto.axvline(limit, label=f"limit {limit:.4g}{mark}", **_LIMIT)
-        upto.axvline(worst, label=f"worst {worst:.4g}{mark}", **_WORST)
+        unit = key_of(found.unit(name))
+        for word, value, style in (("limit", limit, _LIMIT), ("worst", worst, _WORST)):
+            if not np.isnan(value):
+                shown = given(value / UNITS[unit].factor, unit)
+                upto.axvline(value, label=f"{word} {shown}", **style)
         of = f", largest of {found.n_states} states" if found.n_states else ""
-        name, bracket, unit = with_symbol(found, name).partition(" [")
-        axes.set_xlabel(f"{name}{of}{bracket}{unit}")
+        axes.set_xlabel(with_unit(f"{called(found, name)}{of}", unit))
         value_ticks(axes.xaxis)
         value_ticks(axes.yaxis)
         legend_above(upto)
@@ -111,29 +163,9 @@ def plot_tolerance_shares(
     Raises:
         ValueError: a batch, a figure that was not asked for.
     """
-    name = _checked(found, of)
-    shares = shares_of(found, name)
-    rest = math.fsum(share.share for share in shares[_MOST_BARS:])
-    bars = [(share.label, share.share) for share in shares[:_MOST_BARS]]
-    if rest > 0.0:
-        bars.append((f"the other {len(shares) - _MOST_BARS}", rest))
-    with drawing(ax, height_mm=12.0 + 5.0 * len(bars)) as axes:
-        rows = range(len(bars))
-        axes.barh(rows, [100.0 * share for _, share in bars], 0.62, color="#0072B2")
-        for row, (_, share) in enumerate(bars):
-            axes.annotate(
-                f"{100.0 * share:.1f} %" if share == 0.0 or share >= _LEAST else "< 0.1 %",
-                (100.0 * share, row),
-                xytext=(2.0, 0.0),
-                textcoords="offset points",
-                va="center",
-            )
-        axes.set_yticks(list(rows), [label for label, _ in bars])
-        axes.invert_yaxis()
-        axes.tick_params(axis="y", length=0)
-        # Room for the figures beside the bars.
-        most = 100.0 * max((share for _, share in bars), default=1.0)
-        axes.set_xlim(0.0, 1.18 * most if most > 0.0 else 1.0)
+    known = _shares(found, _checked(found, of), _MOST_BARS)
+    with drawing(ax, height_mm=_height(len(known))) as axes:
+        draw_bars(axes, known)
         axes.set_xticks([tick for tick in axes.get_xticks() if tick <= 100.0])
         axes.set_xlabel("share in the scatter [%]")
     return axes
@@ -141,20 +173,24 @@ def plot_tolerance_shares(
 
 def _whole(answer: Answer) -> Figure:
     """How the first figure scatters, and which tolerances make it do so."""
-    needed_tolerances(answer.scene)
+    answer.needed("tolerances")
     found = answer.scene.tolerances
     assert found
-    bars = min(len(shares_of(found, found.of[0])), _MOST_BARS + 1)
+    count = len(_shares(found, found.of[0], _MOST_BARS))
     return stacked(
         (
-            (55.0, lambda axes: plot_tolerances(found, ax=axes)),
-            (12.0 + 5.0 * bars, lambda axes: plot_tolerance_shares(found, ax=axes)),
+            (_PANEL, lambda axes: plot_tolerances(found, ax=axes)),
+            (_height(count), lambda axes: plot_tolerance_shares(found, ax=axes)),
         )
     )
 
 
 PICTURES = {"tolerances": _whole}
 """The pictures of the part by name."""
+
+
+def _height(bars: int) -> float:
+    return 12.0 + 5.0 * bars
 
 
 def _checked(found: Tolerances, of: str | None) -> str:

@@ -5,32 +5,40 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from cardan.app.answers.printed import given, part_text, place_of, quantity, short, table_text
-from cardan.app.answers.rows import UNITS, Judged
+from cardan.app.answers.printed import (
+    capital,
+    given,
+    part_text,
+    place_of,
+    quantity,
+    rounded_down,
+    table_text,
+)
+from cardan.app.answers.rows import Judged
 from cardan.app.answers.tolerances.figures import (
     GROUP_NAMES,
+    AllToleranceFigures,
     Permitted,
     Share,
     ToleranceFigure,
     ToleranceFigures,
 )
-from cardan.design.wrapping import fill
 
 
-def tolerances_text(found: ToleranceFigures, permitted: Sequence[Permitted]) -> str:
-    """Return all about tolerances as plain text, 79 wide."""
+def words(found: ToleranceFigures, *, radians: bool = False) -> str:
+    """Return all about tolerances as plain text, 79 wide, the figures in each state first."""
     tables = [
-        f"{figure.label.capitalize()} in each state\n{table_text(rows)}"
-        for figure in found.figures
-        if (rows := [[f"  {first}", *others] for first, *others in state_rows(figure)])
+        "\n".join([caption, table_text([[f"  {first}", *others] for first, *others in rows])])
+        for caption, rows in by_state(found)
     ]
-    texts = [*sentences(found), *permitted_texts(found, permitted)]
-    return "\n\n".join([*tables, part_text("Tolerances", found, texts)])
+    return "\n\n".join([*tables, part_text("Tolerances", found, sentences(found), radians=radians)])
 
 
-def brief(found: ToleranceFigures) -> str:
-    """Return the verdicts as plain text, 79 wide."""
-    return "\n".join(fill(text, 79, break_on_hyphens=False) for text in sentences(found))
+def by_state(found: ToleranceFigures) -> Iterator[tuple[str, list[list[str]]]]:
+    """Yield caption and rows of texts of each figure that is known by state."""
+    for each in found.figures:
+        if rows := state_rows(each):
+            yield f"{each.label.capitalize()} in each state", rows
 
 
 def state_rows(figure: ToleranceFigure) -> list[list[str]]:
@@ -59,11 +67,13 @@ def sentences(found: ToleranceFigures) -> Iterator[str]:
     for figure in found.figures:
         shares = [each for each in found.shares if each.name == figure.name]
         yield _verdict(figure, shares, named=several or figure.limit is None)
+    if isinstance(found, AllToleranceFigures):
+        yield from permitted_texts(found, found.permitted)
 
 
 def _verdict(figure: ToleranceFigure, shares: Sequence[Share], *, named: bool) -> str:
     start = "as measured" if figure.measured else "as drawn"
-    name = f"{figure.label[:1].upper()}{figure.label[1:]}: " if named else ""
+    name = f"{capital(figure.label)}: " if named else ""
     about = "about " if figure.worst_kind == "linear" else ""
     assert figure.worst.value is not None
     assert figure.nominal.value is not None
@@ -84,7 +94,7 @@ def _verdict(figure: ToleranceFigure, shares: Sequence[Share], *, named: bool) -
         drawn = f"beyond {limit}{place_of(figure.nominal)}"
     needed = ""
     if figure.passing.limit is not None:
-        needed = f"; the scene requires {short(100.0 * figure.passing.limit)} %"
+        needed = f"; the scene requires {given(figure.passing.limit, 'percent')}"
     return (
         f"{name}{start if named else start.capitalize()}, the driveline is {drawn}. With these "
         f"tolerances, {percent(figure.passing.value)} of all drivelines are within it{every}"
@@ -106,20 +116,11 @@ def _permitted(part: Permitted, found: ToleranceFigures) -> str:
         return f"No accuracy of the {group} brings every driveline within {limit}{same}."
     if math.isinf(part.factor):
         return f"With any error of the {group} every driveline is within {limit}{same}."
-    ends = [_rounded_down(part.factor * end, part.unit) for end in (part.least, part.largest)]
+    ends = [rounded_down(part.factor * end, part.unit) for end in (part.least, part.largest)]
     sizes = " to ".join(f"±{end}" for end in dict.fromkeys(ends))
     # To first order the worst driveline is only about the worst.
     about = "To first order, every" if found.figures[0].worst_kind == "linear" else "Every"
     return f"{about} driveline is within {limit} if the {group} are exact to {sizes}{same}."
-
-
-def _rounded_down(value: float, unit: str) -> str:
-    """A tolerance with three digits: at what is printed the limit is not yet exceeded."""
-    symbol, factor = UNITS[unit]
-    shown, step = factor * value, 1.0
-    if shown > 0.0:
-        step = 10.0 ** (math.floor(math.log10(shown)) - 2)
-    return f"{math.floor(shown / step) * step:.4g}{'' if symbol == '°' else ' '}{symbol}"
 
 
 def _value(figure: ToleranceFigure, value: float) -> str:
@@ -135,7 +136,7 @@ def percent(share: float) -> str:
     """Write a share; one that is not all of it never as 100 %."""
     text = f"{100.0 * share:.1f}"
     if text == "100.0" and share < 1.0:
-        return "more than 99.9 %"
+        return "more than 99.9%"
     if text == "0.0" and share > 0.0:
-        return "less than 0.1 %"
-    return f"{text} %"
+        return "less than 0.1%"
+    return f"{text}%"

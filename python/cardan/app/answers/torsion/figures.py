@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.data import data_of, schema_of
-from cardan.app.answers.json_schema import answer, answer_schema
 from cardan.app.answers.rows import Judged, count, figure, flag, item, numbers, parts, word
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import TorsionCase
@@ -27,12 +24,8 @@ TorsionVerdict = Literal["unstable", "reversing", "resonant", "clear"]
 critical speed lies in the range.
 """
 
-# Speeds on each side of a critical speed that are added to those of the scene, and how far they
-# reach in shares of it.
-_NEAR, _REACH = 20, 0.1
-
-# Rounds in which the largest torque is located, each with so many speeds.
-_ROUNDS, _EACH = 5, 9
+# Amplitudes below this share of the largest torque are rounding.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -47,7 +40,7 @@ class SpeedRange:
 class Unstable(SpeedRange):
     """Speeds at which small deviations from the periodic motion grow."""
 
-    multiplier: float = figure("growth", meaning="by how much at most in half a turn")
+    multiplier: float = figure("growth in half a turn", meaning="at most")
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,7 @@ class Mode:
     number: int = item("mode")
     frequency: float = figure("natural frequency", "Hz", source="of the mean system")
     damping_ratio: float = figure("damping ratio", source="w/2 sum(share d/c)")
-    shaft: int = count("shaft that is twisted most")
+    shaft: int = count("shaft twisted most")
     shares: tuple[Share, ...] = parts("Shares in the energy of twist")
 
 
@@ -83,13 +76,18 @@ class CriticalSpeed:
     mode: int = count("mode", "number of the natural frequency, the lowest being 0")
     order: int = count("order", "of the drive's rotation; joints excite even ones")
     speed: float = figure("drive speed", "rpm", source="natural frequency over the order")
-    shaft: int = count("shaft that is twisted most")
-    inside: bool = flag("inside", "whether it lies in the speed range of the scene")
+    shaft: int = count("shaft twisted most")
+    inside: bool = flag("in the range", "whether it lies in the speed range of the scene")
     amplitude: float | None = figure(
         "amplitude",
         "Nm",
         "of this order of the torque of the shaft; null without a periodic motion",
     )
+
+    @property
+    def is_excited(self) -> bool:
+        """Whether joints excite its order."""
+        return self.order % 2 == 0
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ class BendRule:
     speed: float = figure(
         "around the speed", "rpm", "of the drive, at which unstable motion is possible"
     )
-    inside: bool = flag("inside", "whether these speeds overlap the speed range")
+    inside: bool = flag("in the speed range", "whether these speeds overlap the speed range")
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,9 @@ class LargestTorque:
     most: float = figure("largest torque", "Nm", "over the turn at that speed")
     mean: float = figure("mean torque", "Nm", "over the turn at that speed")
     reversals: tuple[SpeedRange, ...] = parts(
-        "Reversals", "speeds between which the torque changes its sign though its mean is not 0"
+        "Reversals",
+        "speeds between which the torque changes its sign though its mean is not 0",
+        is_detail=True,
     )
 
     @property
@@ -145,30 +145,30 @@ class Motions:
     largest: float = figure("largest of their largest torques", "Nm")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OrderResponse:
     """The amplitudes of one order of a torque."""
 
     order: int = item("order")
-    amplitude: tuple[float, ...] = numbers("amplitude", "Nm")
+    amplitude: FloatArray = numbers("amplitude", "Nm")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ShaftResponse:
     """The torque of one shaft at each speed of the response."""
 
     shaft: int = item("shaft")
-    mean: tuple[float, ...] = numbers("mean torque", "Nm")
-    least: tuple[float, ...] = numbers("least torque", "Nm")
-    largest: tuple[float, ...] = numbers("largest torque", "Nm")
+    mean: FloatArray = numbers("mean torque", "Nm")
+    least: FloatArray = numbers("least torque", "Nm")
+    largest: FloatArray = numbers("largest torque", "Nm")
     orders: tuple[OrderResponse, ...] = parts("Orders")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Response:
     """The periodic motion over the speed."""
 
-    speed: tuple[float, ...] = numbers("drive speed", "rpm")
+    speed: FloatArray = numbers("drive speed", "rpm")
     shafts: tuple[ShaftResponse, ...] = parts("Shafts")
 
 
@@ -191,9 +191,10 @@ class TorsionBasics:
         "Bends", "first region of the Whittaker-Hill equation, one compliant shaft"
     )
 
-    def is_inside(self, speed: float) -> bool:
-        """Whether a speed lies in the range of the scene."""
-        return self.speed_range.start <= speed <= self.speed_range.stop
+    @property
+    def resonances(self) -> list[CriticalSpeed]:
+        """The critical speeds within the speed range that the joints excite."""
+        return [each for each in self.critical_speeds if each.inside and each.is_excited]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -206,7 +207,9 @@ class TorsionFigures(TorsionBasics):
 
     speed: FloatArray
     steady: SteadyState
-    verdict: TorsionVerdict = word("verdict", "the worst of what happens in the speed range")
+    verdict: TorsionVerdict = word(
+        "verdict", "the worst of what happens in the speed range", is_detail=True
+    )
     largest: tuple[LargestTorque, ...] = parts("Largest torques", "of each compliant shaft")
     unstable: tuple[Unstable, ...] = parts("Unstable motion")
     missing: tuple[Missing, ...] = parts("Speeds without a periodic motion")
@@ -215,17 +218,12 @@ class TorsionFigures(TorsionBasics):
         "at the worst critical speed, at the speed of the largest torque and amid the most "
         "unstable range; the response has one at each speed",
     )
-    response: Response = parts("Response over the speed")
+    response: Response = parts("Response over the speed", is_detail=True)
 
 
 def find(answer: Answer) -> TorsionBasics | None:
     """Return what a check says of a scene's torsional vibration; ``None`` without [torsion]."""
-    return torsion_basics(answer.scene)
-
-
-def torsion_basics(scene: Scene) -> TorsionBasics | None:
-    """Return what needs no search for periodic motions; ``None`` without [torsion]."""
-    given = scene.torsion
+    given = answer.scene.torsion
     if given is None:
         return None
     system, low, high = given.system, float(given.speed[0]), float(given.speed[-1])
@@ -271,23 +269,25 @@ def torsion_basics(scene: Scene) -> TorsionBasics | None:
     return TorsionBasics(given, margin, SpeedRange(low, high), modes, critical_speeds, rules)
 
 
-def torsion_figures(scene: Scene) -> TorsionFigures | None:
-    """Return the torsional vibration of a scene over its speeds; ``None`` without [torsion]."""
-    basics = torsion_basics(scene)
-    if basics is None:
-        return None
-    given, system = basics.torsion, basics.torsion.system
-    speed = _speeds(basics)
-    steady = system.steady(speed, given.orders)
-    unstable = tuple(
-        Unstable(each.start, each.stop, each.multiplier) for each in system.unstable_ranges(speed)
+def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
+    """Return the torsional vibration over the speeds of the scene."""
+    given, system = found.torsion, found.torsion.system
+    response = system.speed_response(given.speed, given.orders)
+    speed, steady = response.speed, response.steady
+    largest = tuple(
+        LargestTorque(
+            *(each.shaft, each.speed, each.least, each.most, each.mean),
+            tuple(SpeedRange(*ends) for ends in each.reversals),
+        )
+        for each in response.largest
     )
-    critical_speeds = tuple(_with_amplitude(given, each) for each in basics.critical_speeds)
+    known = [torque.size for torque in largest if math.isfinite(torque.size)]
+    critical_speeds = tuple(_with_amplitudes(found, _ROUNDING * max(known, default=0.0)))
+    unstable = tuple(Unstable(*astuple(each)) for each in system.unstable_ranges(speed))
     missing = tuple(
         Missing(float(speed[first]), float(speed[last]), str(steady.reasons[first]))
         for first, last in ranges(~steady.found)
     )
-    largest = tuple(_largest(basics, critical_speeds, speed, steady))
     verdict: TorsionVerdict = "clear"
     if unstable:
         verdict = "unstable"
@@ -295,14 +295,10 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         verdict = "reversing"
     elif any(each.inside for each in critical_speeds):
         verdict = "resonant"
-    searched = list(_worst(critical_speeds, largest, unstable))
+    basics = replace(found, critical_speeds=critical_speeds)
+    searched = list(_worst(basics.resonances, largest, unstable))
     return TorsionFigures(
-        given,
-        basics.margin,
-        basics.speed_range,
-        basics.modes,
-        critical_speeds,
-        basics.rules,
+        **vars(basics),
         speed=speed,
         steady=steady,
         verdict=verdict,
@@ -314,55 +310,41 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
     )
 
 
+def torsion_figures(scene: Scene) -> TorsionFigures | None:
+    """Return the torsional vibration of a scene over its speeds; ``None`` without [torsion]."""
+    answer = Answer(scene)
+    found = find(answer)
+    return None if found is None else whole(answer, found)
+
+
+def _with_amplitudes(found: TorsionBasics, noise: float) -> Iterator[CriticalSpeed]:
+    """The critical speeds with the amplitudes of their orders, which are 0 up to the noise."""
+    system = found.torsion.system
+    for critical in found.critical_speeds:
+        steady = system.steady(critical.speed, critical.order)
+        size = float(np.abs(steady.torque_orders[system.compliant.index(critical.shaft), 0]))
+        amplitude = None if math.isnan(size) else size if size > noise else 0.0
+        yield replace(critical, amplitude=amplitude)
+
+
 def _response(speed: FloatArray, steady: SteadyState) -> Response:
-    def listed(values: Any) -> tuple[float, ...]:  # noqa: ANN401 - an array
-        return tuple(values.tolist())
-
-    return Response(
-        listed(speed),
-        tuple(
-            ShaftResponse(
-                shaft,
-                listed(steady.torque_mean[place]),
-                listed(steady.torque_min[place]),
-                listed(steady.torque_max[place]),
-                tuple(
-                    OrderResponse(int(order), listed(np.abs(steady.torque_orders[place, :, i])))
-                    for i, order in enumerate(steady.orders)
-                ),
-            )
-            for place, shaft in enumerate(steady.compliant)
-        ),
-    )
-
-
-def torsion_data(title: str, found: TorsionFigures, files: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the torsional vibration of a scene as plain data for JSON.
-
-    Args:
-        title: of the scene.
-        found: its figures.
-        files: what was written.
-    """
-    return answer("torsion", title, **data_of(found), files=list(files))
-
-
-def needed_torsion(scene: Scene) -> TorsionFigures:
-    """Return the torsional vibration of a scene.
-
-    Raises:
-        ValueError: it has no section [torsion].
-    """
-    found = torsion_figures(scene)
-    if found is None:
-        raise ValueError(
-            f"{scene.name}: section [torsion] is missing; it gives stiffnesses and inertias"
+    shafts = (
+        ShaftResponse(
+            shaft,
+            steady.torque_mean[place],
+            steady.torque_min[place],
+            steady.torque_max[place],
+            tuple(
+                map(OrderResponse, steady.orders.tolist(), np.abs(steady.torque_orders[place]).T)
+            ),
         )
-    return found
+        for place, shaft in enumerate(steady.compliant)
+    )
+    return Response(speed, tuple(shafts))
 
 
 def _worst(
-    critical_speeds: Sequence[CriticalSpeed],
+    resonances: Sequence[CriticalSpeed],
     largest: Sequence[LargestTorque],
     regions: Sequence[Unstable],
 ) -> Iterator[float]:
@@ -370,114 +352,10 @@ def _worst(
 
     There are no more than these, because a search takes seconds with eight compliant shafts.
     """
-    inside = [part for part in critical_speeds if part.inside and part.order % 2 == 0]
-    if inside:
-        yield max(inside, key=lambda part: float(np.nan_to_num(part.amplitude or 0.0))).speed
+    if resonances:
+        yield max(resonances, key=lambda part: part.amplitude or 0.0).speed
     if largest:
         yield max(largest, key=lambda part: part.size).speed
     if regions:
         region = max(regions, key=lambda part: part.multiplier)
         yield 0.5 * (region.start + region.stop)
-
-
-def _speeds(basics: TorsionBasics) -> FloatArray:
-    """The speeds of the scene and more around critical speeds, whose peaks may be narrow."""
-    given = basics.torsion
-    around = [given.speed]
-    for critical in basics.critical_speeds:
-        if critical.order % 2 == 0:
-            # The half-width of a resonance is its damping ratio.
-            ratio = basics.modes[critical.mode].damping_ratio
-            least = min(max(0.25 * ratio, 1e-4), 0.5 * _REACH)
-            away = np.geomspace(least, _REACH, _NEAR)
-            around.append(critical.speed * (1.0 + np.concatenate([-away, [0.0], away])))
-    speeds = np.unique(np.concatenate(around))
-    inside = (speeds >= given.speed[0]) & (speeds <= given.speed[-1])
-    return np.asarray(speeds[inside], dtype=np.float64)
-
-
-def _with_amplitude(given: TorsionCase, critical: CriticalSpeed) -> CriticalSpeed:
-    found = given.system.steady(critical.speed, critical.order)
-    place = given.system.compliant.index(critical.shaft)
-    return replace(critical, amplitude=float(np.abs(found.torque_orders[place, 0])))
-
-
-def is_unknown(critical: CriticalSpeed) -> bool:
-    """Return whether there is no periodic motion at a critical speed."""
-    return critical.amplitude is None or math.isnan(critical.amplitude)
-
-
-def _largest(
-    basics: TorsionBasics,
-    critical_speeds: Sequence[CriticalSpeed],
-    speed: FloatArray,
-    response: SteadyState,
-) -> Iterator[LargestTorque]:
-    given = basics.torsion
-    damped = bool(given.system.load_damping > 0.0) or bool(np.any(given.system.dampings > 0.0))
-    for place, shaft in enumerate(given.system.compliant):
-        reversals = tuple(_reversals(speed, response, place))
-        unlimited = [
-            critical.speed
-            for critical in critical_speeds
-            if critical.inside and is_unknown(critical) and not damped
-        ]
-        if unlimited:
-            yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
-        elif np.any(response.found):
-            at, found, best = _located(given, place, speed, response)
-            ends = (found.torque_min, found.torque_max, found.torque_mean)
-            least, most, mean = (float(end[place, best]) for end in ends)
-            yield LargestTorque(shaft, float(at[best]), least, most, mean, reversals)
-
-
-def _located(
-    given: TorsionCase, place: int, speed: FloatArray, response: SteadyState
-) -> tuple[FloatArray, SteadyState, int]:
-    """Speeds ever closer to the largest torque, the motion at them and the place of the largest."""
-    at, found = speed, response
-    best = int(np.nanargmax(_sizes(found, place)))
-    for _ in range(_ROUNDS):
-        low, high = at[max(best - 1, 0)], at[min(best + 1, len(at) - 1)]
-        closer = np.union1d(np.linspace(low, high, _EACH), [at[best]])
-        at, found = closer, given.system.steady(closer, given.orders)
-        best = int(np.nanargmax(_sizes(found, place)))
-    return at, found, best
-
-
-def _sizes(found: SteadyState, place: int) -> FloatArray:
-    return np.asarray(np.maximum(np.abs(found.torque_min), np.abs(found.torque_max))[place])
-
-
-def _reversals(speed: FloatArray, response: SteadyState, place: int) -> Iterator[SpeedRange]:
-    """Where the torque changes its sign though it has a mean, the ends interpolated."""
-    if not np.any(response.found):
-        return
-    mean = response.torque_mean[place]
-    largest = np.nanmax(_sizes(response, place))
-    low = np.where(mean >= 0.0, response.torque_min[place], -response.torque_max[place])
-    reverses: NDArray[np.bool_] = response.found & (low < 0.0) & (np.abs(mean) > 1e-9 * largest)
-    for first, last in ranges(reverses):
-        start, stop = float(speed[first]), float(speed[last])
-        if first > 0 and low[first - 1] >= 0.0:
-            start = _crossing(speed, low, first - 1)
-        if last + 1 < len(speed) and low[last + 1] >= 0.0:
-            stop = _crossing(speed, low, last)
-        yield SpeedRange(start, stop)
-
-
-def _crossing(speed: FloatArray, value: FloatArray, place: int) -> float:
-    """The speed between two neighbours at which the value is 0, on a straight line."""
-    before, after = value[place], value[place + 1]
-    return float(speed[place] + (speed[place + 1] - speed[place]) * before / (before - after))
-
-
-TORSION_SCHEMA = answer_schema(
-    "torsion",
-    "what cardan torsion prints with --json",
-    {
-        **schema_of(TorsionFigures)["properties"],
-        "files": {"type": "array", "items": {"type": "string"}, "description": "what was written"},
-    },
-)
-"""JSON Schema of what ``torsion_data`` returns."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures, needed_torsion
+from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
+from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import (
     LINES,
     THIN,
@@ -37,6 +38,22 @@ _CRITICAL: Mapping[str, Any] = {**THIN, "linestyle": (0, (4, 1.5))}
 _SPEEDS, _BENDS = 121, 41
 # The map goes up to this bend in degrees, or to twice the bend of the scene.
 _LEAST_TOP, _MOST_TOP = 40.0, 85.0
+
+
+def drawn(_: Answer, found: TorsionFigures) -> dict[str, Any]:
+    """Return the torques of each compliant shaft over the speed as charts of the page."""
+    classes = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear": "good"}
+    known, charts = found.steady.found, []
+    # Speeds without a periodic motion are left out.
+    for place, shaft in enumerate(found.steady.compliant if np.count_nonzero(known) > 1 else ()):
+        curves = tuple(
+            Curve(label, getattr(found.steady, f"torque_{name}")[place][known])
+            for label, name in (("largest", "max"), ("mean", "mean"), ("least", "min"))
+        )
+        scale = float(max(np.max(np.abs(curve.values)) for curve in curves))
+        panel = Panel(f"Torque of shaft {shaft} over a turn", "N m", curves, scale)
+        charts.append(chart(panel, found.speed[known] / RPM, "drive speed [rpm]"))
+    return {"class": classes[found.verdict], "charts": charts}
 
 
 def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
@@ -96,21 +113,12 @@ def plot_torsion_response(
 
 def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
     """Mark speeds at which the motion is unstable, or not known."""
-    known: tuple[tuple[str, str, str, list[tuple[float, float]]], ...] = (
-        ("unstable", _UNSTABLE, "////", [(part.start, part.stop) for part in found.unstable]),
-        ("not known", _MISSING, "....", [(part.start, part.stop) for part in found.missing]),
-    )
-    for label, colour, hatch, parts in known:
-        for number, (start, stop) in enumerate(parts):
-            axes.axvspan(
-                start / RPM,
-                stop / RPM,
-                facecolor="none",
-                edgecolor=colour,
-                hatch=hatch,
-                linewidth=0.0,
-                label=label if number == 0 else None,
-            )
+    known = (("unstable", _UNSTABLE, "////"), ("not known", _MISSING, "...."))
+    for (label, colour, hatch), parts in zip(known, (found.unstable, found.missing), strict=True):
+        look: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "hatch": hatch}
+        for number, part in enumerate(parts):
+            name = label if number == 0 else None
+            axes.axvspan(part.start / RPM, part.stop / RPM, linewidth=0.0, label=name, **look)
 
 
 def _mark_critical(axes: Axes, found: TorsionFigures) -> None:
@@ -137,8 +145,9 @@ def _mark_critical(axes: Axes, found: TorsionFigures) -> None:
 
 def _excited(found: TorsionFigures) -> list[CriticalSpeed]:
     """The critical speeds of even orders in the range, those with larger torques first."""
-    inside = [part for part in found.critical_speeds if part.inside and part.order % 2 == 0]
-    return sorted(inside, key=lambda part: -np.nan_to_num(part.amplitude or 0.0, nan=np.inf))
+    return sorted(
+        found.resonances, key=lambda part: np.inf if part.amplitude is None else part.amplitude
+    )[::-1]
 
 
 def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
@@ -237,9 +246,15 @@ def plot_stability(
     return axes
 
 
+def _needed(answer: Answer) -> TorsionFigures:
+    found = answer.needed("torsion")
+    assert isinstance(found, TorsionFigures)
+    return found
+
+
 def _response(answer: Answer) -> Figure:
     """Torques of compliant shafts over the drive speed."""
-    return plot_torsion(needed_torsion(answer.scene), answer.of.title)
+    return plot_torsion(_needed(answer), answer.of.title)
 
 
 def _campbell(answer: Answer) -> Figure:
@@ -253,7 +268,7 @@ def _stability(answer: Answer) -> Figure:
 
 
 def _alone(draw: Callable[..., Axes], answer: Answer) -> Figure:
-    found = needed_torsion(answer.scene)
+    found = _needed(answer)
     return stacked([(_AROUND + _PANEL, lambda axes: draw(found, ax=axes))], answer.of.title)
 
 

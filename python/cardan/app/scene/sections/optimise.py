@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.paths import nested
+from cardan.app.scene.language.units import split
 from cardan.app.scene.sections.optimise_rules import kept_quantity
 from cardan.app.scene.sections.optimise_section import OPTIMISE
 from cardan.app.scene.sections.parts import largest_speed
@@ -67,6 +68,11 @@ class Variable:
     def is_phase(self) -> bool:
         """Whether it is a phase, which repeats after half a turn."""
         return self.axis.name == "phases_deg"
+
+    @property
+    def unit(self) -> str:
+        """The ending of its key: ``"mm"``; "" for a ratio."""
+        return split(self.axis.name)[1]
 
 
 @dataclass(frozen=True, eq=False)
