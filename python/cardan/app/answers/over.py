@@ -97,7 +97,7 @@ def runs(scene: Scene) -> Iterator[tuple[Driveline, Load | None, DutyCycle | Non
     The places are its states, blocks of its study, or the drawing alone. Of a recording the second
     axis are the samples.
     """
-    duty, states = scene.service.duty, scene.states
+    duty, states = scene.duty, scene.states
     if scene.study and varies(scene):
         for _, line, load in scene.study.blocks():
             yield line, load, duty and duty.of(line, load)

@@ -113,7 +113,7 @@ def write_on_cluster(
                 scene.study, path, client, radians=radians, progress=progress
             )
         except ValueError as error:
-            raise SceneError.of(error, scene.name, "study") from None
+            raise SceneError(error, scene.name, "study") from None
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
 
 

@@ -36,12 +36,12 @@ from cardan.app.command.terminal import (
 )
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.schema import describe
-from cardan.app.scene.scene import BallJointScene
+from cardan.app.scene.scene import FORMAT, BallJointScene
 from cardan.app.scene.study.cluster import StudyFolder
 from cardan.app.scene.study.states import StatesResult
 
 # The mark keeps click from filling a paragraph.
-_KEYS = describe().replace("\n\n", "\n\n\b\n")
+_KEYS = describe(FORMAT).replace("\n\n", "\n\n\b\n")
 
 _EPILOG = f"""\
 SCENE is a TOML file with these sections and keys:

@@ -171,7 +171,7 @@ def needed(answer: Answer) -> LifeFigures:
         ValueError: it has no joints, or no duty cycle.
     """
     scene, found = answer.scene, answer["life"]
-    if scene.service.joints is None:
+    if scene.sizes is None:
         raise ValueError(
             f"{scene.name}: section [joints] is missing; it gives the size of the joints"
         )
@@ -191,9 +191,9 @@ def friction_of(sizes: Sequence[JointSize]) -> dict[str, Any]:
 
 def find(answer: Answer) -> LifeFigures | None:
     """Return the joints of a scene over its duty cycle; ``None`` without joints or a target."""
-    scene, duty = answer.scene, answer.scene.service.duty
-    given, target = scene.service.joints or Joints((), ()), duty.target if duty else None
-    if scene.service.joints is None and target is None:
+    scene, duty = answer.scene, answer.scene.duty
+    given, target = scene.sizes or Joints((), ()), duty.target if duty else None
+    if scene.sizes is None and target is None:
         return None
     duties = [each for _, _, each in runs(scene) if each]
     used, place = None, 0
@@ -285,7 +285,7 @@ def _joints(
     bend: Wherever,
     speed_bend: Wherever,
 ) -> Iterator[JointLife]:
-    duty = scene.service.duty
+    duty = scene.duty
     target = duty.target if duty else None
     for joint, size in enumerate(sizes):
         hours = catalogue = damage = heat = largest = None
@@ -328,16 +328,16 @@ def _over(
     sense: Literal["most", "least"] = "most",
 ) -> Judged:
     """The worst value of all places; there is one where the steps say how the driveline stands."""
-    duty = scene.service.duty
+    duty = scene.duty
     return over(scene, values, limit, sense, () if duty and duty.is_set else None)
 
 
 def _by_step(scene: Scene, values: FloatArray) -> Judged | None:
     """The worst step; ``None`` of one step."""
-    assert scene.service.duty
+    assert scene.duty
     if len(values) == 1 or np.isnan(values).any():
         return None
-    return over(scene, values, names=scene.service.duty.names)
+    return over(scene, values, names=scene.duty.names)
 
 
 def _sizes(
@@ -411,7 +411,7 @@ def _losses(
     Over a turn the mean torque of the drive is the torque of the load at either end: the speed
     ratio has the mean 1, and inertias take nothing over a turn at a steady speed.
     """
-    duty = scene.service.duty
+    duty = scene.duty
     if not (used and duty and sizes) or np.isnan(used.heat).any():
         return None, None
     lost = np.sum(duty.shares @ used.heat, axis=0)

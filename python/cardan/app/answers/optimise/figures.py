@@ -15,7 +15,7 @@ from cardan.app.answers.rows import UNITS, figure, flag, item, key_of, parts, wo
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.units import ENDINGS, in_degrees, split
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.optimise import Optimisation, Variable
+from cardan.app.scene.study.optimisation import Optimisation, Variable
 from cardan.arrays import FloatArray
 from cardan.design.quantities import label
 from cardan.optimisation import Optimum
@@ -122,7 +122,7 @@ def optimised(scene: Scene) -> Optimised | None:
     try:
         return Optimised(scene, asked, asked.run())
     except ValueError as error:
-        raise SceneError.of(error, scene.name, "optimise") from None
+        raise SceneError(error, scene.name, "optimise") from None
 
 
 _UNIT = "unit of the figures beside it"

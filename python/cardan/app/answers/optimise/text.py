@@ -9,7 +9,7 @@ import numpy as np
 from cardan.app.answers.optimise.figures import Optimised, unit_of
 from cardan.app.answers.printed import figure_text, listed, quantity
 from cardan.app.answers.rows import key_of
-from cardan.app.scene.sections.optimise import Variable
+from cardan.app.scene.study.optimisation import Variable
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import VIEW

@@ -56,7 +56,7 @@ def find(answer: Answer) -> tuple[TubeFigures, ...]:
 
 
 def _tubes(scene: Scene) -> Iterator[TubeFigures]:
-    tubes = scene.service.tubes
+    tubes = scene.tubes
     if tubes is None:
         return
 
@@ -98,8 +98,8 @@ def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | N
     """The largest magnitude of the torque of each tube over a turn, ``(tubes, places, steps)``."""
     if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
         return None
-    assert scene.service.tubes
-    shafts, study = [*scene.service.tubes.shafts], scene.study if varies(scene) else None
+    assert scene.tubes
+    shafts, study = [*scene.tubes.shafts], scene.study if varies(scene) else None
     wanted: dict[str, Any] = {"shafts": shafts, "load": load}
     if np.ndim(load.speed + load.torque) == 1 or scene.line.shape:
         # Recorded loads count as they are.
