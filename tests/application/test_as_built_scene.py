@@ -153,9 +153,9 @@ def test_what_does_not_go_with_deviations_is_refused(text: str, message: str) ->
 
 def test_sizes_and_deviations_share_a_section() -> None:
     scene = Scene.parse(HEAD + JOINTS + "rating_Nm = 900\n")
-    assert scene.service.joints is not None
-    assert scene.service.joints.each[0].rating == 900.0
-    assert Scene.parse(TEXT).service.joints is None
+    assert scene.sizes is not None
+    assert scene.sizes.each[0].rating == 900.0
+    assert Scene.parse(TEXT).sizes is None
 
 
 MM = HEAD + "[joints]\narm_mm = [40, 50]\ndriving_yoke_mm = [0.1, 0]\ncross_deg = 0.01\n"
@@ -173,9 +173,9 @@ def test_millimetres_at_an_arm_are_angles() -> None:
     # The arm of a size of joint serves as well, and then the joint rubs.
     sized = MM.replace("[40, 50]", "40\nfriction = 0.05\npin_radius_mm = 8")
     rubbing = Scene.parse(sized)
-    assert rubbing.service.joints is not None
-    assert rubbing.service.joints.each[1].arm == 0.04
-    assert Scene.parse(MM).service.joints is None
+    assert rubbing.sizes is not None
+    assert rubbing.sizes.each[1].arm == 0.04
+    assert Scene.parse(MM).sizes is None
     toleranced = Scene.parse(MM + "[tolerances]\ncross_mm = 0.2\nsamples = 9\n").tolerances
     assert toleranced is not None
     np.testing.assert_allclose(toleranced.given["cross"], [0.2 / 40.0, 0.2 / 50.0], rtol=1e-15)

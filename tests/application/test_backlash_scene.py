@@ -123,7 +123,7 @@ def test_scenes_are_those_of_the_library(tmp_path: Path) -> None:
     assert data["backlash"]["lash"]["value_deg"] == pytest.approx(high, rel=1e-12)
     wound = np.degrees(found.wind_up.max())
     assert data["backlash"]["wind_up"]["value_deg"] == pytest.approx(wound, rel=1e-12)
-    assert scene.service.joints is None
+    assert scene.sizes is None
     SCENES.validate(tomllib.loads(TEXT))
 
 

@@ -29,7 +29,7 @@ from cardan.app.command import commands
 from cardan.app.command.run import wrote
 from cardan.app.files.columns import write_columns
 from cardan.app.scene import Scene, load_scene
-from cardan.app.scene.sections.table import FORMAT
+from cardan.app.scene.scene import FORMAT
 from cardan.app.scene.starters import STARTERS
 from example_scenes import DRIVELINES, EXAMPLES, Answers, example
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
@@ -199,7 +199,7 @@ def test_help_without_arguments() -> None:
 def test_help_lists_every_key_on_a_line_of_its_own() -> None:
     text = run("run", "--help").output
     for name, section in FORMAT.items():
-        assert not name or f"\n  {section.heading(name)}  " in text
+        assert not name or f"\n  {section.heading}  " in text
         for key in section.keys if name != "study" else ():
             assert f"\n    {key} " in text
     assert max(map(len, text.splitlines())) < 80

@@ -313,7 +313,7 @@ def test_a_table_with_commas_in_its_numbers(tmp_path: Path) -> None:
     table = "size;rating_Nm;friction;pin_radius_mm;arm_mm;bearing\n1480;1200,5;0,01;8;32;plain\n"
     (tmp_path / "sizes.csv").write_text(table, encoding="utf-8-sig")
     text = f"{TWO}[joints]\nsizes = 'sizes.csv'\nsize = ['1480', '1480']\nfriction = 0.02\n"
-    joints = Scene.parse(text, folder=tmp_path).service.joints
+    joints = Scene.parse(text, folder=tmp_path).sizes
     assert joints is not None
     assert (joints.table[0].rating, joints.table[0].bearing) == (1200.5, "plain")
     assert joints.table[0].pin_radius == pytest.approx(0.008)

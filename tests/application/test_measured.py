@@ -14,13 +14,13 @@ from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
+from cardan._core import Integral
 from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.text import signals_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene, stream
-from cardan.app.scene.recording.motion import Integral, derivatives
-from cardan.app.scene.recording.recorded import Recording
+from cardan.app.scene.recording.recorded import Recording, derivatives
 from cardan.app.scene.study.curves import columns, write_curves
 from example_scenes import ANSWERS
 

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cardan.app.scene import Scene
-from cardan.app.scene.language import values as kinds
 from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.rules import Rule
+from cardan.app.scene.scene import FORMAT
 from cardan.app.scene.sections.driveline import FORMS
-from cardan.app.scene.sections.table import FORMAT
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
 from tiers import part
 
@@ -53,38 +53,34 @@ def _only_the_reader(value: object, message: str) -> bool:
     )
 
 
-KINDS = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, kinds.Kind)}
+# Each rule by the first of its keys.
+RULES: dict[str, Rule] = {}
+for section in FORMAT.values():
+    for key, entry in section.keys.items():
+        if entry.rule not in RULES.values():
+            RULES[f"{section.name}.{key}"] = entry.rule
 
 
-def test_kinds_are_those_of_the_format() -> None:
-    used = {id(key.kind) for section in FORMAT.values() for key in section.keys.values()}
-    assert used == {id(kind) for kind in KINDS.values()}
-
-
-RULES = {type(kind.rule).__name__ for kind in KINDS.values()}
-
-
-@pytest.mark.parametrize("name", sorted(RULES))
+@pytest.mark.parametrize("name", sorted({type(rule).__name__ for rule in RULES.values()}))
 @settings(max_examples=60)
 @given(data=st.data())
 def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) -> None:
-    kinds_of_rule = [kind for kind in KINDS.values() if type(kind.rule).__name__ == name]
-    agree(data.draw(st.sampled_from(kinds_of_rule)), data)
+    rules = [rule for rule in RULES.values() if type(rule).__name__ == name]
+    agree(data.draw(st.sampled_from(rules)), data)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", RULES)
 @settings(max_examples=120)
 @given(data=st.data())
-def test_reader_and_schema_take_the_same_values_of_every_kind(
+def test_reader_and_schema_take_the_same_values_of_every_rule(
     name: str, data: st.DataObject
 ) -> None:
-    agree(KINDS[name], data)
+    agree(RULES[name], data)
 
 
-def agree(kind: kinds.Kind, data: st.DataObject) -> None:
+def agree(rule: Rule, data: st.DataObject) -> None:
     """Reader and schema both take a value, or both refuse it."""
-    rule = kind.rule
     right = fitting(rule.schema)
     value = data.draw(st.one_of(right, right.flatmap(nearly), VALUES))
     valid = _OfToml({**rule.schema, "$defs": DEFINITIONS}).is_valid(value)

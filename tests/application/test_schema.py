@@ -24,7 +24,7 @@ from cardan.app.answers.turn.figures import turn_figures
 from cardan.app.answers.turn.text import summary_text
 from cardan.app.command import commands
 from cardan.app.scene import Scene
-from cardan.app.scene.sections.table import FORMAT
+from cardan.app.scene.scene import FORMAT
 from cardan.app.scene.starters import STARTERS
 from cardan.app.scene.study.curves import columns, study_columns
 from example_scenes import ANSWERS, EXAMPLES, SCENES
@@ -198,7 +198,7 @@ PIECES = [
         "_",
     ),
     *("true", "1979-05-27", "\x00", "\ud7ff", "é", '"""', "steps", "from", "to", "x", "[[a]]"),
-    *(section.heading(name) for name, section in FORMAT.items()),
+    *(section.heading for section in FORMAT.values()),
     *(key for section in FORMAT.values() for key in section.keys),
 ]
 

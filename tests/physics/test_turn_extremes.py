@@ -161,7 +161,8 @@ def test_a_load_too_large_for_doubles_has_no_place() -> None:
 
 def test_a_batch_has_the_peaks_of_each_driveline() -> None:
     """Of several items and drivelines, bearings as well, in the order of both."""
-    points = [[[0, 0, 0], [0.3, y, 0], [1.2, -y, 0.1], [1.6, 0, 0.1]] for y in (0.02, 0.05, 0.11)]
+    heights = (0.02, 0.05, 0.11)
+    points = np.array([[[0, 0, 0], [0.3, y, 0], [1.2, -y, 0.1], [1.6, 0, 0.1]] for y in heights])
     lines = Driveline.from_points(points).with_bearings([(0, 0.1), (0, 0.2), (2, 0.1), (2, 0.3)])
     torques = [1.0, 2.0, 5.0]
     cases = {"torque": [2, 1], "joint_force": [0, 1], "bearing_force": [3, 0, 1]}

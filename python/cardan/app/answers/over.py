@@ -66,7 +66,7 @@ def drivelines(
     The places are its states, blocks of its study, or the drawing alone. Of a recording the second
     axis are the samples. As built, the joints have their deviations.
     """
-    duty, states = scene.service.duty, scene.states
+    duty, states = scene.duty, scene.states
     blocks: Iterable[tuple[Driveline, Load | None, DutyCycle | None]]
     if scene.study and varies(scene):
         of_study = scene.study.blocks()

@@ -15,7 +15,7 @@ from cardan.app.charts.charts import Curve, Panel
 from cardan.app.charts.motion import as_built
 from cardan.app.pictures.space import pins
 from cardan.app.scene.language.units import RPM
-from cardan.app.scene.recording.angles import Angles
+from cardan.app.scene.recording.recorded import Angles
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline

@@ -59,7 +59,7 @@ def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) 
     try:
         written = with_values(text, loaded.optimisation.values_after(found.best.x))
     except ValueError as error:
-        raise SceneError.of(error, str(scene), "driveline") from None
+        raise SceneError(error, str(scene), "driveline") from None
     files = [str(target)]
     with whole_file(target) as file:
         file.write(written.encode())

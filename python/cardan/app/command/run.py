@@ -36,7 +36,7 @@ from cardan.app.command.terminal import (
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
-from cardan.app.scene.scene import BallJointScene, Scene, SceneResult
+from cardan.app.scene.scene import FORMAT, BallJointScene, Scene, SceneResult
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.app.scene.study import cluster
 from cardan.app.scene.study.cluster import StudyFolder
@@ -45,7 +45,7 @@ from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import import_optional
 
 # The mark keeps click from filling a paragraph.
-_KEYS = describe().replace("\n\n", "\n\n\b\n")
+_KEYS = describe(FORMAT).replace("\n\n", "\n\n\b\n")
 
 _EPILOG = f"""\
 SCENE is a TOML file with these sections and keys:
@@ -258,5 +258,5 @@ def _write_on_cluster(
                 scene.study, path, client, radians=radians, progress=progress
             )
         except ValueError as error:
-            raise SceneError.of(error, scene.name, "study") from None
+            raise SceneError(error, scene.name, "study") from None
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}

@@ -16,7 +16,7 @@ from cardan.app.charts.motion import deviates, equivalent, turn_motion
 from cardan.app.charts.samples import PeakSample, Samples
 from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.bearing import has_lengths
+from cardan.app.scene.sections.driveline import has_lengths
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.motion.workshop import VIEW, turn

@@ -5,9 +5,10 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, fields, replace
 from os import PathLike, fspath
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -17,24 +18,33 @@ from cardan.app.files.tables import read_ahead
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.document import Document, read_text
 from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.language.rules import Text
 from cardan.app.scene.language.schema import describe, scene_schema
+from cardan.app.scene.language.section import Key, Section, made_of
 from cardan.app.scene.language.units import LengthUnit
-from cardan.app.scene.reading import attributes_of
-from cardan.app.scene.recording.angles import Angles
-from cardan.app.scene.recording.recorded import Recording
+from cardan.app.scene.reading import Reading, is_alone
+from cardan.app.scene.recording.recorded import Angles, Recording
 from cardan.app.scene.recording.signals import Signal
-from cardan.app.scene.sections.ball_joint import BallJointCase
-from cardan.app.scene.sections.output import is_alone
-from cardan.app.scene.sections.parts import (
-    at_samples,
-    largest_speed,
-)
-from cardan.app.scene.sections.service import Service
-from cardan.app.scene.sections.slip import Slip
-from cardan.app.scene.sections.steering import SteeringColumn
-from cardan.app.scene.sections.torsion import TorsionCase
-from cardan.app.scene.study.layout import SceneLayout
-from cardan.app.scene.study.states import States, table_of
+from cardan.app.scene.sections.angles import ANGLES
+from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball_joint_case
+from cardan.app.scene.sections.bearing import BEARING
+from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
+from cardan.app.scene.sections.life import LIFE, DutyCycle
+from cardan.app.scene.sections.limits import LIMITS
+from cardan.app.scene.sections.load import LOAD, at_samples, largest_speed
+from cardan.app.scene.sections.offsets import OFFSETS, AxisOffsets
+from cardan.app.scene.sections.optimise import OPTIMISE
+from cardan.app.scene.sections.output import OUTPUT
+from cardan.app.scene.sections.slip import SLIP, Slip
+from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.sections.steering import STEERING, SteeringColumn
+from cardan.app.scene.sections.study import STUDY
+from cardan.app.scene.sections.sweep import SWEEP
+from cardan.app.scene.sections.tolerances import TOLERANCES
+from cardan.app.scene.sections.torsion import TORSION, TorsionCase
+from cardan.app.scene.sections.tubes import TUBES, Tubes
+from cardan.app.scene.study.states import SceneLayout, States, states_result
 from cardan.app.scene.study.study import Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -48,11 +58,17 @@ from cardan.evaluation.sweep import Sweep
 from cardan.tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from cardan.app.scene.sections.optimise import Optimisation
+    from cardan.app.scene.study.optimisation import Optimisation
 
 
-from cardan.app.scene.sections.ball_joint import ball_joint_case
-from cardan.app.scene.sections.table import FORMAT
+TOP: Section[str] = Section(
+    "",
+    "keys at the top level, before all sections",
+    {"title": Key(Text(), "heading of the table and the picture")},
+    lambda values, _: values.get("title", ""),
+    always=True,
+)
+"""The keys before all sections."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +110,11 @@ class Scene:
             scene gives any.
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
-        service: its joints, duty cycle and tubes.
+        sizes: sizes and bearings of its joints, if the scene gives any.
+        play: of the pins in their bearings, if the scene gives any.
+        offsets: distances of axes that should meet, if the scene gives any.
+        duty: the duty cycle: that of [life], or the load as its only step.
+        tubes: the round sections of shafts, if the scene gives any.
         torsion: its shafts as torsion springs, if the scene says so.
         deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
             driveline of the drawing, ``line_as_built`` has them.
@@ -106,40 +126,44 @@ class Scene:
     """
 
     name: str
-    title: str
-    line: Driveline
-    load_case: Load | None
-    limits: Limits
-    drive_angle_deg: FloatArray
-    angle: FloatArray | Sweep
-    quantities: tuple[str, ...]
-    shafts: tuple[int, ...] | None
-    joints: tuple[int, ...] | None
-    teeth: tuple[int, ...]
-    options: Mapping[str, Any]
-    study: Study | None
-    recording: Path | None
-    curves_file: str | None
-    table_file: str | None
-    picture_file: str | None
-    points: FloatArray | None = None
-    ball_joint: BallJointCase | None = None
-    slip: Slip | None = None
-    time: FloatArray | None = None
-    signals: tuple[Signal, ...] = ()
-    layout: SceneLayout | None = None
-    states: States | None = None
-    steering: SteeringColumn | None = None
-    optimisation: Optimisation | None = None
-    tolerances: Tolerances | None = None
-    driven_angle_deg: FloatArray | None = None
-    service: Service = field(default_factory=Service)
-    torsion: TorsionCase | None = None
-    deviations: FloatArray | None = None
-    tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
-    tolerance_share: float | None = None
-    length_unit: LengthUnit = "mm"
-    part_limits: Mapping[str, Limit] = field(default_factory=dict)
+    layout: SceneLayout | None
+    title: str = made_of(TOP)
+    teeth: tuple[int, ...] = made_of(DRIVELINE, "teeth")
+    points: FloatArray | None = made_of(DRIVELINE, "points")
+    length_unit: LengthUnit = made_of(DRIVELINE, "length_unit")
+    line: Driveline = made_of(BEARING, "line")
+    load_case: Load | None = made_of(LOAD, "load")
+    angle: FloatArray | Sweep = made_of(SWEEP, "drive")
+    drive_angle_deg: FloatArray = made_of(SWEEP, "degrees")
+    driven_angle_deg: FloatArray | None = made_of(SWEEP, "driven")
+    time: FloatArray | None = made_of(SWEEP, "time")
+    signals: tuple[Signal, ...] = made_of(SWEEP, "signals")
+    recording: Path | None = made_of(ANGLES, "file")
+    limits: Limits = made_of(LIMITS, "motion")
+    part_limits: Mapping[str, Limit] = made_of(LIMITS, "parts")
+    tolerances: Tolerances | None = made_of(TOLERANCES, "tolerances")
+    tolerance_arms: Mapping[str, FloatArray] = made_of(TOLERANCES, "arms")
+    tolerance_share: float | None = made_of(TOLERANCES, "share")
+    slip: Slip | None = made_of(SLIP)
+    steering: SteeringColumn | None = made_of(STEERING)
+    sizes: Joints | None = made_of(JOINTS, "sizes")
+    play: JointPlay | None = made_of(JOINTS, "play")
+    deviations: FloatArray | None = made_of(JOINTS, "deviations")
+    offsets: AxisOffsets | None = made_of(OFFSETS)
+    duty: DutyCycle | None = made_of(LIFE)
+    tubes: Tubes | None = made_of(TUBES)
+    torsion: TorsionCase | None = made_of(TORSION)
+    ball_joint: BallJointCase | None = made_of(BALL_JOINT)
+    study: Study | None = made_of(STUDY)
+    states: States | None = made_of(STATES)
+    optimisation: Optimisation | None = made_of(OPTIMISE)
+    quantities: tuple[str, ...] = made_of(OUTPUT, "quantities")
+    shafts: tuple[int, ...] | None = made_of(OUTPUT, "shafts")
+    joints: tuple[int, ...] | None = made_of(OUTPUT, "joints")
+    options: Mapping[str, Any] = made_of(OUTPUT, "options")
+    curves_file: str | None = made_of(OUTPUT, "curves")
+    table_file: str | None = made_of(OUTPUT, "table")
+    picture_file: str | None = made_of(OUTPUT, "picture")
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -170,18 +194,11 @@ class Scene:
             ValueError: it is not a scene, or its recording cannot be read; one line with name, line
                 where that is certain, section, key, rule and value.
         """
-        return cls._of(Document(text, name), Path(folder))
+        return cls._of(Document(text, name, FORMAT), Path(folder))
 
     @classmethod
     def parts(cls, path: str | PathLike[str], rows: int) -> Generator[tuple[Self, int]]:
-        """Read a scene file whose recorded angles may not fit in memory.
-
-        Args:
-            path: the scene file.
-            rows: largest number of angles at a time.
-
-        Yields:
-            the scene with the next angles, and the number of all.
+        """Yield a scene with the next recorded angles, at most so many, and the number of all.
 
         Raises:
             ImportError: pyarrow or the library for the recording is missing.
@@ -189,7 +206,7 @@ class Scene:
             ValueError: as for ``load``; no recording, no curves in a Parquet file; a key of which
                 the value needs all angles.
         """
-        document, folder = Document(read_text(path), fspath(path)), Path(path).parent
+        document, folder = Document(read_text(path), fspath(path), FORMAT), Path(path).parent
         recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
         with document.within(""):
             if not recorded or document.sections.keys() & {"study", "states"}:
@@ -228,10 +245,11 @@ class Scene:
             OSError: the file cannot be read.
         """
         try:
-            document = Document(read_text(path), fspath(path), gather=True)
+            text, name = read_text(path), fspath(path)
+            document = Document(text, name, FORMAT, gather=True)
             if not document.problems:
                 # Not gathered: values that do not fit together are found one by one.
-                whole = Document(read_text(path), fspath(path))
+                whole = Document(text, name, FORMAT)
                 _ = BallJointScene.of(whole) if is_alone(whole) else cls.load(path)
         except ValueError as error:
             return [str(error)]
@@ -240,11 +258,17 @@ class Scene:
     @staticmethod
     def schema() -> dict[str, Any]:
         """Return the JSON Schema of a scene file, for editors and other tools."""
-        return scene_schema()
+        return scene_schema(FORMAT)
 
     @classmethod
     def _of(cls, document: Document, folder: Path, angle: Angles | None = None) -> Self:
-        return cls(**attributes_of(document, folder, angle))
+        reading = Reading(document, folder, angle)
+        made: dict[str, Any] = {}
+        for own in fields(cls):
+            if section := own.metadata.get("section"):
+                whole, attribute = reading[section], own.metadata["attribute"]
+                made[own.name] = getattr(whole, attribute, None) if attribute else whole
+        return cls(document.name, reading.layout, **made)
 
     @property
     def drive_angle(self) -> FloatArray:
@@ -261,19 +285,14 @@ class Scene:
         if not self.missing:
             return self
         known = ~np.isnan(self.drive_angle)
-        line = self.line[known] if self.line.shape else self.line
-        degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
-        load = self.load_case and at_samples(self.load_case, known)
-        time = None if self.time is None else self.time[known]
-        driven = None if self.driven_angle_deg is None else self.driven_angle_deg[known]
+        names = ("drive_angle_deg", "time", "driven_angle_deg")
+        samples = {name: getattr(self, name) for name in names}
         return replace(
             self,
-            line=line,
-            drive_angle_deg=degrees,
-            angle=radians,
-            load_case=load,
-            time=time,
-            driven_angle_deg=driven,
+            line=self.line[known] if self.line.shape else self.line,
+            angle=self.drive_angle[known],
+            load_case=self.load_case and at_samples(self.load_case, known),
+            **{name: own[known] for name, own in samples.items() if own is not None},
         )
 
     @property
@@ -311,7 +330,7 @@ class Scene:
             return self.states.drivelines(changes)
         if self.layout is None:
             raise ValueError(f"{self.name}: the bends were recorded; they have no keys to change")
-        return self.layout.drivelines(changes=changes)
+        return self.layout.of(self.layout.values(changes=changes))
 
     def in_state(self, state: int) -> Self:
         """Return the scene of one of its states alone, without [states].
@@ -346,26 +365,22 @@ class Scene:
             ValueError: a point of the study that makes no driveline; the message names it.
         """
         values = self.evaluate()
+        study: StudyResult | None = None
         try:
-            study = table_of(self.states, self.study, progress)
+            if self.study and self.states:
+                study = states_result(self.states, self.study, progress)
+            elif self.study:
+                study = self.study.run(progress)
         except ValueError as error:
-            raise SceneError.of(error, self.name, "study") from None
+            raise SceneError(error, self.name, "study") from None
         return SceneResult(self, values, study)
 
     def evaluate(self) -> Result:
-        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``.
-
-        Raises:
-            ValueError: as for ``Driveline.evaluate``.
-        """
+        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
         return self.line_as_built.evaluate(self.angle, self.quantities, **self._arguments())
 
     def plan(self) -> Plan:
-        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does.
-
-        Raises:
-            ValueError: as for ``Driveline.plan``.
-        """
+        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
         return self.line_as_built.plan(self.quantities, **self._arguments())
 
     def explain(self) -> str:
@@ -422,8 +437,13 @@ class SceneResult:
                 yield output, item, part
 
 
+_SECTIONS = [own.metadata["section"] for own in fields(Scene) if "section" in own.metadata]
+
+FORMAT: Mapping[str, Section[Any]] = MappingProxyType({own.name: own for own in _SECTIONS})
+"""The sections of a scene file by name, in the order of the fields that are made of them."""
+
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
-    describe(), " " * 8
+    describe(FORMAT), " " * 8
 )
 
 
@@ -455,23 +475,22 @@ class BallJointScene:
             ValueError: it is no scene of a ball joint alone; one line with name, line where that
                 is certain, section, key, rule and value.
         """
-        return cls.of(Document(text, name))
+        return cls.of(Document(text, name, FORMAT))
 
     @classmethod
     def of(cls, document: Document) -> Self:
         """Make a scene from a document."""
         given = document.sections
         with document.within(""):
-            if "ball_joint" not in given:
+            if BALL_JOINT.name not in given:
                 raise ValueError("section [ball_joint] is missing")
-        for section in (*given, *document.tables):
-            if section not in ("", "ball_joint"):
-                with document.within("", section):
-                    heading = FORMAT[section].heading(section)
-                    raise ValueError(f"section {heading} needs a section [driveline]")
-        with document.within("ball_joint"):
-            case = ball_joint_case(given["ball_joint"])
-        return cls(document.name, given[""].get("title", ""), case)
+        for name in (*given, *document.tables):
+            if name not in (TOP.name, BALL_JOINT.name):
+                with document.within("", name):
+                    raise ValueError(f"section {FORMAT[name].heading} needs a section [driveline]")
+        with document.within(BALL_JOINT.name):
+            case = ball_joint_case(given[BALL_JOINT.name])
+        return cls(document.name, given[TOP.name].get("title", ""), case)
 
     @property
     def picture_file(self) -> str | None:
@@ -489,13 +508,11 @@ def load_scene(path: str | PathLike[str]) -> Scene | BallJointScene:
         a scene of a driveline, which may have a ball joint as well, or of a ball joint alone.
 
     Raises:
-        ImportError: it names a Parquet file and pyarrow is missing.
+        ImportError: it names a file whose library is missing.
         OSError: the file or a recording cannot be read.
-        ValueError: it is not a scene; one line with file, line where that is certain, section,
-            key, rule and value.
+        ValueError: it is not a scene, as for ``Scene.load``.
     """
-    text = read_text(path)
-    document = Document(text, fspath(path))
+    document = Document(read_text(path), fspath(path), FORMAT)
     if is_alone(document):
         return BallJointScene.of(document)
-    return Scene.parse(text, fspath(path), Path(path).parent)
+    return Scene._of(document, Path(path).parent)

@@ -15,11 +15,10 @@ from cardan.arrays.errors import ArgumentValueError
 
 @dataclass(frozen=True)
 class Starter:
-    """One kind of starter scene.
+    """One kind of starter scene, in whose text ``{name}`` stands for the name of its file.
 
     Attributes:
         meaning: one line.
-        text: the scene, with ``{name}`` where the name of its file belongs.
         recorded: whether a sample recording goes with it.
         machine: whether it is a whole machine, from its points to its limits.
     """
@@ -205,10 +204,7 @@ poisson = 0.4
 def write_starter(kind: str, path: str | PathLike[str]) -> list[Path]:
     """Write a starter scene, and beside it the recording that it reads; return the files.
 
-    Raises:
-        FileExistsError: a file of that name; nothing is overwritten, and nothing written.
-        OSError: a file cannot be written; nothing is left behind then.
-        ValueError: an unknown kind, a path that does not end in .toml.
+    Nothing is overwritten, and nothing is left behind if a file cannot be written.
     """
     if kind not in STARTERS:
         raise ArgumentValueError("kind", f"is {kind!r}; known are {', '.join(STARTERS)}")

@@ -39,9 +39,9 @@ class AxialTravel:
 def find(answer: Answer) -> AxialTravel | None:
     """Return the slides of a scene; ``None`` if it has no section [offsets]."""
     scene = answer.scene
-    if scene.service.offsets is None:
+    if scene.offsets is None:
         return None
-    slides = scene.service.offsets.slides(scene.drivelines())
+    slides = scene.offsets.slides(scene.drivelines())
     names: tuple[SlideName, ...] = ("shaft", "driving_pin", "driven_pin")
     return AxialTravel(*(_of_joints(scene, slides, name) for name in names))
 
@@ -57,7 +57,7 @@ def _of_joints(scene: Scene, slides: Slides, name: SlideName) -> tuple[Slide, ..
 
 def drawn_slides(scene: Scene) -> Slides:
     """Return the slides in mm to draw: over states where a shaft slides farthest."""
-    offsets = scene.service.offsets
+    offsets = scene.offsets
     if offsets is None:
         raise ValueError(f"{scene.name}: slides need a section [offsets]")
     lines = scene.drivelines()

@@ -98,7 +98,7 @@ class BacklashFigures:
 def find(answer: Answer) -> BacklashFigures | None:
     """Return lash and wind-up of a scene over its states or study; ``None`` without play."""
     scene = answer.scene
-    play, load = scene.service.play, scene.load_case
+    play, load = scene.play, scene.load_case
     limit = limit_of(scene, "lash_deg")
     why = "the bends were recorded" if scene.line.shape else ""
     if play is None:
@@ -152,7 +152,7 @@ def drawn_backlash(scene: Scene) -> Backlash:
 
     A scene without play, without one torque or with recorded bends raises a ``ValueError``.
     """
-    play, load = scene.service.play, scene.load_case
+    play, load = scene.play, scene.load_case
     if play is None or load is None or scene.line.shape or load.torque.ndim or not load.torque:
         raise ValueError(
             f"{scene.name}: backlash needs play_mm and arm_mm in [joints], one torque in [load] "

@@ -15,7 +15,7 @@ from cardan.app.answers.rows import Judged, count, figure, item, parts
 from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.app.answers.turn.figures import first_place, noise
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.bearing import LENGTHS_NEEDED, has_lengths
+from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline

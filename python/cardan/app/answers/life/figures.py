@@ -160,7 +160,7 @@ def needed(answer: Answer) -> LifeFigures:
         ValueError: it has no joints, or no duty cycle.
     """
     scene, found = answer.scene, answer["life"]
-    if scene.service.joints is None:
+    if scene.sizes is None:
         raise ValueError(
             f"{scene.name}: section [joints] is missing; it gives the size of the joints"
         )
@@ -180,9 +180,9 @@ def friction_of(sizes: Sequence[JointSize]) -> dict[str, Any]:
 
 def find(answer: Answer) -> LifeFigures | None:
     """Return the joints of a scene over its duty cycle; ``None`` without joints or a target."""
-    scene, duty = answer.scene, answer.scene.service.duty
-    given, target = scene.service.joints or Joints((), ()), duty.target if duty else None
-    if scene.service.joints is None and target is None:
+    scene, duty = answer.scene, answer.scene.duty
+    given, target = scene.sizes or Joints((), ()), duty.target if duty else None
+    if scene.sizes is None and target is None:
         return None
     duties = [each for _, _, each in drivelines(scene) if each]
     used, place = None, 0
@@ -271,7 +271,7 @@ class _Service:
 
     def __init__(self, scene: Scene, used: _Used | None, target: float | None) -> None:
         self.scene, self.used, self.target = scene, used, target
-        self.duty = scene.service.duty
+        self.duty = scene.duty
         self.bend = Wherever(scene, _bends)
         self.speed_bend = Wherever(scene, _speed_bends)
 

@@ -45,7 +45,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
     machine = machine_of(answer.scene)
     if machine is None:
         return ()
-    scene, joints = answer.scene, answer.scene.service.joints
+    scene, joints = answer.scene, answer.scene.sizes
     lengths = scene.line._geometry.lengths
     sizes = [size.rating for size in joints.table if size.rating] if joints else []
     found = machine.suggest(
@@ -96,15 +96,15 @@ def machine_of(scene: Scene) -> Machine | None:
     recorded = scene.line.shape or scene.speed_recorded or scene.recording is not None
     if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
         return None
-    lines, load, service = scene.drivelines(), scene.load_case, scene.service
-    play, column = service.play, scene.steering
+    lines, load = scene.drivelines(), scene.load_case
+    play, column = scene.play, scene.steering
     if scene.states:
         load = scene.states.loads(load)
     speed = None if load else scene.speed
     machine = Machine(lines, load, limits=_limits(scene), speed=speed, drawn=scene.line)
-    sizes = service.joints.each if service.joints else ()
+    sizes = scene.sizes.each if scene.sizes else ()
     ratings = [size.rating if size.wears and size.rating else np.nan for size in sizes]
-    if duty := service.duty:
+    if duty := scene.duty:
         # Of several states that have the same duty cycle, the one in which a joint fails first.
         place = 0
         if sizes and len(duty.line) > 1 and np.isfinite(ratings).any():
@@ -115,7 +115,7 @@ def machine_of(scene: Scene) -> Machine | None:
         machine = machine.with_duty(duty.line[place], steps, duty.shares)
     if sizes and duty:
         machine = machine.with_ratings(ratings)
-    if tubes := service.tubes:
+    if tubes := scene.tubes:
         # The stiffness of a tube is not judged.
         given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
         machine = machine.with_tubes(tubes.shafts, **given)
@@ -144,22 +144,22 @@ def _limits(scene: Scene) -> dict[str, Any]:
         if force := scene.part_limits.get(f"{key}_force_N"):
             pair = (force.limit, force.maximum)
             limits[f"{key}_force"] = dict.fromkeys(range(each), pair)
-    if (lash := scene.part_limits.get("lash_deg")) and scene.service.play:
+    if (lash := scene.part_limits.get("lash_deg")) and scene.play:
         limits["lash"] = (np.radians(lash.limit), np.radians(lash.maximum))
-    service, slip, column = scene.service, scene.slip, scene.steering
+    slip, column = scene.slip, scene.steering
     if column and column.offset_deg is not None:
         limits["steering_offset"] = np.radians(column.offset_deg)
     if column and column.ratio_percent is not None:
         limits["steering_ratio"] = 1e-2 * column.ratio_percent
-    for joint, size in enumerate(service.joints.each if service.joints else ()):
+    for joint, size in enumerate(scene.sizes.each if scene.sizes else ()):
         if size.max_bend_deg is not None:
             limits.setdefault("bend", {})[joint] = np.radians(size.max_bend_deg)
         if size.max_speed_bend is not None:
             product = size.max_speed_bend * RPM * np.pi / 180.0
             limits.setdefault("speed_bend", {})[joint] = product
-        if service.duty is not None and service.duty.target is not None and size.wears:
-            limits.setdefault("life", {})[joint] = service.duty.target
-    if tubes := service.tubes:
+        if scene.duty is not None and scene.duty.target is not None and size.wears:
+            limits.setdefault("life", {})[joint] = scene.duty.target
+    if tubes := scene.tubes:
         for name, limit in (
             ("shear_stress", tubes.permitted_stress),
             ("critical_margin", tubes.least_margin),

@@ -13,7 +13,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import UNITS, NotFound, figure, flag, item, key_of, parts, word
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.optimise import Optimisation
+from cardan.app.scene.study.optimisation import Optimisation
 from cardan.arrays import FloatArray
 from cardan.design.quantities import label
 from cardan.optimisation import Optimum
@@ -155,7 +155,7 @@ def optimised(scene: Scene) -> Optimised | None:
     try:
         best = asked.run()
     except ValueError as error:
-        raise SceneError.of(error, scene.name, "optimise") from None
+        raise SceneError(error, scene.name, "optimise") from None
     unit = key_of(best.unit)
     states = _states(asked, unit, best.per_state_before, best.per_state)
     minimised = Minimised(asked.minimise, unit, asked.over, best.before, best.value, states)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from cardan.app.answers.optimise.figures import InState, Optimised
 from cardan.app.answers.printed import capital, given, listed, part_text, quantity
 from cardan.app.answers.rows import UNITS, NotFound
-from cardan.app.scene.sections.optimise import Variable
+from cardan.app.scene.study.optimisation import Variable
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import VIEW

@@ -50,7 +50,7 @@ def find(answer: Answer) -> tuple[TubeFigures, ...]:
 
 
 def _tubes(scene: Scene) -> Iterator[TubeFigures]:
-    tubes = scene.service.tubes
+    tubes = scene.tubes
     if tubes is None:
         return
 
@@ -92,8 +92,8 @@ def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | N
     """The largest torques of the tubes over a turn, ``(tubes, places, steps)``, if any."""
     if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
         return None
-    assert scene.service.tubes
-    return largest_torques(scene, line, load, scene.service.tubes.shafts)
+    assert scene.tubes
+    return largest_torques(scene, line, load, scene.tubes.shafts)
 
 
 def _turns(load: Load) -> bool:

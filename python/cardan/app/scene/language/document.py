@@ -12,11 +12,9 @@ from os import PathLike, fspath
 from typing import Any
 
 from cardan.app.scene.language.errors import Location, SceneError, path_of
-from cardan.app.scene.language.paths import nested
 from cardan.app.scene.language.rules import shown
 from cardan.app.scene.language.section import Section
 from cardan.app.scene.language.units import units_of
-from cardan.app.scene.sections.table import FORMAT
 from cardan.arrays.errors import ArgumentValueError, nearest
 
 
@@ -25,14 +23,17 @@ class Document:
 
     Attributes:
         name: what to call it in messages.
+        format: what may be in it, by name.
         sections: values by section and key, each of the right kind.
         tables: the same of each table of the sections that may be given repeatedly.
         problems: what is wrong, one line each, if they are being gathered.
     """
 
-    def __init__(self, text: str, name: str, *, gather: bool = False) -> None:
+    def __init__(
+        self, text: str, name: str, sections: Mapping[str, Section[Any]], *, gather: bool = False
+    ) -> None:
         """Read the text; raises ValueError at the first problem unless they are gathered."""
-        self.name = name
+        self.name, self.format = name, sections
         self.sections: dict[str, dict[str, Any]] = {}
         self.tables: dict[str, list[dict[str, Any]]] = {}
         self.problems: list[str] = []
@@ -45,34 +46,34 @@ class Document:
             self._read()
 
     def _read(self) -> None:
-        top, *sections = FORMAT
-        known = [*FORMAT[top].keys, *sections]
-        for name, value in self._document.items():
+        top, entries = self.format[""], self._document.items()
+        for name, value in entries:
+            section = self.format.get(name) if name else None
             with self.within("", name):
-                if name in sections:
-                    if not _is_given_as(FORMAT[name], value):
-                        what = "sections" if FORMAT[name].repeated else "a section"
-                        problem = f"is {shown(value)}; it must be {what} "
-                        raise ArgumentValueError(name, problem + FORMAT[name].heading(name))
-                elif name not in FORMAT[top].keys:
+                if section and not _is_given_as(section, value):
+                    what = "sections" if section.repeated else "a section"
+                    problem = f"is {shown(value)}; it must be {what} {section.heading}"
+                    raise ArgumentValueError(name, problem)
+                if not section and name not in top.keys:
                     what = "section" if isinstance(value, dict) else "key"
-                    raise ValueError(f"unknown {what} {shown(name)}; {_meant(name, known)}")
-        entries = self._document.items()
-        given = {top: {key: value for key, value in entries if key in FORMAT[top].keys}}
-        given |= {
-            name: part for name, part in entries if name in sections and isinstance(part, dict)
-        }
-        for name, values in given.items():
-            if not FORMAT[name].repeated:
-                self.sections[name] = self._checked(name, FORMAT[name], values)
-        for name, tables in entries:
-            if name in sections and FORMAT[name].repeated and _is_given_as(FORMAT[name], tables):
+                    known = [*top.keys, *filter(None, self.format)]
+                    raise ValueError(f"unknown {what} {shown(name)}; {self._meant(name, known)}")
+        given = {key: value for key, value in entries if key in top.keys}
+        self.sections[""] = self._checked("", top, given)
+        for name, value in entries:
+            section = self.format.get(name) if name else None
+            if not section or not _is_given_as(section, value):
+                continue
+            if section.repeated:
                 self.tables[name] = [
-                    self._checked(f"{name}.{i}", FORMAT[name], values)
-                    for i, values in enumerate(tables)
+                    self._checked(f"{name}.{i}", section, table) for i, table in enumerate(value)
                 ]
+            else:
+                self.sections[name] = self._checked(name, section, value)
 
-    def _checked(self, name: str, section: Section, values: Mapping[str, Any]) -> dict[str, Any]:
+    def _checked(
+        self, name: str, section: Section[Any], values: Mapping[str, Any]
+    ) -> dict[str, Any]:
         checked = {}
         if section.paths:
             with self.within(name):
@@ -80,29 +81,14 @@ class Document:
         for key, value in values.items():
             with self.within(name, key):
                 if key not in section.keys:
-                    hint = _meant(key, section.keys, studied=name == "study")
+                    hint = self._meant(key, section.keys, studied=name == "study")
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")
-                checked[key] = section.keys[key].kind.rule.read(Location(key), value)
-        for one, other in section.together:
+                checked[key] = section.keys[key].rule.read(Location(key), value)
+        for problem in _broken(section, values):
             with self.within(name):
-                if one in values and other in values:
-                    raise ArgumentValueError(one, f"and {other} are both given; give one of them")
-        for keys in section.needed:
-            with self.within(name):
-                if not set(keys) & set(values):
-                    *others, last = keys[1:] or ("",)
-                    choice = f"{', '.join(others)} or {last}" if others else last
-                    problem = f"is missing; or give {choice}" if choice else "is missing"
-                    raise ArgumentValueError(keys[0], problem)
-        for key, other in section.with_key:
-            with self.within(name):
-                if key in values and other not in values:
-                    raise ArgumentValueError(key, f"needs {other}, which is missing")
-        with self.within(name):
-            if len(values) < section.fewest:
-                raise ValueError("is empty; give at least one key")
+                raise problem
         return checked
 
     @contextmanager
@@ -116,9 +102,12 @@ class Document:
         """
         try:
             yield
+        except SceneError:
+            # It happened in another section, on which this one depends.
+            raise
         except ValueError as error:
             line = self._line(section, path_of(error, key))
-            placed = SceneError.of(error, self.name, section, line, key)
+            placed = SceneError(error, self.name, section, line, key)
             if not self._gather:
                 raise placed from None
             self.problems.append(str(placed))
@@ -133,7 +122,7 @@ class Document:
         if '"""' in self._text or "'''" in self._text:
             return None
         target = f"{section}.{key}" if section else key
-        lines = _keys_by_line(self._text)
+        lines = self._keys_by_line()
         ways: tuple[Callable[[str], bool], ...] = (
             lambda path: path == target,
             lambda path: path != section and target.startswith(f"{path}."),
@@ -146,14 +135,58 @@ class Document:
                 return found.pop() if len(found) == 1 else None
         return None
 
+    def _keys_by_line(self) -> list[tuple[int, str]]:
+        """Every line that begins a section or a value, with the dotted path to it.
+
+        The path of a table in an array of tables has its number: ``bearing.2.shaft``.
+        """
+        found, section = [], ""
+        tables: Counter[str] = Counter()
+        for number, line in enumerate(self._text.split("\n"), start=1):
+            if header := re.match(r"\s*\[(\[?)\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
+                section = name = _path(header[2])
+                if header[1] and name in self.format and self.format[name].repeated:
+                    section = f"{name}.{tables[name]}"
+                    tables[name] += 1
+                found.append((number, section))
+            elif entry := re.match(r"""\s*["']?([A-Za-z0-9][\w .-]*?)["']?\s*=""", line):
+                found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
+        return found
+
+    def _meant(self, key: str, known: Iterable[str], *, studied: bool = False) -> str:
+        known = list(known)
+        for name, section in self.format.items():
+            if name and key in section.keys:
+                if studied:
+                    return "[study] varies numbers of [driveline], [load] and [[bearing]]"
+                return f"it belongs in {section.heading}"
+        stem, column, _ = key.partition("_column")
+        stems = [name.partition("_column")[0] for name in known]
+        if column and not difflib.get_close_matches(stem, stems):
+            # What columns have in common would bring a column of another quantity near.
+            return f"known are {', '.join(known)}"
+        return units_of(key, known) or nearest(key, known)
+
+
+def _broken(section: Section[Any], values: Mapping[str, Any]) -> Iterator[ValueError]:
+    """Yield what is wrong with the choice of keys."""
+    for one, other in section.together:
+        if one in values and other in values:
+            yield ArgumentValueError(one, f"and {other} are both given; give one of them")
+    for first, *others in section.needed:
+        if not {first, *others} & values.keys():
+            choice = " or ".join(filter(None, (", ".join(others[:-1]), *others[-1:])))
+            or_give = f"; or give {choice}" if choice else ""
+            yield ArgumentValueError(first, f"is missing{or_give}")
+    for key, other in section.with_key:
+        if key in values and other not in values:
+            yield ArgumentValueError(key, f"needs {other}, which is missing")
+    if len(values) < section.fewest:
+        yield ValueError("is empty; give at least one key")
+
 
 def read_text(path: str | PathLike[str]) -> str:
-    """Return the text of a scene file.
-
-    Raises:
-        OSError: it cannot be read.
-        ValueError: it is not UTF-8.
-    """
+    """Return the text of a scene file, which must be UTF-8."""
     try:
         # Some editors put a byte order mark in front, which TOML does not know.
         with open(path, encoding="utf-8-sig") as file:
@@ -162,30 +195,11 @@ def read_text(path: str | PathLike[str]) -> str:
         raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None
 
 
-def _is_given_as(section: Section, value: object) -> bool:
+def _is_given_as(section: Section[Any], value: object) -> bool:
     """Whether a value is a table, or a list of tables if the section may be given repeatedly."""
     if not section.repeated:
         return isinstance(value, dict)
     return isinstance(value, list) and all(isinstance(part, dict) for part in value)
-
-
-def _keys_by_line(text: str) -> list[tuple[int, str]]:
-    """Every line that begins a section or a value, with the dotted path to it.
-
-    The path of a table in an array of tables has its number: ``bearing.2.shaft``.
-    """
-    found, section = [], ""
-    tables: Counter[str] = Counter()
-    for number, line in enumerate(text.split("\n"), start=1):
-        if header := re.match(r"\s*\[(\[?)\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
-            section = name = _path(header[2])
-            if header[1] and name in FORMAT and FORMAT[name].repeated:
-                section = f"{name}.{tables[name]}"
-                tables[name] += 1
-            found.append((number, section))
-        elif entry := re.match(r"""\s*["']?([A-Za-z0-9][\w .-]*?)["']?\s*=""", line):
-            found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
-    return found
 
 
 def _path(key: str) -> str:
@@ -214,16 +228,36 @@ _HINTS = (
 """What people write that is not TOML, and what to say of it."""
 
 
-def _meant(key: str, known: Iterable[str], *, studied: bool = False) -> str:
-    known = list(known)
-    for name, section in FORMAT.items():
-        if name and key in section.keys:
-            if studied:
-                return "[study] varies numbers of [driveline], [load] and [[bearing]]"
-            return f"it belongs in {section.heading(name)}"
-    stem, column, _ = key.partition("_column")
-    stems = [name.partition("_column")[0] for name in known]
-    if column and not difflib.get_close_matches(stem, stems):
-        # What columns have in common would bring a column of another quantity near.
-        return f"known are {', '.join(known)}"
-    return units_of(key, known) or nearest(key, known)
+def nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a section with its quoted paths as TOML reads bare ones: tables within tables.
+
+    >>> nested({"points_mm.2.y": [1, 2]})
+    {'points_mm': {'2': {'y': [1, 2]}}}
+    """
+    made: dict[str, Any] = {}
+    for path, value in values.items():
+        *tables, last = path.split(".")
+        _merge(made, _within(tables, {last: value}), path, "")
+    return made
+
+
+def _within(tables: list[str], value: dict[str, Any]) -> dict[str, Any]:
+    for name in reversed(tables):
+        value = {name: value}
+    return value
+
+
+def _merge(made: dict[str, Any], more: Mapping[str, Any], path: str, above: str) -> None:
+    for key, value in more.items():
+        here = f"{above}.{key}" if above else key
+        if isinstance(value, dict):
+            inner = made.setdefault(key, {})
+            if isinstance(inner, dict):
+                _merge(inner, value, path, here)
+                continue
+        elif key not in made:
+            made[key] = value
+            continue
+        if here.startswith(path):
+            raise ArgumentValueError(here, "is given twice, with quotes and without")
+        raise ArgumentValueError(path, f"and {here} are both given; give one of them")

@@ -21,13 +21,7 @@ _SCALAR = re.compile(r"[^\s,\]}#]+(?: \d\d:[\d:.Z+-]+)?")
 
 @dataclass(frozen=True)
 class Span:
-    """The place of a value in a text.
-
-    Attributes:
-        start: its first character.
-        end: behind its last one.
-        items: the entries of an array; none for other values.
-    """
+    """Where a value begins and ends in a text, and the entries of an array."""
 
     start: int
     end: int
@@ -66,16 +60,10 @@ def map_of(text: str) -> Map:
 
 
 def with_values(text: str, values: Mapping[str, Any]) -> str:
-    """Return a scene's text with other numbers.
+    """Return the text of a valid scene with other numbers, or lists of the same shape, by path.
 
-    Args:
-        text: of a valid scene.
-        values: numbers, or lists of the shape that the text has, by path. For a key that its
-            section does not have, a line is added. Of values that the text gives as evenly spread,
-            both ends are set.
-
-    Raises:
-        ValueError: a place that the text gives in a way that cannot be changed.
+    For a key that its section does not have, a line is added. Of values that the text gives as
+    evenly spread, both ends are set. A place that cannot be changed is refused.
     """
     known = map_of(text)
     edits: list[tuple[int, int, str]] = []

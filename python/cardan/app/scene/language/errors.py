@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
 
 from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
 
@@ -45,38 +44,13 @@ class KeyValueError(ArgumentValueError):
 
 
 class StudyPointError(ArgumentValueError):
-    """A point of a study's grid that makes no driveline.
+    """A point of a study's grid, or a state, that makes no driveline.
 
     Attributes:
         section: the section to which the key belongs that ``argument`` names.
         point: the values of the keys that vary, by key.
+        state: the name of the state; ``""`` for a point of a grid.
     """
-
-    section: str
-    point: Mapping[str, float]
-
-    def __init__(
-        self, argument: str, problem: str, place: Place, section: str, point: Mapping[str, float]
-    ) -> None:
-        """Make an error of its fields."""
-        super().__init__(argument, problem, place)
-        self.args = (argument, problem, place, section, point)
-        self.section, self.point = section, point
-
-    def __str__(self) -> str:
-        """Return the sentence, the point in front."""
-        values = ", ".join(f"{key} = {value:.10g}" for key, value in self.point.items())
-        return f"at {values}: {super().__str__()}"
-
-
-class StatePointError(StudyPointError):
-    """A state of a scene that makes no driveline.
-
-    Attributes:
-        name: the name of the state.
-    """
-
-    name: str
 
     def __init__(
         self,
@@ -85,16 +59,18 @@ class StatePointError(StudyPointError):
         place: Place,
         section: str,
         point: Mapping[str, float],
-        name: str,
+        state: str = "",
     ) -> None:
         """Make an error of its fields."""
-        super().__init__(argument, problem, place, section, point)
-        self.args = (*self.args, name)
-        self.name = name
+        super().__init__(argument, problem, place)
+        self.args = (argument, problem, place, section, point, state)
+        self.section, self.point, self.state = section, point, state
 
     def __str__(self) -> str:
         """Return the sentence, state and values in front."""
-        return f"in {self.name!r}, {super().__str__()}"
+        values = ", ".join(f"{key} = {value:.10g}" for key, value in self.point.items())
+        state = f"in {self.state!r}, " if self.state else ""
+        return f"{state}at {values}: {super().__str__()}"
 
 
 class SceneError(ArgumentValueError):
@@ -113,53 +89,22 @@ class SceneError(ArgumentValueError):
             empty.
     """
 
-    name: str
-    line: int | None
-    section: str
-    key: str
-    point: Mapping[str, float]
-
     def __init__(
-        self,
-        argument: str,
-        problem: str,
-        place: Place,
-        name: str,
-        line: int | None,
-        section: str,
-        key: str,
-        point: Mapping[str, float],
-        sentence: str,
+        self, error: ValueError, name: str, section: str, line: int | None = None, key: str = ""
     ) -> None:
-        """Make an error of its fields and of the sentence that follows file, line and section."""
-        super().__init__(argument, problem, place)
-        self.args = (argument, problem, place, name, line, section, key, point, sentence)
-        self.name, self.line, self.section, self.key = name, line, section, key
-        self.point = point
-        self._sentence = sentence
-
-    @classmethod
-    def of(
-        cls, error: ValueError, name: str, section: str, line: int | None = None, key: str = ""
-    ) -> Self:
-        """Say where in a scene file another error occurred.
-
-        Args:
-            error: the error; one without fields is about ``key``.
-            name: what the scene is called.
-            section: the section in which it occurred.
-            line: its line, if it is certain.
-            key: the key, or ``""``.
-        """
+        """Say where in a scene file another error occurred; one without fields is about ``key``."""
         argument, problem, place = key, str(error), Place()
-        point: Mapping[str, float] = {}
+        self.point: Mapping[str, float] = {}
         owner = section
         if isinstance(error, ArgumentError):
             argument, problem, place = error.argument, error.problem, error.place
         if isinstance(error, StudyPointError):
-            owner, point = error.section, error.point
-        path = ".".join(str(part) for part in (owner, argument, *place) if part != "")
-        return cls(argument, problem, place, name, line, section, path, point, str(error))
+            owner, self.point = error.section, error.point
+        super().__init__(argument, problem, place)
+        self.args = (error, name, section, line, key)
+        self.name, self.line, self.section = name, line, section
+        self.key = ".".join(str(part) for part in (owner, argument, *place) if part != "")
+        self._sentence = str(error)
 
     def __str__(self) -> str:
         """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99 deg; …``."""

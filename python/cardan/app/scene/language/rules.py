@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date, time
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.units import units_of
 from cardan.arrays.errors import nearest
 
 Schema: TypeAlias = Mapping[str, Any]
@@ -27,22 +28,23 @@ _LARGEST = 1e40
 class Rule(ABC):
     """What a value must be."""
 
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What the help text calls a value."""
+
     @abstractmethod
     def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - what the rule makes of it
-        """Return the value as scenes use it.
-
-        Args:
-            where: key and place of the value, for errors.
-            value: as TOML has it.
-
-        Raises:
-            KeyValueError: a value that breaks the rule; place, value and rule.
-        """
+        """Return a value of TOML as scenes use it; raise KeyValueError where it breaks the rule."""
 
     @property
     @abstractmethod
     def schema(self) -> Schema:
         """JSON Schema of the values that ``read`` takes."""
+
+
+SPREAD = "{from = …, to = …, steps = …}"
+"""How evenly spread values are written."""
 
 
 def shown(value: object) -> str:
@@ -69,12 +71,17 @@ def refused(where: Location, value: object, must: str) -> ValueError:
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """Any text."""
+    """Text; only the reader knows which characters a terminal prints as they stand."""
+
+    printable: bool = False
+    name = "text"
 
     def read(self, where: Location, value: object) -> str:
         """Return the text."""
         if not isinstance(value, str):
             raise refused(where, value, "be text in quotes")
+        if self.printable and not value.isprintable():
+            raise refused(where, value, "have printable characters only")
         return value
 
     @property
@@ -102,6 +109,15 @@ class Number(Rule):
     below: bool = False
     what: str = "it"
     unit: str = ""
+
+    @property
+    def name(self) -> str:
+        """A number, called positive if that is all it must be."""
+        return "positive number" if self._is_positive else "number"
+
+    @property
+    def _is_positive(self) -> bool:
+        return self.high >= 1e6 and (self.low > 0.0 or (self.low == 0.0 and self.above))
 
     def read(self, where: Location, value: object) -> float:
         """Return the number."""
@@ -156,6 +172,7 @@ class Whole(Rule):
     least: int
     also: int | None = None
     most: int | None = None
+    name = "whole number"
 
     def read(self, where: Location, value: object) -> int:
         """Return the number."""
@@ -184,6 +201,7 @@ class OneOf(Rule):
     """One of some names."""
 
     names: tuple[str, ...]
+    name = "name"
 
     def read(self, where: Location, value: object) -> str:
         """Return the name."""
@@ -209,6 +227,7 @@ class FileName(Rule):
 
     suffixes: Collection[str]
     folders: bool = False
+    name = "file"
 
     @property
     def _pattern(self) -> str:
@@ -251,6 +270,11 @@ class ListOf(Rule):
     count: int | None = None
     distinct: bool = False
 
+    @property
+    def name(self) -> str:
+        """The name of an entry in the plural."""
+        return f"{self.item.name}s"
+
     def read(self, where: Location, value: object) -> list[Any]:
         """Return the entries."""
         if not isinstance(value, list):
@@ -277,39 +301,15 @@ class ListOf(Rule):
 
 
 @dataclass(frozen=True)
-class OneOrMore(Rule):
-    """A list, or its only entry.
-
-    Attributes:
-        several: the list.
-        single: the types of an entry in TOML; anything else must be a list.
-    """
+class OneOrEach(Rule):
+    """One value for all, or a list of them with one for each."""
 
     several: ListOf
-    single: type | tuple[type, ...] = str
-
-    def read(self, where: Location, value: object) -> list[Any]:
-        """Return the entries, as a list in either case."""
-        # To Python, true is a whole number.
-        if isinstance(value, self.single) and not isinstance(value, bool):
-            return [self.several.item.read(where, value)]
-        return self.several.read(where, value)
 
     @property
-    def schema(self) -> Schema:
-        """An entry or an array."""
-        return {"oneOf": [self.several.item.schema, self.several.schema]}
-
-
-@dataclass(frozen=True)
-class OneOrEach(Rule):
-    """One value for all, or a list of them with one for each.
-
-    Attributes:
-        several: the list.
-    """
-
-    several: ListOf
+    def name(self) -> str:
+        """An entry or several."""
+        return f"{self.several.item.name.removeprefix('positive ')}(s)"
 
     def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - a value or a list
         """Return the value or the list."""
@@ -318,5 +318,98 @@ class OneOrEach(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A value or an array."""
+        """An entry or an array."""
         return {"oneOf": [self.several.item.schema, self.several.schema]}
+
+
+@dataclass(frozen=True)
+class OneOrMore(OneOrEach):
+    """A list, or its only entry, of these types of TOML; anything else must be a list."""
+
+    single: type | tuple[type, ...] = str
+
+    @property
+    def name(self) -> str:
+        """One or more of the entries, or the only one."""
+        name = self.several.item.name
+        return name if self.several.count == 1 else f"{name} or {name}s"
+
+    def read(self, where: Location, value: object) -> list[Any]:
+        """Return the entries, as a list in either case."""
+        # To Python, true is a whole number.
+        if isinstance(value, self.single) and not isinstance(value, bool):
+            return [self.several.item.read(where, value)]
+        return self.several.read(where, value)
+
+
+@dataclass(frozen=True)
+class Table(Rule):
+    """A table of some keys.
+
+    Attributes:
+        keys: the rule of each.
+        what: how it is written, in words.
+        required: whether all of them must be given.
+    """
+
+    keys: Mapping[str, Rule]
+    what: str
+    required: bool = True
+    name = "table"
+
+    def read(self, where: Location, value: object) -> dict[str, Any]:
+        """Return the entries by key."""
+        if not isinstance(value, dict):
+            raise refused(where, value, f"be {self.what}")
+        for key in value:
+            if key not in self.keys:
+                hint = units_of(key, self.keys) or nearest(key, tuple(self.keys))
+                raise where.error(f"has an unknown key {shown(key)}; {hint}")
+        for key in self.keys if self.required else ():
+            if key not in value:
+                raise where.error(f"has no {key!r}; it must be {SPREAD}")
+        return {key: self.keys[key].read(where.at(key), entry) for key, entry in value.items()}
+
+    @property
+    def schema(self) -> Schema:
+        """An object of these keys."""
+        return {
+            "type": "object",
+            "properties": {key: rule.schema for key, rule in self.keys.items()},
+            **({"required": list(self.keys)} if self.required else {}),
+            "additionalProperties": False,
+        }
+
+
+def names(known: Iterable[str]) -> OneOrMore:
+    """Return the rule for one or more of some names."""
+    return OneOrMore(ListOf(OneOf(tuple(known)), "names", distinct=True))
+
+
+def each(number: Rule, what: str = "numbers", count: int | None = None) -> OneOrEach:
+    """Return the rule for one value for all parts of a driveline, or one for each."""
+    return OneOrEach(ListOf(number, what, count))
+
+
+def numbers(number: Rule | None = None, count: int | None = None) -> OneOrMore:
+    """Return the rule for a list of numbers, or its only number."""
+    what = "numbers" if count is None else "one number"
+    return OneOrMore(ListOf(number or Number(), what, count), (int, float))
+
+
+POSITIVE = Number(0, above=True)
+NOT_NEGATIVE = Number(0)
+COUNT = Whole(1)
+INDEX = Whole(0)
+BEND = Number(0, 90, below=True, what="a bend", unit="deg")
+# Beyond 0 and below the right angle, at which no joint turns.
+ACUTE = Number(0, 90, above=True, below=True, unit="deg")
+# As far as sweeps go, and small enough for their steps to be told apart; also for torques.
+START = Number(-1e12, 1e12)
+# Lengths in mm that a part of a machine can have.
+SIZE = Number(1e-3, 1e6)
+DISTANCE = Number(-1e3, 1e3, unit="mm")
+FRICTION = Number(0, 10)
+TOOTH_COUNTS = each(Whole(1, most=1000), "whole numbers")
+INDICES = ListOf(INDEX, "whole numbers", distinct=True)
+TEXTS = ListOf(Text(), "texts", distinct=True)

@@ -1,34 +1,34 @@
-"""The JSON Schema of a scene file."""
+"""The format of a scene file: its JSON Schema, and as plain text."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 from typing import Any
 
-from cardan.app.scene.language.paths import pattern_schemas
-from cardan.app.scene.language.section import Section
-from cardan.app.scene.sections.bearing_section import LENGTHS
-from cardan.app.scene.sections.driveline import FORMS, TEETH, only
-from cardan.app.scene.sections.table import BEND_COLUMNS, DRIVE_ANGLES, FORMAT, OF_STATES
-from cardan.app.scene.study.axis_rules import Values
+from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.recording.recorded import BEND_COLUMNS
+from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH, only
+from cardan.app.scene.sections.sweep import DRIVE_ANGLES
+from cardan.app.scene.study.axes import DEFINITION, AxisValues, NestedAxes
 
 
-def scene_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a scene file, for editors and other tools.
+def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a scene file of these sections.
 
     It covers single values, and keys that need or exclude each other. Matching lengths and files
     are checked by ``Scene.parse``.
     """
-    top, *names = FORMAT
-    sections = {name: _section_schema(FORMAT[name]) for name in names}
+    top = sections[""]
+    described = {name: _section_schema(section) for name, section in sections.items() if name}
     recorded = {"anyOf": [{"required": [key]} for key in BEND_COLUMNS]}
     columns = {"properties": {"angles": recorded}, "required": ["angles"]}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scene of a driveline or a ball joint",
-        **_section_schema(FORMAT[top]),
-        "properties": {**_properties(FORMAT[top]), **sections},
-        "$defs": {"values": Values().definition},
+        **_section_schema(top),
+        "properties": {**_properties(top), **described},
+        "$defs": {"values": DEFINITION},
         "allOf": [
             _not_both(*DRIVE_ANGLES),
             {
@@ -39,21 +39,21 @@ def scene_schema() -> dict[str, Any]:
                     "then": {
                         "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}}
                     },
-                    "else": {"required": ["ball_joint"], **only(*FORMAT[top].keys, "ball_joint")},
+                    "else": {"required": ["ball_joint"], **only(*top.keys, "ball_joint")},
                 },
             },
         ],
     }
 
 
-def _section_schema(section: Section) -> dict[str, Any]:
+def _section_schema(section: Section[Any]) -> dict[str, Any]:
     described: dict[str, Any] = {
         "type": "object",
         "properties": _properties(section),
         "additionalProperties": False,
     }
     if section.paths:
-        described["patternProperties"] = pattern_schemas(section)
+        described["patternProperties"] = _pattern_schemas(section)
     if section.fewest:
         described["minProperties"] = section.fewest
     rules = [_not_both(*keys) for keys in section.together]
@@ -67,9 +67,9 @@ def _section_schema(section: Section) -> dict[str, Any]:
     return {"description": section.meaning, **described}
 
 
-def _properties(section: Section) -> dict[str, Any]:
+def _properties(section: Section[Any]) -> dict[str, Any]:
     return {
-        name: {"description": key.meaning, **key.kind.rule.schema}
+        name: {"description": key.meaning, **key.rule.schema}
         | ({} if key.default is None else {"default": key.default})
         for name, key in section.keys.items()
     }
@@ -79,34 +79,46 @@ def _not_both(*keys: str) -> dict[str, Any]:
     return {"not": {"required": list(keys)}}
 
 
-_STUDY_HELP = """\
-Give a key of [driveline], [load] or a [[bearing]] the value {from = …, to = …, steps = …} (both \
-ends included) or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the \
-first, and bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point. The \
-key bearing moves bearings: bearing.0.position_mm.\
-"""
-
-_PATHS_HELP = {
-    "study": _STUDY_HELP,
-    "states": "Give keys of [driveline] or [load] their values in each state, as in [study]; all "
-    "lists have one entry per state. Paths may be in quotes.",
-}
+# What follows a key in a path: an entry, or some; of a vector its component as well.
+_PATH_ENTRY = r"\.[0-9]{1,9}(-[0-9]{1,9})?"
 
 
-def describe() -> str:
+def _pattern_schemas(section: Section[Any]) -> dict[str, Any]:
+    """Return JSON Schemas of the paths in quotes that a section may have, by their pattern."""
+    found: dict[str, Any] = {}
+    for name, key in section.keys.items():
+        choices = key.rule.schema.get("anyOf", [key.rule.schema])
+        for choice in choices:
+            for of_entries in choice.get("patternProperties", {}).values():
+                found |= _by_depth(name, key, of_entries)
+    return found
+
+
+def _by_depth(name: str, key: Key, of_entries: Mapping[str, Any]) -> dict[str, Any]:
+    described = {"description": key.meaning}
+    components = of_entries.get("properties")
+    if components is None:
+        return {f"^{name}{_PATH_ENTRY}$": {**described, **of_entries}}
+    values = next(iter(components.values()))
+    return {
+        f"^{name}{_PATH_ENTRY}$": {**described, **of_entries},
+        rf"^{name}{_PATH_ENTRY}\.[xyz]$": {**described, **values},
+    }
+
+
+def describe(sections: Mapping[str, Section[Any]]) -> str:
     """Return the format of a scene file as plain text, at most 77 characters wide."""
     lines = []
-    for name, section in FORMAT.items():
-        heading = f"{section.heading(name)}  " if name else ""
+    for section in sections.values():
+        heading = f"{section.heading}  " if section.name else ""
         lines += _filled(f"{heading}{section.meaning}", "", "  ")
-        if name in _PATHS_HELP:
-            lines += _filled(_PATHS_HELP[name], "  ", "  ")
-            listed = OF_STATES if name == "states" else {}
-        else:
-            listed = section.keys
-        for key, entry in listed.items():
+        if section.help_on_paths:
+            lines += _filled(section.help_on_paths, "  ", "  ")
+        for key, entry in section.keys.items():
+            if isinstance(entry.rule, AxisValues | NestedAxes):
+                continue
             default = "" if entry.default is None else f"; default {entry.default}"
-            text = f"{entry.kind.name}: {entry.meaning}{default}"
+            text = f"{entry.kind or entry.rule.name}: {entry.meaning}{default}"
             lines += _filled(text, f"  {key:32}", " " * 36)
         lines.append("")
     return "\n".join(lines)

@@ -5,23 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan._core import Integral, derivatives_at
 from cardan.app.files.headings import short
 from cardan.app.files.recording import Chunk, place_of, read_chunks
 from cardan.app.files.tables import read_ahead
 from cardan.app.scene.language.units import ENDINGS, RPM, split
-from cardan.app.scene.recording.angles import Angles
-from cardan.app.scene.recording.motion import Integral, derivatives
 from cardan.app.scene.recording.signals import Signal, Timing
-from cardan.app.scene.sections.table import ANGLE_COLUMNS, BEND_COLUMNS, FORMAT, SPEED_COLUMNS
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
+from cardan.evaluation.sweep import Sweep
+
+BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
+"""The keys for recorded bends; a scene uses at most one of them."""
+
+ANGLE_COLUMNS = ("angle_column_deg", "angle_column_rad")
+"""The keys for recorded drive angles; a scene uses at most one of them."""
+
+SPEED_COLUMNS = ("speed_column_rpm", "speed_column_rad_s")
+"""The keys for a recorded speed of the drive; a scene uses at most one of them."""
+
+REACH = 5
+"""Samples on each side of the parabola that differentiates, if the scene gives no number."""
 
 # Beyond any machine, and small enough for what the filter makes of times and speeds.
 _LARGEST = 1e30
@@ -32,6 +43,59 @@ _SIGNAL = "signal"
 _Rows = dict[str, FloatArray]
 
 
+MOST_STEPS = 10_000_000
+"""Steps that a sweep takes at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Angles:
+    """Drive angles, and what was recorded with them.
+
+    A sample of which a recorded number is missing has a drive angle of NaN, and so have its time
+    and its load. Figures are taken over what is to reduce: known samples, and whole turns.
+
+    Attributes:
+        degrees: the angles in degrees, for tables and pictures.
+        drive: the same for evaluating: a sweep, or recorded angles in rad.
+        bends: bends recorded with the angles, in degrees, if any.
+        time: recorded times in s, if any.
+        load: recorded values of the keys of [load], ``(samples,)`` each.
+        signals: the extents of what was recorded besides angles and bends.
+        driven: angles of the last shaft in degrees, if the file gives those.
+        file: from which they were read, if they were.
+    """
+
+    degrees: FloatArray
+    drive: FloatArray | Sweep
+    to_reduce: FloatArray | Sweep
+    bends: FloatArray | None = None
+    bends_to_reduce: FloatArray | None = None
+    time: FloatArray | None = None
+    load: Mapping[str, FloatArray] = field(default_factory=dict)
+    load_to_reduce: Mapping[str, FloatArray] = field(default_factory=dict)
+    signals: tuple[Signal, ...] = ()
+    driven: FloatArray | None = None
+    file: Path | None = None
+
+    @classmethod
+    def uniform(cls, turns: float, per_turn: int, start_deg: float) -> Self:
+        """Take equal steps over some turns, both ends included."""
+        steps = max(1, round(turns * per_turn))
+        # Dividing last keeps round degrees round.
+        degrees: FloatArray = start_deg + 360.0 * turns * np.arange(steps + 1) / steps
+        # Whole turns of samples at exact parts of a turn repeat and are computed once.
+        exact = start_deg == 0.0 and per_turn <= MOST_STEPS and steps / per_turn == turns
+
+        def sweep(count: int) -> Sweep:
+            if exact:
+                return Sweep.revolutions(count / per_turn, per_turn)
+            return Sweep(math.radians(degrees[0]), math.radians(degrees[count - 1]), count)
+
+        # The last angle of whole turns is the first one again: in a mean it would count twice.
+        whole = float(turns).is_integer()
+        return cls(degrees, sweep(steps + 1), sweep(steps if whole else steps + 1))
+
+
 class Recording:
     """The recorded columns of a scene, with what is carried from one piece of them to the next.
 
@@ -40,7 +104,6 @@ class Recording:
 
     def __init__(self, values: Mapping[str, Any], folder: Path) -> None:
         """Take the keys of the section and the folder of the scene."""
-        keys = FORMAT["angles"].keys
         self._file = folder / values["file"]
         self._raster = values.get("raster_s")
         self._columns: dict[str, str] = {}
@@ -52,21 +115,15 @@ class Recording:
         self._speed = next((key for key in SPEED_COLUMNS if key in values), "")
         self._angle = next((key for key in ANGLE_COLUMNS if key in values), "")
         self._timed = "time_column_s" in values
-        self._reach = values.get("filter_reach", keys["filter_reach"].default)
-        start = values.get("start_deg", keys["start_deg"].default)
-        self._integral = Integral(math.radians(start))
+        self._reach = values.get("filter_reach", REACH)
+        self._integral = Integral(math.radians(values.get("start_deg", 0.0)))
         self._last_time = -math.inf
         self._timing = Timing()
         self._last_angle, self._turns = math.nan, 0.0
         self._found = self._found_numbers = False
 
     def whole(self) -> Angles:
-        """Read all samples.
-
-        Raises:
-            ImportError: the library for the format of the file is missing.
-            ValueError: a file that cannot be read, columns that do not fit.
-        """
+        """Read all samples."""
         pieces = list(self.pieces(None))
         assert len(pieces) == 1
         return pieces[0][0]
@@ -75,10 +132,6 @@ class Recording:
         """Yield the samples in pieces of so many, each with the number of all samples.
 
         The samples do not depend on the pieces, to the last bit.
-
-        Raises:
-            ImportError: the library for the format of the file is missing.
-            ValueError: a file that cannot be read, columns that do not fit.
         """
         reach = self._reach if self._timed else 0
         held: _Rows = {}
@@ -232,6 +285,7 @@ class Recording:
             load,
             {key: without_gaps(values) for key, values in load.items()},
             tuple(self._signals(part, load)),
+            file=self._file,
         )
 
     def _signals(self, part: _Rows, load: Mapping[str, FloatArray]) -> Iterator[Signal]:
@@ -281,3 +335,20 @@ def _filled(bend: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
         return np.zeros_like(bend)
     places = np.where(known, np.arange(bend.size), int(np.argmax(known)))
     return bend[np.maximum.accumulate(places)]
+
+
+def derivatives(
+    time: FloatArray, values: FloatArray, reach: int, rows: slice | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return first and second derivative of a signal over time, from a parabola at each sample.
+
+    The parabola of a sample fits the known ones of the ``2 reach + 1`` rows around it, and fewer at
+    the ends of the signal. For equal steps ``d``, a part ``sin(w t)`` of the signal keeps in its
+    first derivative the share ``1 - (3 reach**2 + 3 reach - 1) (w d)**2/30``, for small ``w d``.
+
+    The filter is that of Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, with unequal
+    steps and missing samples allowed: the derivatives are NaN where the sample is missing, and
+    where less than three are known around it.
+    """
+    begin, end, _ = (rows or slice(None)).indices(time.size)
+    return derivatives_at(time, values, reach, begin, end)

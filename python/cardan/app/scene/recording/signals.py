@@ -106,13 +106,9 @@ class Signal:
     """The extent of a signal, by which a wrong unit is seen.
 
     Attributes:
-        signal: what it is.
         column: the recorded column; ``None`` for what was derived from others.
         unit: unit of the values; of a column, as the scene gives it.
         first: the value of the first sample that is not missing.
-        last: that of the last one.
-        min: the least.
-        max: the largest.
         reach: samples on each side of the filter that derived it; 0 for a column.
         sampling: rate and gaps of the whole recording so far; of times only.
     """

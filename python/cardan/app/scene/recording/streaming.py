@@ -56,9 +56,6 @@ def stream(
         rows: largest number of rows at a time.
         progress: called after each chunk with the number of rows done and of all rows.
 
-    Returns:
-        the file written, its rows, and what was recorded.
-
     Raises:
         ImportError: pyarrow is missing.
         OSError: the scene cannot be read or the curves not be written.

@@ -1,4 +1,4 @@
-"""The section of a scene that describes a ball joint, and the case that it makes."""
+"""The section [ball_joint]: a ball in its seat, its load and its materials."""
 
 from __future__ import annotations
 
@@ -9,48 +9,60 @@ from typing import Any, Literal
 
 import numpy as np
 
-import cardan.app.scene.language.values as kinds
 from cardan.app.files import columns
+from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.rules import FRICTION, SIZE, FileName, Number, Schema, Table, Text
 from cardan.app.scene.language.section import Key, Section
 from cardan.arrays.errors import ArgumentValueError
 from cardan.ball_joint import BallJoint, layer_compliance
 
 _MM, _MPA = 1e-3, 1e6
 
-_MATERIAL = (
+_COMPLIANCE, _LAYER, _POISSON = "compliance_um_per_MPa", ("layer_mm", "modulus_MPa"), "poisson"
+
+
+@dataclass(frozen=True)
+class MaterialRule(Table):
+    """A material: a name, the allowable pressure, and the compliance or the layer that yields."""
+
+    name = "material"
+
+    def read(self, where: Location, value: object) -> dict[str, Any]:
+        """Return the entries by key."""
+        found = super().read(where, value)
+        layer = [key for key in (*_LAYER, _POISSON) if key in found]
+        if _COMPLIANCE in found and layer:
+            raise where.at(layer[0]).error(f"and {_COMPLIANCE} are both given; give one of them")
+        for key in _LAYER:
+            if layer and key not in found:
+                raise where.at(layer[0]).error(f"needs {key}; {' and '.join(_LAYER)} go together")
+        return found
+
+    @property
+    def schema(self) -> Schema:
+        """An object of these keys."""
+        return {
+            **super().schema,
+            "dependentRequired": {key: list(_LAYER) for key in (*_LAYER, _POISSON)},
+            "not": {"required": [_COMPLIANCE, _LAYER[0]]},
+        }
+
+
+# No material and no lining is beyond these ends, and within them no square overflows.
+_KEYS = {
+    "name": Text(printable=True),
+    "allowable_pressure_MPa": Number(1e-3, 1e6),
+    _COMPLIANCE: Number(1e-9, 1e9),
+    _LAYER[0]: Number(1e-6, 1e6),
+    _LAYER[1]: Number(1e-3, 1e9),
+    _POISSON: Number(0, 0.5, below=True),
+}
+_MATERIAL = MaterialRule(_KEYS, f"a table with some of {', '.join(_KEYS)}", required=False)
+_OF_MATERIAL = (
     "with name, allowable_pressure_MPa, and compliance_um_per_MPa (how far it yields per unit of "
     "pressure) or layer_mm, modulus_MPa and poisson of a layer such as a lining; poisson defaults "
     "to 0.3"
 )
-
-BALL_JOINT = Section(
-    "a ball in its seat; alone or with a driveline",
-    {
-        "load_N": Key(kinds.FORCE, "force between ball and seat; it points to the seat's middle"),
-        "radius_mm": Key(
-            kinds.BALL_RADIUS,
-            "radius of the ball; default: the smallest that the allowable pressure permits",
-        ),
-        "half_angle_deg": Key(
-            kinds.SEAT_ANGLE, "angle from the middle of the seat to its edge", default=90
-        ),
-        "clearance_mm": Key(
-            kinds.CLEARANCE,
-            "radius of the seat less that of the ball; needs the compliance of ball or seat",
-            default=0,
-        ),
-        "friction": Key(kinds.FRICTION, "coefficient of friction between ball and seat"),
-        "ball": Key(kinds.MATERIAL, f"table of the ball, {_MATERIAL}"),
-        "seat": Key(kinds.MATERIAL, "table of the seat with the same keys"),
-        "picture": Key(
-            kinds.PICTURE_FILE,
-            "file for the picture of the pressure on the seat; its name ends in "
-            + " or ".join(columns.PICTURES),
-        ),
-    },
-    needed=(("load_N",),),
-)
-"""The section [ball_joint]."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +112,8 @@ class BallJointCase:
         return min((pressure for pressure in given if pressure is not None), default=None)
 
 
-def ball_joint_case(values: Mapping[str, Any]) -> BallJointCase:
-    """Return the case that the keys of the section describe.
-
-    Raises:
-        ValueError: neither a radius nor an allowable pressure, a clearance without a compliance.
-    """
+def ball_joint_case(values: Mapping[str, Any], _: object = None) -> BallJointCase:
+    """Return the case that the keys of the section describe."""
     ball, seat = (values.get(part, {}) for part in ("ball", "seat"))
     yields = [_compliance(part) for part in (ball, seat)]
     compliance = sum(value for value in yields if value is not None) or None
@@ -157,10 +165,7 @@ def _compliance(values: Mapping[str, Any]) -> float | None:
 
 
 def _material(
-    part: Literal["ball", "seat"],
-    values: Mapping[str, Any],
-    own: float | None,
-    both: float | None,
+    part: Literal["ball", "seat"], values: Mapping[str, Any], own: float | None, both: float | None
 ) -> Material:
     pressure = values.get("allowable_pressure_MPa")
     return Material(
@@ -170,3 +175,37 @@ def _material(
         (own or 0.0) if both is not None else None,
         values["layer_mm"] * _MM if "layer_mm" in values else None,
     )
+
+
+BALL_JOINT: Section[BallJointCase | None] = Section(
+    "ball_joint",
+    "a ball in its seat; alone or with a driveline",
+    {
+        "load_N": Key(
+            Number(1e-6, 1e12), "force between ball and seat; it points to the seat's middle"
+        ),
+        "radius_mm": Key(
+            SIZE, "radius of the ball; default: the smallest that the allowable pressure permits"
+        ),
+        "half_angle_deg": Key(
+            Number(0.1, 90, unit="deg"), "angle from the middle of the seat to its edge", default=90
+        ),
+        "clearance_mm": Key(
+            Number(0, 1e6),
+            "radius of the seat less that of the ball; needs the compliance of ball or seat",
+            default=0,
+        ),
+        "friction": Key(FRICTION, "coefficient of friction between ball and seat"),
+        "ball": Key(_MATERIAL, f"table of the ball, {_OF_MATERIAL}"),
+        "seat": Key(_MATERIAL, "table of the seat with the same keys"),
+        "picture": Key(
+            FileName(columns.PICTURES),
+            "file for the picture of the pressure on the seat; its name ends in "
+            + " or ".join(columns.PICTURES),
+            kind="picture file",
+        ),
+    },
+    ball_joint_case,
+    needed=(("load_N",),),
+)
+"""The section [ball_joint]."""

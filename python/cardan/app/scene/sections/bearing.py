@@ -1,31 +1,28 @@
-"""The bearings of a scene, and the lengths of shafts that no points give."""
+"""The sections [[bearing]]: the bearings of a driveline, and the driveline in them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from cardan.app.scene.sections.bearing_section import LENGTHS
-from cardan.app.scene.study.axes import Axis
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE
+from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
-_UNITS = {"mm": 1e-3, "m": 1.0}
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
+    from cardan.app.scene.study.axes import Axis
 
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing as the file gives it.
-
-    Attributes:
-        shaft: its shaft.
-        key: the key of its position.
-        value: the position in the unit of the key; in a study an array.
-    """
+    """A bearing as the file gives it: the key of its position, and its value or values."""
 
     shaft: int
     key: str
@@ -37,17 +34,21 @@ class Bearing:
         return self.key.rpartition("_")[2]
 
     @property
+    def factor(self) -> float:
+        """The unit in m."""
+        return BEARING.keys[self.key].factor
+
+    @property
     def position(self) -> float | FloatArray:
         """The position in m."""
-        return self.value * _UNITS[self.unit]
+        return self.value * self.factor
 
 
 @dataclass(frozen=True)
 class Mounting:
-    """The bearings of a scene.
+    """The bearings of a scene, and lengths of shafts that no points give.
 
     Attributes:
-        bearings: each of them.
         lengths: length of each shaft in m, ``(n + 1,)``, in a study with dimensions before that;
             ``None`` for those of the points.
     """
@@ -66,25 +67,13 @@ class Mounting:
             )
         own = np.asarray(self.lengths, np.float64)
         lengths = np.array(np.broadcast_to(own, (len(column), 1, own.shape[-1])))
-        lengths[..., axis.place] = _UNITS[axis.name.rpartition("_")[2]] * column[:, None, None]
+        lengths[..., axis.place] = DRIVELINE.keys[axis.name].factor * column[:, None, None]
         return replace(self, lengths=lengths)
 
     def and_bearing(self, values: Mapping[str, Any], line: Driveline) -> Self:
-        """Return the mounting with one more bearing.
-
-        Args:
-            values: values by key of its section.
-            line: the driveline.
-
-        Raises:
-            ValueError: a shaft that does not exist or whose length is not known, a position where
-                no bearing can be.
-        """
+        """Return the mounting with one more bearing, which must have a place."""
         shaft = values["shaft"]
-        if shaft > line.n_joints:
-            raise ArgumentValueError(
-                "shaft", f"is {shaft}; there are {line.n_joints + 1}, counted from 0"
-            )
+        check_exists("shaft", shaft, line.n_joints + 1)
         if self.lengths is None and not has_lengths(line):
             raise ArgumentValueError("shaft", f"has no length; a bearing needs {LENGTHS_NEEDED}")
         key = next(key for key in values if key.startswith("position"))
@@ -95,10 +84,7 @@ class Mounting:
     def on(self, line: Driveline) -> Driveline:
         """Return drivelines with these lengths and bearings.
 
-        Raises:
-            ValueError: a position that is not between the ends of its shaft or is at a joint, two
-                bearings in one place; the key of the first such position and its value in the
-                unit of the key.
+        Errors are about the key of the first position without a place, in the unit of that key.
         """
         if not self.bearings and self.lengths is None:
             return line
@@ -126,7 +112,7 @@ class Mounting:
                 # Behind the numbers of the bearing and of its position is that of the driveline.
                 shape = np.broadcast_shapes(line.shape, lengths.shape[:-1], values.shape)
                 length = np.broadcast_to(lengths, (*shape, lengths.shape[-1]))
-                own = float(length[(*place[1:], bearing.shaft)]) / _UNITS[bearing.unit]
+                own = float(length[(*place[1:], bearing.shaft)]) / bearing.factor
                 inner = 0 < bearing.shaft < line.n_joints
                 ends = "the joints" if inner else "the end and the joint"
                 problem = (
@@ -136,29 +122,39 @@ class Mounting:
             raise ArgumentValueError(bearing.key, problem) from None
 
 
-def lengths_of(driveline: Mapping[str, Any], line: Driveline) -> tuple[float, ...] | None:
-    """Return the lengths in m that the keys of a driveline give its shafts, if they do.
+class Mounted(NamedTuple):
+    """The bearings of a scene, and its driveline in them."""
 
-    Raises:
-        ValueError: not one per shaft, or a driveline whose points give lengths.
-    """
-    key = next((key for key in LENGTHS if key in driveline), None)
-    if key is None:
-        return None
-    if has_lengths(line):
-        points = next(name for name in driveline if name.startswith("points"))
-        raise ArgumentValueError(key, f"does not go with {points}, which says it already")
-    values, wanted = driveline[key], line.n_joints + 1
-    if len(values) != wanted:
-        raise ArgumentValueError(key, f"has length {len(values)}; it needs {wanted}, one per shaft")
-    unit = _UNITS[key.rpartition("_")[2]]
-    return tuple(value * unit for value in values)
+    mounting: Mounting
+    line: Driveline
 
 
-def has_lengths(line: Driveline) -> bool:
-    """Whether the lengths of the shafts are known."""
-    return bool(line._geometry.lengths.shape[-1])
+def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
+    described = scene[DRIVELINE]
+    mounting = Mounting(lengths=described.lengths)
+    for i, values in enumerate(scene.document.tables.get(BEARING.name, ())):
+        with scene.document.within(f"{BEARING.name}.{i}"):
+            mounting = mounting.and_bearing(values, described.line)
+    return Mounted(mounting, mounting.on(described.line))
 
 
-LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveline]"
-"""What gives a driveline its lengths."""
+BEARING: Section[Mounted] = Section(
+    "bearing",
+    "a bearing; give one section for each, in any order. They are counted from 0 in that order",
+    {
+        "shaft": Key(INDEX, "its shaft, counted from 0"),
+        "position_mm": Key(
+            NOT_NEGATIVE,
+            "distance from the upstream end of the shaft in the direction of power flow: from its "
+            "input-side joint, on shaft 0 from the driving end",
+            factor=1e-3,
+        ),
+        "position_m": Key(NOT_NEGATIVE, "or: the same in metres"),
+    },
+    _mounted,
+    together=(("position_mm", "position_m"),),
+    needed=(("shaft",), ("position_mm", "position_m")),
+    repeated=True,
+    always=True,
+)
+"""The sections [[bearing]]."""

@@ -1,24 +1,43 @@
-"""The sections of a scene that describe the driveline and its load."""
+"""The section [driveline]: the ways to describe one, its teeth, and lengths that no points give."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-import cardan.app.scene.language.values as kinds
-from cardan.app.scene.language.section import Key, Section
-from cardan.app.scene.language.units import RPM
-from cardan.app.scene.sections.bearing_section import LENGTHS
+from cardan.app.scene.language.rules import (
+    BEND,
+    POSITIVE,
+    SIZE,
+    TOOTH_COUNTS,
+    ListOf,
+    Number,
+    numbers,
+)
+from cardan.app.scene.language.section import Key, Section, check_count
+from cardan.app.scene.language.units import LengthUnit
+from cardan.app.scene.sections.angles import ANGLES
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.geometry.bearings import in_metres
+from cardan.geometry.constructors import sloping
+
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
 
 TEETH = "teeth"
 """The key of a driveline that says in which steps its yokes can be set."""
+
+LENGTHS = ("lengths_mm", "lengths_m")
+"""The keys of a driveline without points for the lengths of its shafts; it has at most one."""
+
+LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveline]"
+"""What gives a driveline its lengths."""
 
 
 @dataclass(frozen=True)
@@ -105,95 +124,239 @@ def only(*keys: str) -> dict[str, Any]:
     return {"propertyNames": {"enum": list(keys)}}
 
 
-DRIVELINE = Section(
+def filled(values: Mapping[str, Any], bends: FloatArray | None) -> tuple[Form, dict[str, Any]]:
+    """Return form and keys of the driveline, with twists and phases that are left out as zeros."""
+    made = dict(values)
+    if bends is not None:
+        for key in values:
+            if key not in FORMS[0].optional:
+                raise ArgumentValueError(key, "does not go with recorded bends")
+        made[FORMS[0].keys[0]] = [0.0] * bends.shape[-1]
+    for form in FORMS:
+        given = [key for key in form.keys if key in made]
+        if form.views and given:
+            level = [0.0] * len(made[given[0]])
+            made = {**dict.fromkeys(form.keys, level), **made}
+    form = _form_of(made)
+    first = form.keys[0]
+    size = len(made[first])
+    joints = size - form.ends
+    if joints < 1:
+        raise ArgumentValueError(first, f"has length {size}; one joint needs {1 + form.ends}")
+    if form.joints is not None:
+        check_count(first, [None] * joints, form.joints, "one per joint")
+    for key in form.keys[1:]:
+        check_count(key, made[key], size, f"as many as {first}")
+    for key in form.optional:
+        check_count(key, made.get(key), joints - 1, "one per shaft between two joints")
+        made.setdefault(key, [0.0] * (joints - 1))
+    if bends is not None:
+        made[first] = bends
+    return form, made
+
+
+def _form_of(values: Mapping[str, Any]) -> Form:
+    """The form in which keys describe a driveline."""
+    used = [form for form in FORMS if any(key in values for key in form.keys)]
+    if not used:
+        ways = "; ".join(" with ".join(form.keys) for form in FORMS)
+        raise ValueError(f"no shafts or joints; give one of: {ways}")
+    form = used[0]
+    if len(used) > 1:
+        one, other = (next(key for key in form.keys if key in values) for form in used[:2])
+        raise ArgumentValueError(
+            one, f"and {other} are both given; describe the driveline in one way"
+        )
+    for key in form.keys:
+        if key not in values:
+            raise ArgumentValueError(key, f"is missing; {' and '.join(form.keys)} go together")
+    for key in values:
+        if key not in form.keys + form.optional:
+            raise ArgumentValueError(key, f"does not go with {form.keys[0]}, which says it already")
+    return form
+
+
+def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
+    """Return the driveline of a form, or a batch if the values have leading dimensions."""
+    keys = DRIVELINE.keys
+    try:
+        # Neither points nor directions are angles: what is in degrees is what can be.
+        return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
+    except ArgumentValueError as error:
+        # Slopes become directions before their bends are known.
+        names = {"directions": form.keys} | {keys[key].argument: (key,) for key in values}
+        key, *others = names.get(error.argument, (error.argument,))
+        along = _vectors_along_shafts(values)
+        problem = error.problem
+        # The place is that of a driveline in the batch and not of a vector in it.
+        if along is not None and len(error.place) == along.ndim - 2:
+            problem = _too_steep(key, along[tuple(map(int, error.place))]) or problem
+        problem = " ".join((*(f"and {other}" for other in others), problem))
+        raise ArgumentValueError(key, problem, error.place) from None
+
+
+def _vectors_along_shafts(values: Mapping[str, Any]) -> FloatArray | None:
+    """Vectors along the shafts that points, directions or slopes give; ``None`` for bends."""
+    for key, value in values.items():
+        if key.startswith("points"):
+            return np.diff(np.asarray(value, float), axis=-2)
+        if key == "directions":
+            return np.asarray(value, float)
+    if "slopes_vertical_deg" in values:
+        return sloping(
+            *(np.radians(values[f"slopes_{view}_deg"]) for view in ("vertical", "horizontal"))
+        )
+    return None
+
+
+def _too_steep(key: str, vectors: FloatArray) -> str | None:
+    """The first bend that is too large, in degrees and with the numbers of its points or shafts."""
+    one, other = vectors[:-1], vectors[1:]
+    sine = np.linalg.norm(np.cross(one, other), axis=-1)
+    bends = np.degrees(np.arctan2(sine, np.sum(one * other, axis=-1)))
+    if not np.any(bends >= 90.0):
+        return None
+    joint = int(np.argmax(bends >= 90.0))
+    bend = bends[joint]
+    if key.startswith("points"):
+        place = f"at point {joint + 1}, between points {joint} and {joint + 2}"
+    else:
+        place = f"between shafts {joint} and {joint + 1}"
+    return f"give joint {joint} a bend of {bend:.8g} deg {place}; a bend must lie in [0, 90) deg"
+
+
+@dataclass(frozen=True, eq=False)
+class Described:
+    """A driveline without its bearings, and what the file says of it.
+
+    Attributes:
+        keys: values by key as the file has them, twists and phases that it leaves out as zeros.
+        teeth: of the spline of each intermediate shaft; empty if the file gives none.
+        lengths: of the shafts in m, where keys give them in place of points.
+        points: ends and joint centres as the file gives them, ``(n + 2, 3)``, if it does.
+    """
+
+    form: Form
+    keys: dict[str, Any]
+    line: Driveline
+    teeth: tuple[int, ...]
+    lengths: tuple[float, ...] | None
+    points: FloatArray | None
+    length_unit: LengthUnit
+
+
+def _described(values: Mapping[str, Any], scene: Reading) -> Described:
+    recorded = scene[ANGLES]
+    own = {key: value for key, value in values.items() if key not in (TEETH, *LENGTHS)}
+    form, keys = filled(own, recorded.bends if recorded else None)
+    line = make_driveline(form, keys)
+    points = next((key for key in own if key.startswith("points")), None)
+    lengths = next((key for key in LENGTHS if key in values), None)
+    if points and lengths:
+        raise ArgumentValueError(lengths, f"does not go with {points}, which says it already")
+    DRIVELINE.check_counts(values, line.n_joints)
+    teeth = values.get(TEETH, [])
+    return Described(
+        form,
+        keys,
+        line,
+        tuple(teeth if isinstance(teeth, list) else [teeth] * (line.n_joints - 1)),
+        tuple(DRIVELINE.keys[lengths].factor * x for x in values[lengths]) if lengths else None,
+        np.array(own[points], float) if points else None,
+        "m" if {"points_m", "lengths_m"} & values.keys() else "mm",
+    )
+
+
+def has_lengths(line: Driveline) -> bool:
+    """Whether the lengths of the shafts are known."""
+    return bool(line._geometry.lengths.shape[-1])
+
+
+def _vectors(meaning: str, argument: str) -> Key:
+    vector = ListOf(Number(), "three numbers", count=3)
+    return Key(ListOf(vector, "vectors [x, y, z]"), meaning, argument, kind="vectors")
+
+
+def _slopes(meaning: str, argument: str) -> Key:
+    slope = Number(-90, 90, above=True, below=True)
+    return Key(ListOf(slope, "numbers"), meaning, argument, kind="slopes")
+
+
+DRIVELINE: Section[Described] = Section(
+    "driveline",
     "joints and shafts, required; give exactly one description",
     {
-        "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
+        "bends_deg": Key(numbers(BEND), "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
-            kinds.NUMBERS,
+            numbers(),
             "with bends_deg: angle from one bend plane to the next about each intermediate "
             "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
         ),
-        "points_m": Key(
-            kinds.VECTORS, "driving end, joint centres, driven end, in right-handed axes", "points"
+        "points_m": _vectors(
+            "driving end, joint centres, driven end, in right-handed axes", "points"
         ),
-        "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
-        "directions": Key(
-            kinds.VECTORS,
-            "a vector of any length along each shaft, in right-handed axes",
-            "directions",
+        "points_mm": _vectors("the same in mm", "points"),
+        "directions": _vectors(
+            "a vector of any length along each shaft, in right-handed axes", "directions"
         ),
-        "slopes_vertical_deg": Key(
-            kinds.SLOPES, "slope of each shaft in side view, positive upwards", "vertical"
+        "slopes_vertical_deg": _slopes(
+            "slope of each shaft in side view, positive upwards", "vertical"
         ),
-        "slopes_horizontal_deg": Key(
-            kinds.SLOPES,
+        "slopes_horizontal_deg": _slopes(
             "slope of each shaft in top view, positive to the right, looking from the drive "
             "towards the output: towards the vehicle's left if its drive is in front",
             "horizontal",
         ),
-        "projected_bends_vertical_deg": Key(
-            kinds.SLOPES,
-            "bends of two joints in side view, from the common shaft, positive upwards",
-            "vertical",
+        "projected_bends_vertical_deg": _slopes(
+            "bends of two joints in side view, from the common shaft, positive upwards", "vertical"
         ),
-        "projected_bends_horizontal_deg": Key(
-            kinds.SLOPES,
+        "projected_bends_horizontal_deg": _slopes(
             "bends of two joints in top view, from the common shaft, positive as "
             "slopes_horizontal_deg",
             "horizontal",
         ),
         "double_joint_deg": Key(
-            kinds.TOTAL_BEND, "total bend of a centred double joint, in [0, 180)", "total"
+            numbers(Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
+            "total bend of a centred double joint, in [0, 180)",
+            "total",
         ),
         "joint_distance_mm": Key(
-            kinds.DISTANCE, "of a double joint: distance of its joint centres", "length"
+            numbers(SIZE, 1), "of a double joint: distance of its joint centres", "length"
         ),
         "synchronous_deg": Key(
-            kinds.SYNCHRONOUS,
+            numbers(Number(0, 120, below=True, unit="deg"), 1),
             "of a double joint: total bend at which both joints have the same bend",
             "synchronous",
         ),
         "pivot_wear_mm": Key(
-            kinds.NUMBERS,
+            numbers(),
             "of a double joint: how far its pivot is off, away from joint 0; default 0",
             "wear",
         ),
         "phases_deg": Key(
-            kinds.NUMBERS,
+            numbers(),
             "angle from the input-side to the output-side yoke of each intermediate shaft, "
             "clockwise looking from the drive towards the output; default 0",
             "phases",
         ),
         TEETH: Key(
-            kinds.TEETH,
+            TOOTH_COUNTS,
             "teeth of the spline that carries the output-side yoke of each shaft between two "
             "joints: one number for all shafts or one per shaft, 1 where no yoke can be turned; "
             "default: any angle can be set",
+            per="shaft between two joints",
         ),
         "lengths_mm": Key(
-            kinds.LENGTHS,
+            ListOf(POSITIVE, "numbers"),
             "without points: length of each shaft between its joints or ends, for forces",
+            factor=1e-3,
+            per="shaft",
         ),
-        "lengths_m": Key(kinds.LENGTHS, "or: the same in metres"),
+        "lengths_m": Key(ListOf(POSITIVE, "numbers"), "or: the same in metres", per="shaft"),
     },
+    _described,
     together=(LENGTHS,),
+    always=True,
 )
-
-LOAD = Section(
-    "speed, torque and inertias",
-    {
-        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", RPM),
-        "speed_rad_s": Key(kinds.NUMBER, "the same in rad/s", "speed"),
-        "acceleration_rad_s2": Key(kinds.NUMBER, "acceleration of the drive", "acceleration"),
-        "drive_torque_Nm": Key(kinds.NUMBER, "torque put into shaft 0", "drive_torque"),
-        "output_torque_Nm": Key(
-            kinds.NUMBER, "or: torque delivered by the last shaft", "output_torque"
-        ),
-        "inertias_kgm2": Key(
-            kinds.INERTIAS, "moment of inertia of each shaft about its axis", "inertias"
-        ),
-    },
-    together=(("speed_rpm", "speed_rad_s"), ("drive_torque_Nm", "output_torque_Nm")),
-)
+"""The section [driveline]."""

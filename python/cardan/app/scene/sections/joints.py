@@ -1,38 +1,73 @@
-"""The section of a scene that describes the joints themselves: sizes, bearings, deviations."""
+"""The section [joints]: their sizes, how they deviate from the drawing, and their play."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cardan.app.scene.language.values as kinds
-from cardan.app.scene.language.section import Key, Section
-from cardan.app.scene.sections.backlash import OF_PLAY
-from cardan.app.scene.sections.joint_deviations import IN_DEGREES_OR_MM, OF_DEVIATIONS
-from cardan.app.scene.sections.sizes import FRICTION, OF_SIZE, JointSize, read_sizes, size_of
-from cardan.arrays.errors import ArgumentValueError, nearest
+import numpy as np
 
-JOINTS = Section(
-    "sizes and bearings of the joints, for their life and heat, and how they deviate from their "
-    "drawing; each value is one for all joints or a list with one per joint",
-    {
-        "sizes": Key(
-            kinds.SIZES_FILE,
-            "your own table of sizes, a CSV file with a column size and columns named like the "
-            "keys below; path from the folder of the scene",
-        ),
-        "size": Key(kinds.SIZE_NAMES, "with sizes: which size the joints have"),
-        **OF_SIZE,
-        **OF_DEVIATIONS,
-        **OF_PLAY,
-    },
-    together=IN_DEGREES_OR_MM,
-    fewest=1,
-    with_key=(("size", "sizes"), ("stiffness_Nm_per_rad", "play_mm")),
+from cardan.app.scene.language.rules import (
+    DISTANCE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    FileName,
+    Number,
+    Text,
+    each,
 )
-"""The section [joints]."""
+from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.sections.sizes import OF_LOSSES, OF_SIZE, JointSize, read_sizes, size_of
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.tolerances import JOINT_GROUPS
+
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
+
+_DEVIATION = each(Number(-90, 90, above=True, below=True, unit="deg"))
+_NEEDS_ARM = "needs arm_mm, the distance of a pin's bearing from the centre of the joint"
+
+OF_DEVIATIONS: Mapping[str, Key] = {
+    "driving_yoke_deg": Key(
+        _DEVIATION,
+        "as built: angle by which the driving pin leans from the normal of the driving shaft "
+        "towards the driven one",
+    ),
+    "cross_deg": Key(
+        _DEVIATION, "as built: angle by which the pins of the cross are closer than 90 deg"
+    ),
+    "driven_yoke_deg": Key(
+        _DEVIATION,
+        "as built: angle by which the driven pin leans from the normal of the driven shaft "
+        "towards its driven end",
+    ),
+    "driving_yoke_mm": Key(
+        each(DISTANCE),
+        "in place of driving_yoke_deg: how far one end of the pin is off along the shaft, and the "
+        "other end the other way, at arm_mm",
+    ),
+    "cross_mm": Key(each(DISTANCE), "likewise in place of cross_deg"),
+    "driven_yoke_mm": Key(each(DISTANCE), "likewise in place of driven_yoke_deg"),
+}
+"""The keys that say how joints deviate."""
+
+OF_PLAY: Mapping[str, Key] = {
+    "play_mm": Key(
+        each(NOT_NEGATIVE),
+        "radial play of a pin in its bearing at arm_mm, from the middle to either side",
+    ),
+    "stiffness_Nm_per_rad": Key(
+        each(POSITIVE),
+        "with play_mm: moment about the normal of the cross per angle between its pins; default: "
+        "rigid",
+    ),
+}
+"""The keys for play and wind-up."""
+
+IN_DEGREES_OR_MM = {group: (f"{group}_deg", f"{group}_mm") for group in JOINT_GROUPS}
+"""The two keys of each deviation, of which at most one is given."""
 
 
 @dataclass(frozen=True)
@@ -48,39 +83,61 @@ class Joints:
     table: tuple[JointSize, ...]
 
 
-def joints_of(values: Mapping[str, Any], joints: int, folder: Path) -> Joints:
-    """Return the joints that the keys of the section describe.
+@dataclass(frozen=True, eq=False)
+class JointPlay:
+    """Play of the pins and arm in m, stiffness of the crosses in N m/rad, ``(n,)`` each.
 
-    Args:
-        values: values by key.
-        joints: their number.
-        folder: from which the path of the table begins.
-
-    Raises:
-        OSError: the table cannot be read.
-        ValueError: lists that do not have one value per joint, a size that the table lacks, a part
-            of what the losses need, a table that is none.
+    The stiffness of rigid crosses is ``None``.
     """
-    for key, value in values.items():
-        if isinstance(value, list) and len(value) != joints:
-            raise ArgumentValueError(
-                key, f"has length {len(value)}; it needs {joints}, one per joint"
-            )
-    table = read_sizes(folder / values["sizes"]) if "sizes" in values else ()
+
+    radial: FloatArray
+    arm: FloatArray
+    stiffness: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class JointsAsBuilt:
+    """The sizes, the play of the pins and the deviations in rad, ``(n, 3)``, where given."""
+
+    sizes: Joints | None
+    play: JointPlay | None
+    deviations: FloatArray | None
+
+
+def _joints(values: Mapping[str, Any], scene: Reading) -> JointsAsBuilt:
+    n = scene.line.n_joints
+    JOINTS.check_counts(values, n)
+    own = {k: v for k, v in values.items() if k not in {**OF_DEVIATIONS, **OF_PLAY}}
+    if _in_mm(scene) and own.keys().isdisjoint({"sizes", "friction", "pin_radius_mm"}):
+        # Then it is there for the deviations alone.
+        own.pop("arm_mm", None)
+    sizes = None
+    if own:
+        # What is wrong in the table of sizes has no key.
+        with scene.document.within(JOINTS.name, "sizes"):
+            sizes = _sizes(own, n, scene)
+    arms = arms_of(values, n, sizes)
+    return JointsAsBuilt(sizes, _play(values, n, arms), _deviations(values, scene, arms))
+
+
+def _sizes(values: Mapping[str, Any], joints: int, scene: Reading) -> Joints:
+    table = read_sizes(scene.folder / values["sizes"]) if "sizes" in values else ()
     own = {key: value for key, value in values.items() if key in OF_SIZE}
     table = tuple(sorted(table, key=lambda size: size.rating or 0.0))
     if "size" not in values and not own:
         return Joints((), table)
-    each = tuple(_joint(values, own, table, joint) for joint in range(joints))
-    for joint, size in enumerate(each):
-        given = [key for key in FRICTION if getattr(size, OF_SIZE[key].argument) is not None]
+    found = tuple(_joint(values, own, table, joint) for joint in range(joints))
+    for joint, size in enumerate(found):
+        given = [key for key in OF_LOSSES if getattr(size, OF_SIZE[key].argument) is not None]
         if given and not size.rubs:
-            missing = next(key for key in FRICTION if key not in given)
+            missing = next(key for key in OF_LOSSES if key not in given)
+            *others, last = OF_LOSSES
             raise ArgumentValueError(
                 missing,
-                f"is missing for joint {joint}, which has {given[0]}; losses need {_and(FRICTION)}",
+                f"is missing for joint {joint}, which has {given[0]}; losses need "
+                f"{', '.join(others)} and {last}",
             )
-    return Joints(each, table)
+    return Joints(found, table)
 
 
 def _joint(
@@ -103,5 +160,96 @@ def _of_joint(value: Any, joint: int) -> Any:  # noqa: ANN401 - a value or a lis
     return value[joint] if isinstance(value, list) else value
 
 
-def _and(names: tuple[str, ...]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+def _play(values: Mapping[str, Any], n: int, arms: FloatArray | None) -> JointPlay | None:
+    if "play_mm" not in values:
+        return None
+    if arms is None:
+        raise ArgumentValueError("play_mm", _NEEDS_ARM)
+    stiffness = values.get("stiffness_Nm_per_rad")
+    return JointPlay(
+        1e-3 * _spread(values["play_mm"], n),
+        arms,
+        None if stiffness is None else _spread(stiffness, n),
+    )
+
+
+def _deviations(
+    values: Mapping[str, Any], scene: Reading, arms: FloatArray | None
+) -> FloatArray | None:
+    given = [key for key in OF_DEVIATIONS if key in values]
+    if not given:
+        return None
+    if "optimise" in scene.given:
+        raise ArgumentValueError(
+            given[0],
+            "does not go with [optimise], which searches drivelines of ideal joints; leave the "
+            "deviations out, or use cardan.optimise in Python, which takes joints as built",
+        )
+    n = scene.line.n_joints
+    angles = angles_of(values, n, arms)
+    found = [angles.get(group, np.zeros(n)) for group in JOINT_GROUPS]
+    try:
+        scene.line.with_deviations(*found)
+    except ArgumentValueError as error:
+        raise ArgumentValueError(given[0], f"and the others {error.problem}", ()) from None
+    return np.stack(found, axis=-1)
+
+
+def angles_of(values: Mapping[str, Any], n: int, arms: FloatArray | None) -> dict[str, FloatArray]:
+    """Return deviations, or their tolerances, in rad by group, ``(n,)`` each; arms are in m."""
+    found: dict[str, FloatArray] = {}
+    for group, (degrees, mm) in IN_DEGREES_OR_MM.items():
+        if degrees in values:
+            found[group] = np.radians(_spread(values[degrees], n))
+        elif mm in values:
+            if arms is None:
+                raise ArgumentValueError(mm, _NEEDS_ARM)
+            found[group] = 1e-3 * _spread(values[mm], n) / arms
+    return found
+
+
+def arms_of(values: Mapping[str, Any], n: int, sizes: Joints | None) -> FloatArray | None:
+    """Return the arms of the joints in m, ``(n,)``: those of a section, or else of the sizes."""
+    if "arm_mm" in values:
+        return 1e-3 * _spread(values["arm_mm"], n)
+    known = [size.arm for size in sizes.each] if sizes else []
+    return np.array(known, dtype=float) if known and None not in known else None
+
+
+def _spread(value: float | list[float], n: int) -> FloatArray:
+    return np.broadcast_to(np.asarray(value, dtype=float), n)
+
+
+def _in_mm(scene: Reading) -> bool:
+    """Whether deviations, their tolerances or play are given as lengths, which need an arm."""
+    keys = {"play_mm", *(mm for _, mm in IN_DEGREES_OR_MM.values())}
+    sections = ("joints", "tolerances")
+    return any(not keys.isdisjoint(scene.given.get(section, {})) for section in sections)
+
+
+_KEYS = {
+    "size": Key(each(Text(), "texts"), "with sizes: which size the joints have"),
+    **OF_SIZE,
+    **OF_DEVIATIONS,
+    **OF_PLAY,
+}
+
+JOINTS: Section[JointsAsBuilt] = Section(
+    "joints",
+    "sizes and bearings of the joints, for their life and heat, and how they deviate from their "
+    "drawing; each value is one for all joints or a list with one per joint",
+    {
+        "sizes": Key(
+            FileName((".csv",), folders=True),
+            "your own table of sizes, a CSV file with a column size and columns named like the "
+            "keys below; path from the folder of the scene",
+        ),
+        **{key: replace(entry, per="joint") for key, entry in _KEYS.items()},
+    },
+    _joints,
+    together=tuple(IN_DEGREES_OR_MM.values()),
+    fewest=1,
+    with_key=(("size", "sizes"), ("stiffness_Nm_per_rad", "play_mm")),
+    always=True,
+)
+"""The section [joints]."""

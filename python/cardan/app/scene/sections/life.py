@@ -1,23 +1,29 @@
-"""How a driveline is used: the steps of its duty cycle."""
+"""The section [life]: how a driveline is used, the steps of its duty cycle."""
 
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from cardan.app.scene.language.rules import BEND, POSITIVE, TEXTS, ListOf, Number, Text, each
+from cardan.app.scene.language.section import Key, Section, check_count
 from cardan.app.scene.language.units import RPM
-from cardan.app.scene.study.layout import SceneLayout
-from cardan.app.scene.study.states import States
+from cardan.app.scene.sections.joints import JOINTS
+from cardan.app.scene.sections.load import TORQUES
+from cardan.app.scene.sections.states import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
-_TORQUES = ("drive_torque_Nm", "output_torque_Nm")
-_ONE_PER_STEP = ("hours", "speed_rpm", *_TORQUES, "bends_deg", "states", "names")
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
+    from cardan.app.scene.study.states import SceneLayout, States
+
+_ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +31,6 @@ class DutyCycle:
     """How a driveline is used, in steps.
 
     Attributes:
-        names: of the steps.
         shares: of each step in the time, ``(steps,)``, with sum 1.
         line: the driveline in each step, a batch ``(places, steps)``. The places are the states
             of the scene or drivelines of its study; there is one where the steps say how the
@@ -33,7 +38,6 @@ class DutyCycle:
         load: the load in each step, ``(places, steps)``.
         target: required life in hours; ``None`` if the scene requires none.
         values: of [life] by key; none if [load] is the only step.
-        layout: how the scene describes its driveline.
     """
 
     names: tuple[str, ...]
@@ -83,18 +87,8 @@ def duty_cycle(
 ) -> DutyCycle:
     """Return the duty cycle that the keys of the section describe.
 
-    Args:
-        values: values by key.
-        line: the drivelines, ``(places, 1)``.
-        load: their load, if they have one.
-        layout: how the scene describes its driveline; ``None`` if its bends were recorded.
-        states: its states, if it has any.
-        varied: the keys of its study, which give what the load lacks.
-
-    Raises:
-        ValueError: recorded bends or loads, lists of different lengths, a speed or a torque that
-            neither the section nor the load gives, bends of a driveline that is not made of bends,
-            a state that does not exist.
+    The drivelines and their load are ``(places, 1)``. There is no layout where bends or loads were
+    recorded; the keys varied by a study give what the load lacks.
     """
     if layout is None:
         raise ValueError("it does not go with recorded bends or loads; give the steps as numbers")
@@ -133,12 +127,9 @@ def _steps(values: Mapping[str, Any]) -> int:
 
 
 def _load(
-    values: Mapping[str, Any],
-    shape: tuple[int, ...],
-    load: Load | None,
-    varied: Container[str],
+    values: Mapping[str, Any], shape: tuple[int, ...], load: Load | None, varied: Container[str]
 ) -> Load:
-    torque = next((key for key in _TORQUES if key in values), None)
+    torque = next((key for key in TORQUES if key in values), None)
     if "speed_rpm" in values:
         speed = RPM * np.asarray(values["speed_rpm"], dtype=np.float64)
     elif load is not None and (np.any(load.speed != 0.0) or gives(varied, "speed")):
@@ -164,7 +155,7 @@ def _load(
 
 def gives(varied: Container[str], what: Literal["speed", "torque"]) -> bool:
     """Return whether the keys of a study give speeds or torques."""
-    keys = _TORQUES if what == "torque" else ("speed_rpm", "speed_rad_s")
+    keys = TORQUES if what == "torque" else ("speed_rpm", "speed_rad_s")
     return any(key in varied for key in keys)
 
 
@@ -197,9 +188,61 @@ def _bent(given: Sequence[Any], line: Driveline, layout: SceneLayout) -> Driveli
     joints, bends = line.n_joints, []
     for i, entry in enumerate(given):
         row = entry if isinstance(entry, list) else [entry] * joints
-        if len(row) != joints:
-            raise ArgumentValueError(
-                "bends_deg", f"has length {len(row)}; it needs {joints}, one per joint", (i,)
-            )
+        check_count("bends_deg", row, joints, "one per joint", (i,))
         bends.append(row)
     return Driveline.from_bends(np.radians([bends]), line.twists, line.phases)
+
+
+def _life(values: Mapping[str, Any], scene: Reading) -> DutyCycle | None:
+    """The duty cycle: that of [life], or the load as its only step if it turns and has a torque."""
+    if not values and not scene[JOINTS].sizes and "tubes" not in scene.given:
+        return None
+    load, layout, states = scene.load, scene.layout, scene[STATES]
+    varied = scene.given.get("study", {})
+    if load is not None and np.ndim(load.speed + load.torque):
+        layout = None
+    lines = scene.line.reshape(-1, 1)
+    if states and not stands(values):
+        lines, load = states.drivelines().reshape(-1, 1), states.loads(load)
+        load = load and load.at_any_angle()
+    if not values:
+        known = load is not None and layout is not None
+        for what in ("speed", "torque"):
+            known = known and (bool(np.any(getattr(load, what))) or gives(varied, what))
+        if not known:
+            return None
+    return duty_cycle(values, lines, load, layout, states, varied)
+
+
+LIFE: Section[DutyCycle | None] = Section(
+    "life",
+    "duty cycle of the driveline, for the life and the heat of its joints; each value is one for "
+    "all steps or a list with one per step. Without it [load] is the only step",
+    {
+        "hours": Key(
+            each(POSITIVE),
+            "time of each step, in hours or any other unit: only the shares count; default: all "
+            "alike",
+        ),
+        "speed_rpm": Key(each(POSITIVE), "speed of the drive; default: that of [load]"),
+        "drive_torque_Nm": Key(each(Number()), "torque put into shaft 0; default: that of [load]"),
+        "output_torque_Nm": Key(each(Number()), "or: torque delivered by the last shaft"),
+        "bends_deg": Key(
+            ListOf(each(BEND), "bends, one entry per step"),
+            "bends in each step: of all joints, or a list with one per joint; needs bends_deg in "
+            "[driveline]",
+            kind="numbers",
+        ),
+        "states": Key(
+            ListOf(Text(), "texts"),
+            "or: the state of [states] in which the driveline is in each step",
+        ),
+        "names": Key(TEXTS, "what each step is called; default: step 0 and so on"),
+        "target_h": Key(POSITIVE, "life that 90 % of the joints must reach"),
+    },
+    _life,
+    together=(TORQUES, ("bends_deg", "states")),
+    fewest=1,
+    always=True,
+)
+"""The section [life]."""

@@ -1,116 +1,116 @@
-"""Rules for the values of [limits]: a preset, and a limit with or without a maximum."""
+"""The section [limits]: what a check compares with."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import ListOf, Number, Rule, Schema, Text, refused, shown
-from cardan.design.limits import PRESETS, unknown_preset
-from cardan.design.quantities import (
-    FIRST_ORDERS,
-    MOTION_QUANTITIES,
-    ORDER_PATTERN,
-    nearest_quantity,
-    order_quantity,
-    pattern,
-    reduced_quantity,
+from cardan.app.scene.language.rules import (
+    ACUTE,
+    POSITIVE,
+    ListOf,
+    Number,
+    OneOf,
+    OneOrEach,
+    Text,
+    refused,
 )
-from cardan.evaluation.outputs import OUTPUTS
+from cardan.app.scene.language.section import Key, Section
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
+
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
-class Preset(Rule):
+class Preset(OneOf):
     """The name of a preset."""
 
     def read(self, where: Location, value: object) -> str:
         """Return the name."""
         name = Text().read(where, value)
-        if name not in PRESETS:
+        if name not in self.names:
             raise where.error(unknown_preset(name))
         return name
 
-    @property
-    def schema(self) -> Schema:
-        """The names."""
-        return {"enum": list(PRESETS)}
-
 
 @dataclass(frozen=True)
-class Source(Rule):
-    """Where a limit comes from: text that a terminal prints as it stands."""
-
-    def read(self, where: Location, value: object) -> str:
-        """Return the text."""
-        text = Text().read(where, value)
-        if not text.isprintable():
-            raise refused(where, text, "have printable characters only")
-        return text
-
-    @property
-    def schema(self) -> Schema:
-        """A string; only the reader knows which characters can be printed."""
-        return Text().schema
-
-
-@dataclass(frozen=True)
-class LimitRule(Rule):
-    """A positive number, or a list of a limit and a maximum that is not below it.
+class LimitRule(OneOrEach):
+    """A limit, or a list of a limit and a maximum that is not below it.
 
     A schema cannot compare the two; only the reader does.
-
-    Attributes:
-        number: what each of them must be.
     """
 
-    number: Number
-
-    @property
-    def _pair(self) -> ListOf:
-        return ListOf(self.number, "two numbers, limit and maximum", count=2)
+    name = "limit"
 
     def read(self, where: Location, value: object) -> float | list[float]:
         """Return the number or both."""
-        if not isinstance(value, list):
-            return self.number.read(where, value)
-        pair: list[float] = self._pair.read(where, value)
-        if pair[0] > pair[1]:
+        found: float | list[float] = super().read(where, value)
+        if isinstance(found, list) and found[0] > found[1]:
             raise refused(where, value, "have a maximum that is not below the limit")
-        return pair
-
-    @property
-    def schema(self) -> Schema:
-        """A number or an array of two."""
-        return {"oneOf": [self.number.schema, self._pair.schema]}
+        return found
 
 
-@dataclass(frozen=True)
-class QuantityName(Rule):
-    """The name of a quantity.
+def _limit(number: Number) -> LimitRule:
+    return LimitRule(ListOf(number, "two numbers, limit and maximum", count=2))
 
-    Attributes:
-        outputs: whether outputs are possible without item and reduction, and orders.
-    """
 
-    outputs: bool = False
+_BEND_LIMIT, _LIMIT = _limit(ACUTE), _limit(POSITIVE)
 
-    @property
-    def _names(self) -> list[str]:
-        return [*MOTION_QUANTITIES, *(OUTPUTS if self.outputs else ())]
+OF_PARTS: Mapping[str, Key] = {
+    "bearing_force_N": Key(_LIMIT, "largest force of a bearing over the turn"),
+    "joint_force_N": Key(_LIMIT, "largest force of a joint over the turn"),
+    "lash_deg": Key(_BEND_LIMIT, "angle by which the last shaft is loose while the drive is held"),
+}
+"""The keys of [limits] on figures that a check of the motion does not have."""
 
-    def read(self, where: Location, value: object) -> str:
-        """Return the name."""
-        name = Text().read(where, value)
-        other = reduced_quantity(name) or (self.outputs and order_quantity(name))
-        if name not in self._names and not other:
-            known = [*self._names, *(FIRST_ORDERS if self.outputs and "order" in name else ())]
-            raise where.error(f"is {shown(name)}; {nearest_quantity(name, known)}")
-        return name
 
-    @property
-    def schema(self) -> Schema:
-        """A name of a list or of a form."""
-        # Python's end of a text may have a line end behind it; that of JSON Schema may not.
-        forms = [*map(pattern, OUTPUTS.values()), *([ORDER_PATTERN] if self.outputs else [])]
-        outputs = f"^({'|'.join(forms)})$(?!\\n)"
-        return {"anyOf": [{"enum": self._names}, {"type": "string", "pattern": outputs}]}
+@dataclass(frozen=True, eq=False)
+class GivenLimits:
+    """What a check compares with: the motion, and other figures by key and in its unit."""
+
+    motion: Limits
+    parts: Mapping[str, Limit]
+
+
+def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
+    if "bearing_force_N" in values and not scene.line.n_bearings:
+        raise ArgumentValueError("bearing_force_N", "needs a section [[bearing]]")
+    source = values.get("source", OWN)
+    return GivenLimits(
+        Limits(**{key: value for key, value in values.items() if key not in OF_PARTS}),
+        {key: Limit.given(values[key], source) for key in values if key in OF_PARTS},
+    )
+
+
+LIMITS: Section[GivenLimits] = Section(
+    "limits",
+    "what check compares with; a figure is a number or [limit, maximum]: within up to the "
+    "limit, tolerable up to the maximum, beyond above it",
+    {
+        "preset": Key(
+            Preset(tuple(PRESETS)),
+            f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
+            "the catalogues alone, an equivalent bend of 3 deg",
+        ),
+        "equivalent_bend_deg": Key(
+            _BEND_LIMIT, "bend of the joint that moves the last shaft as the driveline does"
+        ),
+        "bend_difference_deg": Key(
+            _BEND_LIMIT, "difference of the bends of a driveline of two joints"
+        ),
+        "torsional_excitation_rad_s2": Key(_LIMIT, "largest acceleration of the last shaft"),
+        "inertia_excitation_rad_s2": Key(
+            _LIMIT, "second-order acceleration of all shafts between two joints together"
+        ),
+        **OF_PARTS,
+        "source": Key(Text(printable=True), "where your own figures come from", default=OWN),
+    },
+    _limits,
+    fewest=1,
+    always=True,
+)
+"""The section [limits]."""

@@ -1,42 +1,19 @@
-"""The section of a scene that says by how much the axes of its joints miss each other."""
+"""The section [offsets]: by how much axes of the joints that should meet miss each other."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cardan.app.scene.language.values as kinds
+from cardan.app.scene.language.rules import DISTANCE, each, names
 from cardan.app.scene.language.section import Key, Section
-from cardan.arrays.errors import ArgumentValueError
+from cardan.app.scene.sections.states import STATES
 from cardan.driveline import Driveline
-from cardan.wear.axial_travel import SlideName, Slides
+from cardan.wear.axial_travel import NAMES, SlideName, Slides
 
-OFFSETS = Section(
-    "distances of axes that should meet, for the axial travel; each value is one for all joints or "
-    "a list with one per joint",
-    {
-        "driving_pin_mm": Key(
-            kinds.DISTANCES, "from the axis of the driving shaft to that of its pin", "driving_pin"
-        ),
-        "cross_mm": Key(kinds.DISTANCES, "from the driving pin to the driven pin", "cross"),
-        "driven_pin_mm": Key(
-            kinds.DISTANCES, "from the driven pin to the axis of its shaft", "driven_pin"
-        ),
-        "shafts_mm": Key(
-            kinds.DISTANCES,
-            "from the axis of the driving shaft to that of the driven one",
-            "shafts",
-        ),
-        "blocked": Key(
-            kinds.SLIDES,
-            "what cannot slide: driving_pin for the cross along the driving pin, driven_pin for "
-            "the driven yoke along its pin, shaft for the driven shaft along its axis",
-        ),
-    },
-    needed=(("driving_pin_mm", "cross_mm", "driven_pin_mm", "shafts_mm"),),
-)
-"""The section [offsets]."""
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
@@ -59,26 +36,41 @@ class AxisOffsets:
         return found
 
 
-def offsets_of(values: Mapping[str, Any], lines: Driveline) -> AxisOffsets:
-    """Return the offsets that the keys of the section describe.
-
-    Args:
-        values: values by key.
-        lines: the driveline, or a batch of it in all its states.
-
-    Raises:
-        ValueError: a list that does not have one value per joint, a blocked slide that the offsets
-            would move.
-    """
-    keys = OFFSETS.keys
-    for key, value in values.items():
-        if keys[key].argument and isinstance(value, list) and len(value) != lines.n_joints:
-            raise ArgumentValueError(
-                key, f"has length {len(value)}; it needs {lines.n_joints}, one per joint"
-            )
-    blocked: Any = values.get("blocked", ())
-    names: Any = [blocked] if isinstance(blocked, str) else blocked
-    distances = {keys[key].argument: value for key, value in values.items() if keys[key].argument}
-    found = AxisOffsets(distances, tuple(names))
+def _offsets(values: Mapping[str, Any], scene: Reading) -> AxisOffsets:
+    states = scene[STATES]
+    lines = states.drivelines() if states else scene.line
+    OFFSETS.check_counts(values, lines.n_joints)
+    found = AxisOffsets(OFFSETS.arguments(values), tuple(values.get("blocked", ())))
+    # What the offsets would move must not be blocked.
     found.slides(lines)
     return found
+
+
+def _distance(meaning: str, argument: str) -> Key:
+    return Key(each(DISTANCE), meaning, argument, per="joint")
+
+
+OFFSETS: Section[AxisOffsets | None] = Section(
+    "offsets",
+    "distances of axes that should meet, for the axial travel; each value is one for all joints or "
+    "a list with one per joint",
+    {
+        "driving_pin_mm": _distance(
+            "from the axis of the driving shaft to that of its pin", "driving_pin"
+        ),
+        "cross_mm": _distance("from the driving pin to the driven pin", "cross"),
+        "driven_pin_mm": _distance("from the driven pin to the axis of its shaft", "driven_pin"),
+        "shafts_mm": _distance(
+            "from the axis of the driving shaft to that of the driven one", "shafts"
+        ),
+        "blocked": Key(
+            names(NAMES),
+            "what cannot slide: driving_pin for the cross along the driving pin, driven_pin for "
+            "the driven yoke along its pin, shaft for the driven shaft along its axis",
+        ),
+    },
+    _offsets,
+    needed=(("driving_pin_mm", "cross_mm", "driven_pin_mm", "shafts_mm"),),
+    recorded_bends=False,
+)
+"""The section [offsets]."""

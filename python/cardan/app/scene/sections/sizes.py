@@ -8,51 +8,59 @@ from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import Any, Literal
 
-import cardan.app.scene.language.values as kinds
 from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.rules import (
+    ACUTE,
+    FRICTION,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SIZE,
+    OneOf,
+    each,
+)
 from cardan.app.scene.language.section import Key
 from cardan.arrays.errors import ArgumentValueError, nearest
 
 OF_SIZE: Mapping[str, Key] = {
     "rating_Nm": Key(
-        kinds.POSITIVES,
+        each(POSITIVE),
         "torque that 90 % of the joints bear for 5000 h at a bend of 3 deg and 100 rpm",
         "rating",
     ),
     "bearing": Key(
-        kinds.BEARING_TYPES,
+        each(OneOf(("needle", "plain")), "names"),
         "of the pins: needle, or plain, to which the law of life does not apply; default: needle",
         "bearing",
     ),
-    "friction": Key(kinds.FRICTIONS, "coefficient of friction of the pins", "friction"),
+    "friction": Key(each(FRICTION), "coefficient of friction of the pins", "friction"),
     "pin_radius_mm": Key(
-        kinds.RADII, "radius at which the friction acts: of the pins", "pin_radius", 1e-3
+        each(SIZE), "radius at which the friction acts: of the pins", "pin_radius", 1e-3
     ),
     "arm_mm": Key(
-        kinds.RADII,
+        each(SIZE),
         "distance of the middle of a pin's bearing from the centre of the joint",
         "arm",
         1e-3,
     ),
     "seal_torque_Nm": Key(
-        kinds.SEALS,
+        each(NOT_NEGATIVE),
         "torque that seals or a preload add about the pins of each yoke; default 0",
         "seal_torque",
     ),
-    "max_bend_deg": Key(kinds.MOST_BENDS, "largest bend that the type permits", "max_bend_deg"),
+    "max_bend_deg": Key(each(ACUTE), "largest bend that the type permits", "max_bend_deg"),
     "max_speed_bend_rpm_deg": Key(
-        kinds.POSITIVES,
+        each(POSITIVE),
         "largest permitted product of speed in rpm and bend in deg",
         "max_speed_bend",
     ),
-    "heat_W": Key(kinds.POSITIVES, "most permitted mean heat of a joint", "most_heat"),
+    "heat_W": Key(each(POSITIVE), "most permitted mean heat of a joint", "most_heat"),
 }
 """What describes a size: keys of [joints] and columns of a table of sizes."""
 
 NAME = "size"
 """The column of the names of sizes."""
 
-FRICTION = ("friction", "pin_radius_mm", "arm_mm")
+OF_LOSSES = ("friction", "pin_radius_mm", "arm_mm")
 """What the losses of a joint need."""
 
 BearingType = Literal["needle", "plain"]
@@ -60,17 +68,14 @@ BearingType = Literal["needle", "plain"]
 
 @dataclass(frozen=True)
 class JointSize:
-    """A size of joint; ``None`` for what is not known.
+    """A size of joint, in SI units; ``None`` for what is not known.
 
     Attributes:
         name: of the table; ``""`` for a joint that the scene itself describes.
         rating: torque in N m for 5000 h at 3 degrees and 100 rpm.
-        bearing: of the pins.
-        friction: coefficient of friction.
         pin_radius: radius in m at which the friction acts.
         arm: distance of the middle of a pin's bearing from the centre in m.
         seal_torque: about the pins of each yoke in N m.
-        max_bend_deg: largest permitted bend in degrees.
         max_speed_bend: largest permitted product of rpm and degrees.
         most_heat: most permitted mean heat in W.
     """
@@ -107,12 +112,7 @@ def size_of(name: str, values: Mapping[str, Any]) -> JointSize:
 
 
 def read_sizes(path: str | PathLike[str]) -> tuple[JointSize, ...]:
-    """Return the sizes of a table in the order of its rows; empty cells are not known.
-
-    Raises:
-        OSError: the file cannot be read.
-        ValueError: it is no such table; the file, the line, the column, the rule and the value.
-    """
+    """Return the sizes of a table in the order of its rows; empty cells are not known."""
     file = fspath(path)
     with open(path, encoding="utf-8-sig", newline="") as opened:
         try:
@@ -169,7 +169,7 @@ def _check_header(file: str, line: int, header: Sequence[str]) -> None:
 def _value(key: str, cell: str) -> Any:  # noqa: ANN401 - a number or a name
     """A cell as its key's rule reads it."""
     # The rule of one value, of those that take a list with one for each joint as well.
-    rule = OF_SIZE[key].kind.rule.several.item  # type: ignore[attr-defined]
+    rule = OF_SIZE[key].rule.several.item  # type: ignore[attr-defined]
     try:
         # Where cells are separated by semicolons, decimals may have commas.
         value: object = float(cell.replace(",", "."))

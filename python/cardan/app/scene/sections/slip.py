@@ -1,41 +1,18 @@
-"""The section of a scene that describes the spline of a shaft that changes its length."""
+"""The section [slip]: the spline of a shaft that changes its length."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cardan.app.scene.language.values as kinds
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.rules import FRICTION, INDEX, POSITIVE, SIZE
+from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.arrays.errors import ArgumentValueError
-from cardan.driveline import Driveline
 
-SLIP = Section(
-    "spline of a shaft that changes its length; needs a driveline of points, and a study of points "
-    "for the travel",
-    {
-        "shaft": Key(kinds.SHAFT, "the shaft with the spline, counted from 0"),
-        "engaged_mm": Key(
-            kinds.POSITIVE, "engaged length of the spline at the points of [driveline]"
-        ),
-        "least_engaged_mm": Key(kinds.POSITIVE, "least engaged length that is permitted"),
-        "push_in_mm": Key(
-            kinds.POSITIVE,
-            "how far the spline can be pushed in from the points of [driveline] until it bottoms",
-        ),
-        "travel_mm": Key(kinds.POSITIVE, "largest travel that is permitted"),
-        "friction": Key(kinds.FRICTION, "coefficient of friction in the spline under load"),
-        "radius_mm": Key(kinds.BALL_RADIUS, "pitch radius of the spline"),
-    },
-    needed=(("shaft",),),
-    with_key=(
-        ("least_engaged_mm", "engaged_mm"),
-        ("friction", "radius_mm"),
-        ("radius_mm", "friction"),
-    ),
-)
-"""The section [slip]."""
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
@@ -43,12 +20,8 @@ class Slip:
     """The spline of a shaft; lengths in mm, ``None`` for what the scene does not give.
 
     Attributes:
-        shaft: which shaft.
         engaged: engaged length at the points of the scene.
-        least_engaged: least engaged length that is permitted.
         push_in: how far it can be pushed in from there.
-        travel: largest travel that is permitted.
-        friction: coefficient of friction.
         radius: pitch radius in m.
     """
 
@@ -61,33 +34,44 @@ class Slip:
     radius: float | None = None
 
 
-def slip_of(values: Mapping[str, Any], line: Driveline, driveline: Mapping[str, Any]) -> Slip:
-    """Return the spline that the keys of the section describe.
-
-    Args:
-        values: values by key.
-        line: the driveline.
-        driveline: the keys that describe it.
-
-    Raises:
-        ValueError: a driveline that is not described by points, a shaft that does not exist.
-    """
-    if not {"points_mm", "points_m"} & driveline.keys():
+def _slip(values: Mapping[str, Any], scene: Reading) -> Slip:
+    if scene[DRIVELINE].points is None:
         raise ArgumentValueError(
             "shaft",
             "has no length that could change; [slip] needs points_mm or points_m in [driveline], "
             "which a study moves",
         )
-    if values["shaft"] > line.n_joints:
-        raise ArgumentValueError(
-            "shaft", f"is {values['shaft']}; there are {line.n_joints + 1}, counted from 0"
-        )
-    return Slip(
-        values["shaft"],
-        values.get("engaged_mm"),
-        values.get("least_engaged_mm"),
-        values.get("push_in_mm"),
-        values.get("travel_mm"),
-        values.get("friction"),
-        1e-3 * values["radius_mm"] if "radius_mm" in values else None,
-    )
+    check_exists("shaft", values["shaft"], scene.line.n_joints + 1)
+    return Slip(**SLIP.arguments(values))
+
+
+SLIP: Section[Slip | None] = Section(
+    "slip",
+    "spline of a shaft that changes its length; needs a driveline of points, and a study of points "
+    "for the travel",
+    {
+        "shaft": Key(INDEX, "the shaft with the spline, counted from 0", "shaft"),
+        "engaged_mm": Key(
+            POSITIVE, "engaged length of the spline at the points of [driveline]", "engaged"
+        ),
+        "least_engaged_mm": Key(
+            POSITIVE, "least engaged length that is permitted", "least_engaged"
+        ),
+        "push_in_mm": Key(
+            POSITIVE,
+            "how far the spline can be pushed in from the points of [driveline] until it bottoms",
+            "push_in",
+        ),
+        "travel_mm": Key(POSITIVE, "largest travel that is permitted", "travel"),
+        "friction": Key(FRICTION, "coefficient of friction in the spline under load", "friction"),
+        "radius_mm": Key(SIZE, "pitch radius of the spline", "radius", 1e-3),
+    },
+    _slip,
+    needed=(("shaft",),),
+    with_key=(
+        ("least_engaged_mm", "engaged_mm"),
+        ("friction", "radius_mm"),
+        ("radius_mm", "friction"),
+    ),
+)
+"""The section [slip]."""

@@ -1,36 +1,11 @@
-"""The section of a scene whose driveline is a steering column."""
+"""The section [steering]: the driveline is a steering column."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-import cardan.app.scene.language.values as kinds
+from cardan.app.scene.language.rules import POSITIVE, START, Number
 from cardan.app.scene.language.section import Key, Section
-
-STEERING = Section(
-    "the driveline is a steering column: ratio straight ahead, its slope, symmetry left to right",
-    {
-        "centre_deg": Key(
-            kinds.START,
-            "drive angle of shaft 0 straight ahead, with the points of [driveline]; "
-            "in other states the yoke is carried along as the column tilts",
-            default=0,
-        ),
-        "offset_deg": Key(
-            kinds.OFFSET,
-            "how far straight ahead may be from the nearest angle at which left and right are "
-            "symmetric; default: not judged",
-        ),
-        "ratio_percent": Key(
-            kinds.POSITIVE,
-            "largest difference of the ratio between equal angles to the left and to the right, in "
-            "percent; default: not judged",
-        ),
-    },
-)
-"""The section [steering]."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +23,28 @@ class SteeringColumn:
     ratio_percent: float | None = None
 
 
-def steering_of(values: Mapping[str, Any]) -> SteeringColumn:
-    """Return what the keys of the section say."""
-    return SteeringColumn(**values)
+STEERING: Section[SteeringColumn | None] = Section(
+    "steering",
+    "the driveline is a steering column: ratio straight ahead, its slope, symmetry left to right",
+    {
+        "centre_deg": Key(
+            START,
+            "drive angle of shaft 0 straight ahead, with the points of [driveline]; "
+            "in other states the yoke is carried along as the column tilts",
+            default=0,
+        ),
+        "offset_deg": Key(
+            Number(0, 45, above=True, unit="deg"),
+            "how far straight ahead may be from the nearest angle at which left and right are "
+            "symmetric; default: not judged",
+        ),
+        "ratio_percent": Key(
+            POSITIVE,
+            "largest difference of the ratio between equal angles to the left and to the right, in "
+            "percent; default: not judged",
+        ),
+    },
+    lambda values, _: SteeringColumn(**values),
+    recorded_bends=False,
+)
+"""The section [steering]."""

@@ -1,16 +1,31 @@
-"""What a scene's tolerances make of its driveline, in all of its states."""
+"""The section [tolerances]: how exactly a driveline is made and assembled, in all of its states."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.scene.sections.joint_deviations import IN_DEGREES_OR_MM, angles_of
-from cardan.app.scene.sections.parts import largest_speed
-from cardan.app.scene.study.states import States
+from cardan.app.scene.language.quantities import QuantityName
+from cardan.app.scene.language.rules import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    SIZE,
+    TOOTH_COUNTS,
+    ListOf,
+    Number,
+    OneOf,
+    OneOrMore,
+    Whole,
+    each,
+)
+from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.sections.joints import IN_DEGREES_OR_MM, JOINTS, angles_of, arms_of
+from cardan.app.scene.sections.limits import LIMITS
+from cardan.app.scene.sections.load import largest_speed
+from cardan.app.scene.sections.states import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limits
@@ -22,55 +37,58 @@ from cardan.design.quantities import (
     order_quantity,
     reduced_quantity,
 )
-from cardan.driveline import Driveline
-from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
-from cardan.tolerances import Tolerances
-from cardan.tolerances.box import GROUPS, JOINT_GROUPS, Sizes
+from cardan.tolerances import REDUCTIONS, Tolerances
+from cardan.tolerances.box import GROUPS, Sizes
 from cardan.tolerances.request import Drawn, Figures, toleranced
 
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
+
+_BETWEEN = "shaft between two joints"
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
+_OF_JOINTS = tuple(key for pair in IN_DEGREES_OR_MM.values() for key in pair)
 
 
 @dataclass(frozen=True, eq=False)
-class ToleratedLine:
-    """The driveline of a scene for its tolerances.
+class Toleranced:
+    """What a scene says of its tolerances.
 
     Attributes:
-        line: of the drawing, with lengths in metres.
-        deviations: of its joints in rad, ``(n, 3)``, if the scene gives any.
-        arms: of its joints in m, ``(n,)``, if they are known.
+        arms: arm of each joint in m, by the groups of deviations whose tolerances are lengths.
+        share: of the drivelines that must be within the limit; ``None`` if all must.
     """
 
-    line: Driveline
-    deviations: FloatArray | None
-    arms: FloatArray | None
+    tolerances: Tolerances | None
+    arms: Mapping[str, FloatArray]
+    share: float | None
 
 
-def tolerances_of(
-    values: Mapping[str, Any],
-    own: ToleratedLine,
-    limits: Limits,
-    load: Load | None,
-    states: States | None,
-) -> Tolerances:
-    """Return the tolerances that the keys of the section describe.
-
-    Args:
-        values: values by key.
-        own: the driveline of the scene. Its deviations are the middle of their tolerances, in
-            figures of orders and outputs; those of the motion are of ideal joints.
-        limits: of the scene.
-        load: of the scene, if it has one.
-        states: of the scene, if it has any; the driveline of [driveline] may be none of them.
-
-    Raises:
-        ValueError: recorded bends, as ``Driveline.tolerances`` with the key as the argument.
-    """
-    line = own.line
+def _toleranced(values: Mapping[str, Any], scene: Reading) -> Toleranced:
+    if not values:
+        return Toleranced(None, {}, None)
+    line, joints = scene.line, scene[JOINTS]
     if line.shape:
         raise ValueError("it does not go with recorded bends, which differ by sample")
-    _check_lengths(values, line.n_joints)
+    TOLERANCES.check_counts(values, line.n_joints)
+    own_arm = scene.given.get(JOINTS.name, {}).get("arm_mm")
+    arms = arms_of(
+        values if own_arm is None else {"arm_mm": own_arm, **values}, line.n_joints, joints.sizes
+    )
+    in_mm = [group for group, (_, mm) in IN_DEGREES_OR_MM.items() if mm in values]
+    tolerances = _tolerances(values, scene, arms)
+    return Toleranced(
+        tolerances, {} if arms is None else dict.fromkeys(in_mm, arms), values.get("share")
+    )
+
+
+def _tolerances(values: Mapping[str, Any], scene: Reading, arms: FloatArray | None) -> Tolerances:
+    """The tolerances about the driveline in all of its states.
+
+    Deviations of the scene are the middle of their tolerances in figures of orders and outputs;
+    those of the motion are of ideal joints.
+    """
+    line, load, states, deviations = scene.line, scene.load, scene[STATES], scene[JOINTS].deviations
     # Of a recorded speed the largest counts.
     speed: Any = largest_speed(load)
     if states:
@@ -91,13 +109,11 @@ def tolerances_of(
     if "points_mm" in values:
         size = 1e-3 * np.asarray(values["points_mm"], dtype=float)
         given["points"] = size if size.ndim == 0 else size[:, np.newaxis]
-    given |= angles_of(values, line.n_joints, own.arms)
-    keys = {argument: key for key, argument in _ANGLES.items()} | {"points": "points_mm"}
-    for group, pair in zip(JOINT_GROUPS, IN_DEGREES_OR_MM, strict=True):
-        keys[group] = next((key for key in pair if key in values), pair[0])
-    if own.deviations is not None:
-        line = line.with_deviations(*own.deviations.T)
-    try:
+    given |= angles_of(values, line.n_joints, arms)
+    if deviations is not None:
+        line = line.with_deviations(*deviations.T)
+    # An error is about the key that is given, of the two for a deviation.
+    with TOLERANCES.named((*reversed([*TOLERANCES.keys]), *values)):
         return toleranced(
             line,
             Sizes(
@@ -107,7 +123,7 @@ def tolerances_of(
             ),
             Figures(
                 of[0] if len(of) == 1 else of,
-                _limits(values, of, limits),
+                _limits(values, of, scene[LIMITS].motion),
                 speed,
                 load,
                 states=None if states is None else 0,
@@ -116,35 +132,13 @@ def tolerances_of(
             ),
             Drawn(values.get("samples"), values.get("seed", 0)),
         )
-    except ArgumentValueError as error:
-        key = keys.get(error.argument, error.argument)
-        raise ArgumentValueError(key, error.problem, error.place) from None
-
-
-def _check_lengths(values: Mapping[str, Any], joints: int) -> None:
-    """Check that lists have as many entries as the driveline has parts."""
-    between = (joints - 1, "shaft between two joints")
-    wanted = {
-        "bends_deg": (joints, "joint"),
-        "twists_deg": between,
-        "phases_deg": between,
-        "points_mm": (joints + 2, "point"),
-        "teeth": between,
-    }
-    for key, (count, part) in wanted.items():
-        given = values.get(key)
-        if isinstance(given, list) and len(given) != count:
-            raise ArgumentValueError(
-                key, f"has length {len(given)}; it needs {count}, one per {part}"
-            )
 
 
 def _default(values: Mapping[str, Any], speed: Any) -> list[str]:  # noqa: ANN401
     """The figures of a section that names none: what its tolerances act on first."""
     layout = (*_ANGLES, "points_mm", "teeth")
-    joints = [key for pair in IN_DEGREES_OR_MM for key in pair]
     found = ["equivalent_bend"] if any(key in values for key in layout) else []
-    if any(key in values for key in joints):
+    if any(key in values for key in _OF_JOINTS):
         found.append("acceleration_order_1" if np.all(speed) else "angle_error_order_1")
     return found
 
@@ -181,3 +175,92 @@ def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  #
         unit = output.unit if output else _motion_of(of[0]).unit
         found[of[0]] = np.radians(values["limit"]) if unit == "rad" else values["limit"]
     return found if len(of) > 1 else found.get(of[0])
+
+
+def _size(meaning: str, argument: str, per: str = "joint") -> Key:
+    return Key(each(NOT_NEGATIVE), meaning, argument, per=per)
+
+
+TOLERANCES: Section[Toleranced] = Section(
+    "tolerances",
+    "how exactly the driveline is made and assembled: each figure is ± that much",
+    {
+        "bends_deg": _size("of the bends: one number, or one per joint", "bends"),
+        "twists_deg": _size(
+            "of the twists: one number, or one per intermediate shaft", "twists", _BETWEEN
+        ),
+        "phases_deg": _size(
+            "of the yokes: one number, or one per intermediate shaft", "phases", _BETWEEN
+        ),
+        "points_mm": _size(
+            "of every coordinate of the points: one number, or one per point; in place of "
+            "bends_deg and twists_deg",
+            "points",
+            "point",
+        ),
+        "driving_yoke_deg": _size(
+            "of the angle by which driving yokes lean, which [joints] gives as measured; one "
+            "number, or one per joint",
+            "driving_yoke",
+        ),
+        "cross_deg": _size("of the crosses", "cross"),
+        "driven_yoke_deg": _size("of the driven yokes", "driven_yoke"),
+        "driving_yoke_mm": _size(
+            "in place of driving_yoke_deg: how far the ends of the pin may be off along the shaft, "
+            "in opposite directions, at arm_mm",
+            "driving_yoke",
+        ),
+        "cross_mm": _size("likewise in place of cross_deg", "cross"),
+        "driven_yoke_mm": _size("likewise in place of driven_yoke_deg", "driven_yoke"),
+        "arm_mm": Key(
+            each(SIZE),
+            "distance of the middle of a pin's bearing from the centre of the joint: one number, "
+            "or one per joint; default: that of [joints]",
+            per="joint",
+        ),
+        "teeth": Key(
+            TOOTH_COUNTS,
+            "teeth of the spline of each intermediate shaft, on which a yoke can only be set to "
+            "within half a tooth: one number, or one per shaft",
+            per=_BETWEEN,
+        ),
+        "distribution": Key(
+            OneOf(("uniform", "normal")),
+            "uniform, or normal with the tolerance as three standard deviations",
+            default="uniform",
+        ),
+        "of": Key(
+            OneOrMore(ListOf(QuantityName(outputs=True), "names", distinct=True)),
+            f"figures, from {', '.join(MOTION_QUANTITIES)}; orders of the last shaft, as "
+            "angle_error_order_1 or acceleration_order_1; or outputs over a turn, as "
+            "support_moment_1_peak. Default: equivalent_bend, and with tolerances of joints order "
+            "1 of the acceleration, or of the angle error without a speed",
+        ),
+        "reduce": Key(
+            OneOf(REDUCTIONS),
+            "of outputs that are named without a reduction, of the last shaft or of all joints: "
+            f"{', '.join(REDUCTIONS)}",
+            default="peak",
+        ),
+        "limit": Key(
+            POSITIVE,
+            "of a single figure, in degrees for an angle, else in SI units; default: that of "
+            "[limits]. Every driveline within the tolerances must keep it",
+        ),
+        "share": Key(
+            Number(0, 1, above=True),
+            "share of the drivelines that must keep the limit, in place of all",
+        ),
+        "samples": Key(
+            Whole(1, most=100_000_000),
+            "random drivelines; default: 100 000, or 16 384 where almost all of these keep the "
+            "limit, or almost none",
+        ),
+        "seed": Key(Whole(0, most=(1 << 32) - 1), "of their random numbers", default=0),
+    },
+    _toleranced,
+    needed=(("bends_deg", "twists_deg", "phases_deg", "points_mm", "teeth", *_OF_JOINTS),),
+    together=(("bends_deg", "points_mm"), ("twists_deg", "points_mm"), *IN_DEGREES_OR_MM.values()),
+    always=True,
+)
+"""The section [tolerances]."""

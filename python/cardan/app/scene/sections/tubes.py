@@ -1,19 +1,23 @@
-"""The tubes of a scene: the round sections of its shafts."""
+"""The section [tubes]: the round sections of shafts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cardan.app.scene.sections.bearing import LENGTHS_NEEDED, has_lengths
-from cardan.app.scene.sections.tubes_section import TUBES
+from cardan.app.scene.language.rules import INDICES, POSITIVE, SIZE, each
+from cardan.app.scene.language.section import Key, Section, check_count, check_exists
+from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.torsion import Tube, tube
+
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +25,6 @@ class Tubes:
     """The tubes of a scene.
 
     Attributes:
-        shafts: which shafts.
         given: what makes them, each ``(shafts,)``; no length if that of the driveline counts.
         tube: their figures in the driveline of the drawing, ``(shafts,)``.
         permitted_stress: in Pa; ``None`` if the scene permits any.
@@ -42,36 +45,18 @@ class Tubes:
         return np.asarray(tube(**self.given, length=lengths).critical_speed)
 
 
-def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
-    """Return the tubes that the keys of the section describe.
-
-    Args:
-        values: values by key.
-        line: the driveline, with lengths in m if they are known.
-
-    Raises:
-        ValueError: a shaft that does not exist, lists that do not have one value per listed shaft,
-            a length that neither the section nor the driveline gives, a wall that is too thick.
-    """
-    joints = line.n_joints
-    between = list(range(1, joints)) or [0, 1]
-    shafts = values.get("shafts", between)
+def _tubes(values: Mapping[str, Any], scene: Reading) -> Tubes:
+    line = scene.line
+    shafts = values.get("shafts", list(range(1, line.n_joints)) or [0, 1])
     for i, shaft in enumerate(shafts):
-        if shaft > joints:
-            raise ArgumentValueError(
-                "shafts", f"is {shaft}; there are {joints + 1}, counted from 0", (i,)
-            )
-    given: dict[str, Any] = {}
-    for name, key in TUBES.keys.items():
-        if not key.argument or name not in values:
-            continue
-        value = values[name]
-        if isinstance(value, list) and len(value) != len(shafts):
-            raise ArgumentValueError(
-                name, f"has length {len(value)}; it needs {len(shafts)}, one per listed shaft"
-            )
-        array = key.factor * np.asarray(value, dtype=np.float64)
-        given[key.argument] = np.broadcast_to(array, (len(shafts),))
+        check_exists("shafts", shaft, line.n_joints + 1, (i,))
+    for key, value in values.items():
+        if TUBES.keys[key].argument:
+            check_count(key, value, len(shafts), "one per listed shaft")
+    given = {
+        argument: np.broadcast_to(np.asarray(value, dtype=np.float64), (len(shafts),))
+        for argument, value in TUBES.arguments(values).items()
+    }
     lengths = {}
     if "length" not in given:
         if not has_lengths(line):
@@ -83,15 +68,49 @@ def tubes_of(values: Mapping[str, Any], line: Driveline) -> Tubes:
         found = tube(**given, **lengths)
     except ArgumentValueError as error:
         # In millimetres, as the file has it.
-        wall, outer = (1e3 * given[name][error.place] for name in ("wall", "outer_diameter"))
+        place = tuple(map(int, error.place))
+        wall, outer = (1e3 * given[name][place] for name in ("wall", "outer_diameter"))
         problem = f"is {wall:.6g} mm; a wall is at most half the outer diameter of {outer:.6g} mm"
-        place = error.place if isinstance(values["wall_mm"], list) else ()
-        raise ArgumentValueError("wall_mm", problem, place) from None
+        listed = isinstance(values["wall_mm"], list)
+        raise ArgumentValueError("wall_mm", problem, place if listed else ()) from None
     stress = values.get("permitted_stress_MPa")
-    return Tubes(
-        tuple(shafts),
-        given,
-        found,
-        None if stress is None else 1e6 * stress,
-        values.get("least_margin"),
-    )
+    return Tubes(tuple(shafts), given, found, stress and 1e6 * stress, values.get("least_margin"))
+
+
+TUBES: Section[Tubes | None] = Section(
+    "tubes",
+    "round sections of shafts, for stiffness, stress and critical bending speed; each value is one "
+    "for all listed shafts or a list with one per listed shaft",
+    {
+        "shafts": Key(
+            INDICES,
+            "which shafts, counted from 0; default: those between joints, or all of one joint",
+        ),
+        "outer_diameter_mm": Key(each(SIZE), "outer diameter", "outer_diameter", 1e-3),
+        "wall_mm": Key(
+            each(SIZE), "thickness of the wall; default: the shafts are solid", "wall", 1e-3
+        ),
+        "length_mm": Key(
+            each(POSITIVE),
+            "free length of the tube; default: the length of the shaft in [driveline]",
+            "length",
+            1e-3,
+        ),
+        "shear_modulus_GPa": Key(
+            each(POSITIVE), "shear modulus", "shear_modulus", 1e9, default=79.3
+        ),
+        "elastic_modulus_GPa": Key(
+            each(POSITIVE), "elastic modulus", "elastic_modulus", 1e9, default=206
+        ),
+        "density_kg_m3": Key(each(POSITIVE), "density", "density", default=7850),
+        "permitted_stress_MPa": Key(
+            POSITIVE, "largest permitted shear stress of the tubes by the torque"
+        ),
+        "least_margin": Key(
+            POSITIVE, "least permitted ratio of the critical bending speed to the largest speed"
+        ),
+    },
+    _tubes,
+    needed=(("outer_diameter_mm",),),
+)
+"""The section [tubes]."""

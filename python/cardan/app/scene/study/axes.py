@@ -1,24 +1,183 @@
-"""The axes of a study: which of a scene's keys it varies, and their values."""
+"""The axes of a study: which of a scene's keys it varies, their values, and the rules for these.
+
+A schema cannot say that a spread of one step needs equal ends; only the reader checks that.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import shown
-from cardan.app.scene.sections.table import FORMAT
-from cardan.app.scene.study.axis_rules import Spread
+from cardan.app.scene.language.rules import (
+    COUNT,
+    SPREAD,
+    ListOf,
+    Number,
+    Rule,
+    Schema,
+    Table,
+    shown,
+)
+from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.load import LOAD
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, nearest
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
+
+
+class Spread(NamedTuple):
+    """Evenly spaced values of a study, both ends included."""
+
+    start: float
+    stop: float
+    steps: int
+
+
+Varied: TypeAlias = Mapping[str, Mapping[str, Spread | list[float]]]
+"""Values by key and place, as a section has them."""
+
+_SPREAD = Table(
+    {"from": Number(), "to": Number(), "steps": COUNT}, f"{SPREAD} or a list of numbers"
+)
+_LISTED = ListOf(Number(), "numbers")
+
+
+@dataclass(frozen=True)
+class AxisValues(Rule):
+    """What varies a number: values under no place, listed or evenly spread."""
+
+    name = "values"
+
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+        """Return the values by their place, which is empty."""
+        return {"": _values(where, value)}
+
+    @property
+    def schema(self) -> Schema:
+        """A reference to the definition."""
+        return {"$ref": "#/$defs/values"}
+
+
+DEFINITION = {
+    "description": "what a study gives a key: a list, or values evenly spread",
+    "oneOf": [{**_LISTED.schema, "minItems": 1}, _SPREAD.schema],
+}
+"""JSON Schema of the values of an axis, for the schema to define once."""
+
+
+def _values(where: Location, value: object) -> Spread | list[float]:
+    if isinstance(value, list):
+        if not value:
+            raise where.error("is []; a study needs at least one value")
+        return _LISTED.read(where, value)
+    given = _SPREAD.read(where, value)
+    spread = Spread(given["from"], given["to"], given["steps"])
+    if spread.steps == 1 and spread.start != spread.stop:
+        ends = f"from {spread.start:g} to {spread.stop:g}"
+        raise where.at("steps").error(f"is 1; {ends} takes at least 2")
+    return spread
+
+
+def _tables(pattern: str, entry: Schema) -> Schema:
+    return {
+        "type": "object",
+        "patternProperties": {pattern: entry},
+        "additionalProperties": False,
+        "minProperties": 1,
+    }
+
+
+_ENTRIES = "[0-9]{1,9}(-[0-9]{1,9})?"
+_NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
+
+
+@dataclass(frozen=True)
+class ListAxes(AxisValues):
+    """What varies a list of numbers: values for all entries, or for some by their place."""
+
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+        """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
+        if not _is_table(value) or value.keys() & _SPREAD.keys.keys():
+            return super().read(where, value)
+        for index in value:
+            if not re.fullmatch(_ENTRIES, index):
+                raise where.at(index).error(_NO_ENTRY)
+        return {index: _values(where.at(index), entry) for index, entry in value.items()}
+
+    @property
+    def schema(self) -> Schema:
+        """The values, or an object of them."""
+        values = AxisValues().schema
+        return {"anyOf": [values, _tables(f"^{_ENTRIES}$", values)]}
+
+
+@dataclass(frozen=True)
+class NestedAxes(Rule):
+    """What varies a part of an entry, as a component of a vector: values by entry and part.
+
+    Attributes:
+        what: entry and part in words, and an example of them.
+        entry: pattern of what names an entry.
+        no_entry: what to say of what does not.
+        parts: of an entry.
+    """
+
+    what: tuple[str, str]
+    entry: str
+    no_entry: str
+    parts: tuple[str, ...]
+    name = "values"
+
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+        """Return the values by entry and part: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
+        if not _is_table(value) or not all(map(_is_table, value.values())):
+            words, example = self.what
+            raise where.error(f"is {shown(value)}; name {words}, as in {where}.{example}")
+        axes = {}
+        for index, parts in value.items():
+            at = where.at(index)
+            if not re.fullmatch(self.entry, index):
+                raise at.error(self.no_entry)
+            for part, entry in parts.items():
+                if part not in self.parts:
+                    raise at.error(f"has no {shown(part)}; {nearest(part, self.parts)}")
+                axes[f"{index}.{part}"] = _values(at.at(part), entry)
+        return axes
+
+    @property
+    def schema(self) -> Schema:
+        """An object of objects."""
+        parts = {
+            "type": "object",
+            "properties": dict.fromkeys(self.parts, AxisValues().schema),
+            "additionalProperties": False,
+            "minProperties": 1,
+        }
+        return _tables(f"^{self.entry}$", parts)
+
+
+def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
+    return isinstance(value, dict) and bool(value)
+
+
+NUMBER_AXIS = AxisValues()
+LIST_AXES = ListAxes()
+VECTOR_AXES = NestedAxes(("place and axis", "2.y"), _ENTRIES, _NO_ENTRY, ("x", "y", "z"))
+BEARING_AXES = NestedAxes(
+    ("number and key", "0.position_mm"),
+    "[0-9]{1,9}",
+    "does not exist; write 0 for the first bearing",
+    ("position_mm", "position_m"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,22 +207,12 @@ class Axis:
 
 
 def grid_of(
-    given: Mapping[str, Mapping[str, Spread | list[float]]],
+    given: Varied,
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
     bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
-    """Return the axes of the grid that the section [study] describes.
-
-    Args:
-        given: values by key and place.
-        driveline: the keys of the scene's driveline.
-        load: those of its load, if any.
-        bearings: the keys of each of its bearings.
-
-    Raises:
-        ValueError: as for ``axes_of``; more rows than a study takes.
-    """
+    """Return the axes of the grid that the section [study] describes; it has not too many rows."""
     sizes = {
         _location(name, place): values.steps if isinstance(values, Spread) else len(values)
         for name, places in given.items()
@@ -82,7 +231,7 @@ def grid_of(
 
 
 def axes_of(
-    given: Mapping[str, Mapping[str, Spread | list[float]]],
+    given: Varied,
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
     varying: str,
@@ -90,23 +239,15 @@ def axes_of(
 ) -> tuple[Axis, ...]:
     """Return the keys that vary, each with its values.
 
-    Args:
-        given: values by key and place.
-        driveline: the keys of the scene's driveline.
-        load: those of its load, if any.
-        varying: what varies them, in words.
-        bearings: the keys of each bearing, where their positions may vary.
-
-    Raises:
-        ValueError: a key that the scene does not use, a place that does not exist or is varied
-            twice.
+    The values are given by key and place, the keys of the driveline, the load and each bearing (if
+    its position may vary) as the scene has them; ``varying`` says in words what varies them.
     """
     axes = []
     for name, places in given.items():
         if name == "bearing":
             axes += [_of_bearing(place, values, bearings) for place, values in places.items()]
             continue
-        section = "driveline" if name in FORMAT["driveline"].keys else "load"
+        section = "driveline" if name in DRIVELINE.keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section, varying)
         taken: set[tuple[int, str]] = set()
         for place, values in places.items():
@@ -117,23 +258,14 @@ def axes_of(
                 if (entry, component) in taken:
                     raise location.error(f"varies {name}[{entry}], which varies already")
                 taken.add((entry, component))
-            axes.append(
-                Axis(
-                    str(location),
-                    section,
-                    name,
-                    entries,
-                    "xyz".index(component) if component else None,
-                    _listed(values),
-                )
-            )
+            number = "xyz".index(component) if component else None
+            axes.append(Axis(str(location), section, name, entries, number, _listed(values)))
     return tuple(axes)
 
 
 def _of_bearing(
     place: str, values: Spread | list[float], bearings: Sequence[Mapping[str, Any]]
 ) -> Axis:
-    """The axis of the position of a bearing."""
     index, _, key = place.partition(".")
     location, number = _location("bearing", place), int(index)
     if number >= len(bearings):
@@ -163,7 +295,7 @@ def _base(
             )
         return entries
     if section == "load" and name != "inertias_kgm2":
-        for pair in FORMAT["load"].together:
+        for pair in LOAD.together:
             for key in pair:
                 if name in pair and key in values:
                     raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")

@@ -42,12 +42,9 @@ _MOST_ROWS = 1 << 16
 
 @dataclass(frozen=True)
 class Written:
-    """The result of ``write_study``.
+    """The result of ``write_study``: the folder, its drivelines and its files.
 
     Attributes:
-        folder: the folder that was written.
-        rows: number of drivelines.
-        files: number of files.
         found: number of files that were already complete.
     """
 
@@ -59,12 +56,7 @@ class Written:
 
 @dataclass(frozen=True, eq=False)
 class StudyFolder:
-    """A study in the files of a folder, of which a column is read at a time.
-
-    Attributes:
-        study: the study.
-        folder: where.
-    """
+    """A study in the files of a folder, of which a column is read at a time."""
 
     study: Study
     folder: Path
@@ -80,11 +72,7 @@ class StudyFolder:
         return self.study.part(range(1)).columns
 
     def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
-        """Return the ending of a column's unit and its values, in the unit of the files.
-
-        Raises:
-            OSError: a file cannot be read.
-        """
+        """Return the ending of a column's unit and its values, in the unit of the files."""
         parquet = import_optional("pyarrow.parquet", "table")
         ending, _ = converted(np.empty(0), column.unit, radians)
         name = f"{column.name}{ending}"
@@ -97,16 +85,7 @@ class StudyFolder:
 
 @contextlib.contextmanager
 def connect(scheduler: str | None = None, processes: int | None = None) -> Iterator[Any]:
-    """Connect to a dask cluster, or start one on this machine and close it at the end.
-
-    Args:
-        scheduler: address of the scheduler, such as ``tcp://host:8786``.
-        processes: instead, the number of worker processes to start, with one thread each.
-
-    Raises:
-        ImportError: dask.distributed is missing.
-        OSError: no scheduler answers there.
-    """
+    """Connect to a dask cluster at an address, or start one of processes until the end."""
     distributed = import_optional("distributed", "dask")
     with contextlib.ExitStack() as stack:
         cluster: Any = scheduler
@@ -146,15 +125,8 @@ def write_study(
 
     Together the files contain the rows and columns that ``scene.curves.write_study`` writes, with
     the same bits on machines of the same kind. ``pyarrow.parquet.read_table(folder)`` reads them.
-
-    Args:
-        study: the study.
-        folder: the folder to write, which every worker must see under the same name.
-        client: a client of the cluster.
-        radians: whether angles are in radians.
-        part_rows: drivelines per file; by default a few tenths of a second of work. A folder that
-            was started with another number keeps that number.
-        progress: called after each file with the number of rows done and of all rows.
+    Every worker must see the folder under the same name. A file has a few tenths of a second of
+    work, or so many rows; a folder that was started with another number keeps that number.
 
     Raises:
         ImportError: pyarrow or dask.distributed is missing.

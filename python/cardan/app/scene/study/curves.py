@@ -16,16 +16,12 @@ from cardan.arrays import FloatArray
 
 
 def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
-    """Return the curves as columns of equal length, in SI units and angles in degrees.
+    """Return the curves as columns of equal length, in SI units and angles in degrees or radians.
 
     The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
     last shaft has no number where the scene names no shafts. A drive that was recorded over time
     has ``time_s``, ``drive_speed_rad_s`` and ``drive_acceleration_rad_s2`` as well. A scene that
     gives angles of the driven shaft has them as ``driven_angle_deg``, before the drive angles.
-
-    Args:
-        result: an evaluated scene.
-        radians: whether angles are in radians instead.
     """
     scene = result.scene
     table = _driven(scene, radians=radians)
@@ -92,13 +88,8 @@ def write_curves(
 
     CSV and Parquet hold the columns of ``columns``, CSV with every digit of the doubles. NPZ holds
     the arrays as evaluated, in SI units under the names of the outputs, and ``drive_angle`` in rad;
-    ``driven_angle`` too if the scene gives angles of the driven shaft.
-    ``progress`` is called as ``write_columns`` does.
-
-    Raises:
-        ImportError: Parquet without pyarrow.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
+    ``driven_angle`` too if the scene gives angles of the driven shaft. Nothing is left behind of a
+    file that cannot be written.
     """
     if Path(path).suffix == ".npz":
         drive = {"drive_angle": result.drive_angle, **_drive(result.scene, with_units=False)}
@@ -119,12 +110,6 @@ def write_study(
 
     CSV and Parquet hold the columns of ``study_columns``. NPZ holds the grid: the values of each
     key that is varied in one dimension, and every figure in SI units with a dimension per key.
-    ``progress`` is called as ``write_columns`` does.
-
-    Raises:
-        ImportError: Parquet without pyarrow.
-        OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
     """
     if Path(path).suffix == ".npz":
         write_columns(path, {**result.grid(), **result.values})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.app.files.whole_file import Progress
-from cardan.app.scene.language.errors import StatePointError
-from cardan.app.scene.sections.parts import make_load
-from cardan.app.scene.sections.table import FORMAT, OF_STATES
-from cardan.app.scene.study.axes import Axis, axes_of
-from cardan.app.scene.study.axis_rules import Spread
-from cardan.app.scene.study.layout import SceneLayout
+from cardan.app.scene.language.errors import StudyPointError
+from cardan.app.scene.sections.bearing import Mounting
+from cardan.app.scene.sections.driveline import Form, make_driveline
+from cardan.app.scene.sections.load import make_load
+from cardan.app.scene.study.axes import Axis, axes_of, put
 from cardan.app.scene.study.study import Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -24,6 +23,69 @@ from cardan.evaluation.load import Load
 
 STATE = "state"
 """The key of a table over states: the number of the state, counted from 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneLayout:
+    """How a scene describes its driveline.
+
+    Attributes:
+        driveline: values by key as the file has them, twists and phases that it leaves out as
+            zeros.
+        load: likewise those of its load; ``None`` without one.
+    """
+
+    form: Form
+    driveline: Mapping[str, Any]
+    load: Mapping[str, Any] | None
+    mounting: Mounting
+
+    def of(self, values: Mapping[str, Any]) -> Driveline:
+        """Return the drivelines of values by key, each ``(count, entries, [3])``."""
+        return self.mounting.on(make_driveline(self.form, values))
+
+    def values(
+        self,
+        axes: Sequence[Axis] = (),
+        count: int = 1,
+        changes: Mapping[str, ArrayLike] | None = None,
+    ) -> dict[str, FloatArray]:
+        """Return values by key, each ``(count, entries, [3])``.
+
+        Args:
+            axes: keys with one value per driveline.
+            count: the number of drivelines.
+            changes: further values by path (``"points_mm.2.y"``, ``"phases_deg.0"``) in the unit
+                of the key: one for all drivelines, or one each, ``(count,)``. The path must be one
+                that the scene uses and that does not vary among ``axes``.
+        """
+        own = {axis.key for axis in axes}
+        for path in changes or {}:
+            if path in own:
+                raise ArgumentValueError(path, "varies from state to state; it has no value to set")
+            if path.partition(".")[0] not in self.driveline:
+                there = ", ".join(self.driveline)
+                raise ArgumentValueError(path, f"is not in [driveline]; what can be set is {there}")
+        columns = {axis.key: axis.values for axis in axes if axis.section == "driveline"}
+        values: dict[str, Any] = dict(self.driveline)
+        given: dict[str, dict[str, list[float]]] = {}
+        for path, column in {**columns, **(changes or {})}.items():
+            name, _, place = path.partition(".")
+            whole = np.broadcast_to(np.asarray(column, dtype=np.float64), (count,))
+            given.setdefault(name, {})[place] = whole.tolist()
+        for axis in axes_of(given, self.driveline, None, "a layout"):
+            put(values, axis, axis.values)
+        return {
+            key: _rows(value, count, 2 if key.startswith(("points", "directions")) else 1)
+            for key, value in values.items()
+        }
+
+
+def _rows(value: ArrayLike, count: int, core: int) -> FloatArray:
+    """A list of the file, or what varies of it, ``(count, 1, …)``, as ``(count, …)``."""
+    array = np.asarray(value, dtype=np.float64)
+    rows = array if array.ndim == core else array[:, 0]
+    return np.broadcast_to(rows, (count, *array.shape[-core:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +154,7 @@ class States:
         return None if self.layout.load is None else make_load(self._loads(self.layout.load, state))
 
     def loads(self, load: Load | None) -> Load | None:
-        """Return the load of all states, with arrays ``(count,)`` if states vary it.
-
-        Args:
-            load: that of the scene.
-        """
+        """Return the load of all states, ``(count,)`` if they vary that of the scene."""
         if load is None or all(axis.section == "driveline" for axis in self.axes):
             return load
         each = [one for i in range(self.count) if (one := self.load(i))]
@@ -135,7 +193,7 @@ class States:
             point = {axis.key: float(axis.values[state]) for axis in self.axes}
             section = "driveline" if error.argument in values else "bearing"
             what = (error.argument, error.problem, error.place, section, point)
-            raise StatePointError(*what, self.names[state]) from None
+            raise StudyPointError(*what, self.names[state]) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,10 +208,7 @@ class StatesResult(StudyResult):
 
     def coordinates(self) -> dict[str, FloatArray]:
         """Return the number of each state and its values of the keys that vary."""
-        return {
-            **super().coordinates(),
-            **{axis.key: axis.values for axis in self.states.axes},
-        }
+        return {**super().coordinates(), **{axis.key: axis.values for axis in self.states.axes}}
 
     def grid(self) -> dict[str, FloatArray]:
         """Return the same: all keys vary together, along one dimension."""
@@ -161,13 +216,7 @@ class StatesResult(StudyResult):
 
 
 def states_result(states: States, of_one: Study, progress: Progress | None = None) -> StatesResult:
-    """Evaluate a study without keys that vary in every state.
-
-    Args:
-        states: the states.
-        of_one: what to compute of each.
-        progress: called after each state.
-    """
+    """Evaluate a study without keys that vary in every state, and report progress after each."""
     results = []
     for state in range(states.count):
         results.append(states.study(of_one, state).run())
@@ -180,65 +229,3 @@ def states_result(states: States, of_one: Study, progress: Progress | None = Non
     }
     axis = Axis(STATE, "states", STATE, None, None, np.arange(float(states.count)))
     return StatesResult((axis,), columns, values, states)
-
-
-def table_of(
-    states: States | None, study: Study | None, progress: Progress | None
-) -> StudyResult | None:
-    """Return the table of a study, or of one in every state; arguments as of ``states_result``."""
-    if study is None:
-        return None
-    return states_result(states, study, progress) if states else study.run(progress)
-
-
-def with_states(
-    load: Mapping[str, Any] | None, given: Mapping[str, Any]
-) -> Mapping[str, Any] | None:
-    """Return the keys of a load and those that only the states give."""
-    if load is None:
-        return None
-    return {**{key: given[key] for key in given if key in FORMAT["load"].keys}, **load}
-
-
-def states_of(given: Mapping[str, Any], layout: SceneLayout) -> States:
-    """Return the states that the section describes, each of them checked.
-
-    Args:
-        given: values by key of [states].
-        layout: what the other sections say.
-
-    Raises:
-        ValueError: no key that varies, a key that the scene does not use, keys with different
-            numbers of values, weights of which none is positive, values that make no driveline.
-    """
-    varied: Mapping[str, Mapping[str, Spread | list[float]]] = {
-        key: value for key, value in given.items() if key not in OF_STATES
-    }
-    if not varied:
-        raise ValueError('no key varies; give one value per state, as in "points_mm.2.y" = [0, 40]')
-    axes = axes_of(varied, layout.driveline, layout.load, "a state")
-    first, count = axes[0], len(axes[0].values)
-    for axis in axes[1:]:
-        if len(axis.values) != count:
-            raise axis.location.error(
-                f"has {len(axis.values)} values and {first.key} {count}; each state needs one"
-            )
-    for key in OF_STATES:
-        if key in given and len(given[key]) != count:
-            raise ArgumentValueError(
-                key, f"has length {len(given[key])}; it needs {count}, one per state"
-            )
-    weights = np.array(given.get("weights", [1.0] * count))
-    if not np.any(weights > 0.0):
-        raise ArgumentValueError("weights", "has only zeros; at least one state must count")
-    states = States(tuple(given.get("names") or _names(axes)), weights, axes, layout)
-    states.drivelines()
-    for i in range(count):
-        states.load(i)
-    return states
-
-
-def _names(axes: tuple[Axis, ...]) -> list[str]:
-    if len(axes) == 1 and len(set(axes[0].values)) == len(axes[0].values):
-        return [f"{axes[0].key} = {value:.6g}" for value in axes[0].values]
-    return [f"state {i}" for i in range(len(axes[0].values))]

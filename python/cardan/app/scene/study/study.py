@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,15 +14,12 @@ from numpy.typing import ArrayLike
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.language.units import converted, split
-from cardan.app.scene.language.values import VECTORS
-from cardan.app.scene.sections.bearing import Mounting
-from cardan.app.scene.sections.bearing_section import LENGTHS
-from cardan.app.scene.sections.driveline import Form
-from cardan.app.scene.sections.parts import make_driveline, make_load
-from cardan.app.scene.sections.table import FORMAT
+from cardan.app.scene.sections.bearing import BEARING, Mounting
+from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS, Form, make_driveline
+from cardan.app.scene.sections.load import LOAD, make_load
+from cardan.app.scene.sections.output import CLOSED_FORMS, LENGTH
 from cardan.app.scene.study.axes import Axis as Axis
 from cardan.app.scene.study.axes import per_row, put, values_at
-from cardan.app.scene.study.reductions import CLOSED_FORMS, LENGTH, reduced
 from cardan.arrays import FloatArray, import_optional
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
@@ -115,14 +113,7 @@ class StudyResult:
 
 @dataclass(frozen=True, eq=False)
 class StudyPart:
-    """Some rows of the table of a study.
-
-    Attributes:
-        axes: what is varied.
-        rows: which rows of the grid.
-        columns: what the figures are.
-        values: the figures in SI units by the name of their column, ``(rows,)``.
-    """
+    """Some rows of the table of a study; the figures are ``(rows,)``, in SI units."""
 
     axes: tuple[Axis, ...]
     rows: range
@@ -145,11 +136,7 @@ class Study:
         driveline: the values of its keys as they stand in the file.
         load: likewise those of its load; ``None`` without one.
         angle: drive angles to reduce over: a sweep, or an array in rad.
-        quantities: what to reduce.
-        reductions: how.
-        closed_forms: figures that need no samples.
         shafts: of which shafts; ``None`` for the last one, without its number in the names.
-        joints: of which joints.
         options: further arguments of ``evaluate``.
         mounting: the bearings of every driveline.
         deviations: of the joints of every driveline in rad, ``(n, 3)``; ``None`` of ideal ones.
@@ -187,16 +174,7 @@ class Study:
         return sum(items[output.per] * output.components for output in outputs)
 
     def run(self, progress: Progress | None = None) -> StudyResult:
-        """Evaluate every driveline of the grid, block by block.
-
-        Memory is that of the table and of one block.
-
-        Args:
-            progress: called after each block.
-
-        Raises:
-            ValueError: a point of the grid that makes no driveline; the message names it.
-        """
+        """Evaluate the grid block by block: memory is that of the table and a block."""
         part = self.part(range(math.prod(self.shape)), progress)
         values = {name: figures.reshape(self.shape) for name, figures in part.values.items()}
         return StudyResult(self.axes, part.columns, values)
@@ -240,11 +218,7 @@ class Study:
         return text
 
     def check_ends(self) -> None:
-        """Refuse a study with values out of range at either end of an axis.
-
-        Raises:
-            ValueError: the first such point of the grid.
-        """
+        """Refuse a study with values out of range at either end of an axis."""
         for row in sorted({0, *self._extremes()}):
             self._block(np.array([row]))
 
@@ -256,10 +230,7 @@ class Study:
             yield int(np.argmin(axis.values)) * step
 
     def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
-        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows.
-
-        The drivelines are those of the drawing, with ideal joints.
-        """
+        """Yield first row, ideal drivelines ``(rows, 1)`` and load of each block."""
         rows = range(math.prod(self.shape)) if rows is None else rows
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
@@ -297,8 +268,8 @@ class Study:
                 }
                 if not point:
                     raise ArgumentValueError(argument, problem, place) from None
-                sections = ("driveline", "bearing")
-                section = next((name for name in sections if argument in FORMAT[name].keys), "load")
+                owners = (own.name for own in (DRIVELINE, BEARING) if argument in own.keys)
+                section = next(owners, LOAD.name)
                 raise StudyPointError(argument, problem, place, section, point) from None
             half = len(rows) // 2
             for part in (rows[:half], rows[half:]):
@@ -334,19 +305,16 @@ class Study:
             return
         bearings = list(range(line.n_bearings))
         items = {"shaft": shafts, "joint": list(self.joints), "bearing": bearings}
-        found = reduced(
-            self._as_built(line),
-            self.angle,
-            self.quantities,
-            self.reductions,
-            load=load,
-            shafts=items["shaft"],
-            joints=items["joint"],
-            options=self.options,
-        )
-        for (name, reduction), of_items in found.items():
+        arguments: dict[str, Any] = {"load": load, "shafts": shafts, "joints": items["joint"]}
+        arguments |= self.options
+        as_built = self._as_built(line)
+        found = {
+            how: as_built.evaluate(self.angle, self.quantities, reduce=how, **arguments)
+            for how in self.reductions
+        }
+        for name, reduction in itertools.product(self.quantities, self.reductions):
             output = OUTPUTS[name]
-            for item, figures in zip(items[output.per], of_items, strict=True):
+            for item, figures in zip(items[output.per], found[reduction][name], strict=True):
                 number = "" if output.per == "shaft" and self.shafts is None else f"_{item}"
                 what = (output.unit, name, output.per, item, reduction)
                 if output.vector and reduction != "peak":
@@ -360,5 +328,5 @@ class Study:
 def _one_row(key: str, value: ArrayLike) -> FloatArray:
     """A list of the file as a batch of one; recorded bends have their samples already."""
     array = np.asarray(value, dtype=np.float64)
-    core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
+    core = 2 if DRIVELINE.keys[key].kind == "vectors" else 1
     return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)

@@ -1,0 +1,126 @@
+"""Rules for quantities of the motion and outputs over a turn: their names, and limits of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.rules import (
+    ACUTE,
+    POSITIVE,
+    Number,
+    Rule,
+    Schema,
+    Text,
+    refused,
+    shown,
+)
+from cardan.app.scene.language.units import ending_of
+from cardan.arrays.errors import nearest
+from cardan.design.quantities import (
+    FIRST_ORDERS,
+    MOTION_QUANTITIES,
+    ORDER_PATTERN,
+    nearest_quantity,
+    order_quantity,
+    pattern,
+    reduced_quantity,
+)
+from cardan.evaluation.outputs import OUTPUTS
+
+
+@dataclass(frozen=True)
+class QuantityName(Rule):
+    """The name of a quantity.
+
+    Attributes:
+        outputs: whether outputs are possible without item and reduction, and orders.
+    """
+
+    outputs: bool = False
+    name = "name"
+
+    @property
+    def _names(self) -> list[str]:
+        return [*MOTION_QUANTITIES, *(OUTPUTS if self.outputs else ())]
+
+    def read(self, where: Location, value: object) -> str:
+        """Return the name."""
+        name = Text().read(where, value)
+        other = reduced_quantity(name) or (self.outputs and order_quantity(name))
+        if name not in self._names and not other:
+            known = [*self._names, *(FIRST_ORDERS if self.outputs and "order" in name else ())]
+            raise where.error(f"is {shown(name)}; {nearest_quantity(name, known)}")
+        return name
+
+    @property
+    def schema(self) -> Schema:
+        """A name of a list or of a form."""
+        # Python's end of a text may have a line end behind it; that of JSON Schema may not.
+        forms = [*map(pattern, OUTPUTS.values()), *([ORDER_PATTERN] if self.outputs else [])]
+        outputs = f"^({'|'.join(forms)})$(?!\\n)"
+        return {"anyOf": [{"enum": self._names}, {"type": "string", "pattern": outputs}]}
+
+
+def _ending(unit: str) -> str:
+    """The ending of a key for a quantity with this SI unit; angles are in degrees."""
+    return ending_of({"rad": "deg", "1": ""}.get(unit, unit))
+
+
+KEPT: Mapping[str, Number] = MappingProxyType(
+    {
+        f"{quantity.name}{_ending(quantity.unit)}": ACUTE if quantity.unit == "rad" else POSITIVE
+        for quantity in MOTION_QUANTITIES.values()
+    }
+)
+"""Limits of the motion, by key with its unit."""
+
+
+def kept_quantity(key: str) -> str:
+    """Return the quantity of a key of ``keep``, without its unit; ``""`` if there is none."""
+    for quantity in MOTION_QUANTITIES.values():
+        if key == f"{quantity.name}{_ending(quantity.unit)}":
+            return quantity.name
+    for output in OUTPUTS.values():
+        ending = _ending(output.unit)
+        if re.fullmatch(pattern(output) + ending, key):
+            return key.removesuffix(ending)
+    return ""
+
+
+@dataclass(frozen=True)
+class Keep(Rule):
+    """Limits of other quantities."""
+
+    name = "limits"
+
+    def read(self, where: Location, value: object) -> dict[str, float]:
+        """Return the limits by key."""
+        if not isinstance(value, dict) or not value:
+            raise refused(where, value, "name quantities and limits, as {non_uniformity = 0.01}")
+        limits = {}
+        for key, given in value.items():
+            own = where.at(key)
+            if not kept_quantity(key):
+                hint = nearest(key, KEPT)
+                raise own.error(
+                    f"is no quantity; {hint} (an output has its number, reduction and unit, as "
+                    "support_moment_1_peak_Nm)"
+                )
+            limits[key] = KEPT.get(key, POSITIVE).read(own, given)
+        return limits
+
+    @property
+    def schema(self) -> Schema:
+        """An object of positive numbers."""
+        outputs = "|".join(pattern(output) + _ending(output.unit) for output in OUTPUTS.values())
+        return {
+            "type": "object",
+            "minProperties": 1,
+            "properties": {key: rule.schema for key, rule in KEPT.items()},
+            "patternProperties": {f"^({outputs})$": POSITIVE.schema},
+            "additionalProperties": False,
+        }

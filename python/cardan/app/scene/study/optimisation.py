@@ -1,0 +1,347 @@
+"""What a scene lets change, and the best values of it over the scene's states."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.app.scene.language.document import nested
+from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.quantities import kept_quantity
+from cardan.app.scene.language.units import split
+from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.load import largest_speed
+from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.sections.study import STUDY
+from cardan.app.scene.study.axes import Axis, axes_of
+from cardan.app.scene.study.states import SceneLayout, States
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+from cardan.design.quantities import MOTION_QUANTITIES
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
+from cardan.optimisation import NotKeptError, Optimum, optimise
+from cardan.optimisation.local import TOLERANCE
+from cardan.optimisation.measures import Measure, measure_of, over_states
+
+if TYPE_CHECKING:
+    from cardan.app.scene.reading import Reading
+
+DECIMALS = 6
+"""Decimal places of the values that are found, in the unit of their keys."""
+
+# The kind of parameter of each key by which q is differentiated, and its unit there.
+_DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"], float]] = {
+    "bends_deg": ("bends", math.pi / 180.0),
+    "twists_deg": ("twists", math.pi / 180.0),
+    "phases_deg": ("phases", math.pi / 180.0),
+    "points_m": ("points", 1.0),
+    # Drivelines of scenes have lengths in metres.
+    "points_mm": ("points", 1e-3),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A key of a scene that may change.
+
+    Attributes:
+        axis: the key, with the entries that change together.
+        base: its value in [driveline], of the first of its entries.
+        low: least change; ``-inf`` for a phase that is free.
+        high: largest change.
+        teeth: of the spline of a phase; 0 without one.
+        last_entry: number of the last entry of its key.
+    """
+
+    axis: Axis
+    base: float
+    low: float
+    high: float
+    teeth: int = 0
+    last_entry: int = 0
+
+    @property
+    def unit(self) -> str:
+        """The ending of its key: ``"mm"``; "" for a ratio."""
+        return split(self.axis.name)[1]
+
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is a phase, which repeats after half a turn."""
+        return self.axis.name == "phases_deg"
+
+
+@dataclass(frozen=True, eq=False)
+class Optimisation:
+    """What a scene's section [optimise] asks for.
+
+    Attributes:
+        keep: limits of other quantities by key, in the unit of the key.
+        starts: number of local searches.
+        layout: what the other sections say of the driveline.
+        load: the load in every state, if there is one.
+    """
+
+    variables: tuple[Variable, ...]
+    minimise: str
+    over: Literal["largest", "rms"]
+    keep: Mapping[str, float]
+    starts: int
+    layout: SceneLayout
+    states: States | None
+    load: Load | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the states; of one driveline alone an empty one."""
+        return self.states.names if self.states else ("",)
+
+    @property
+    def speed(self) -> FloatArray | None:
+        """The speed of the drive in rad/s, one for all states or ``(states,)``, if it is known."""
+        if self.load is None:
+            return None
+        # Of a recorded speed the largest counts.
+        by_state = self.load.speed.shape == (len(self.names),) and self.states is not None
+        speed = self.load.speed if by_state else np.asarray(largest_speed(self.load))
+        return np.abs(speed) if np.all(speed) else None
+
+    def measure(self, argument: str, quantity: str) -> Measure:
+        """Return the measure of a quantity that is minimised or kept."""
+        n_joints = self.drivelines(np.zeros(len(self.variables))).n_joints
+        return measure_of(argument, quantity, n_joints, self.load, self.speed)
+
+    @functools.cached_property
+    def _unchanged(self) -> dict[str, FloatArray]:
+        axes = self.states.axes if self.states else ()
+        return self.layout.values(axes, len(self.names))
+
+    def drivelines(self, changes: FloatArray) -> Driveline:
+        """Return the drivelines, ``(..., states)``, after changes in units of the keys."""
+        values = dict(self._unchanged)
+        for name in {variable.axis.name for variable in self.variables}:
+            shape = changes.shape[:-1] + values[name].shape
+            values[name] = np.array(np.broadcast_to(values[name], shape))
+        for i, variable in enumerate(self.variables):
+            own = values[variable.axis.name][_place(variable.axis)]
+            # A view of the copy above.
+            own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
+        return self.layout.of(values)
+
+    def values_at(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Return the quantity to minimise over all states, and whether all limits are kept.
+
+        For changes ``(p, m)``: values in SI units, ``(p,)``, NaN where there is no driveline, and
+        whether no kept quantity is above its limit in any state, ``(p,)``.
+        """
+        values, kept = np.full(len(points), np.nan), np.zeros(len(points), dtype=bool)
+        measure = self.measure("minimise", self.minimise)
+        weights = self.weights if self.over == "rms" else None
+        limits = [(self.measure("keep", name), limit) for name, limit in self._kept.items()]
+        for i, x in enumerate(points):
+            try:
+                line = self.drivelines(x)
+            except ArgumentValueError:
+                continue
+            values[i] = float(measure.figure(over_states(measure.vectors(line), weights)))
+            kept[i] = all(
+                np.all(own.per_state(own.vectors(line)) <= limit * (1.0 + TOLERANCE))
+                for own, limit in limits
+            )
+        return values, kept
+
+    @property
+    def _kept(self) -> dict[str, float]:
+        """The limits in SI units, by the names of the quantities."""
+        return {
+            kept_quantity(key): math.radians(limit) if key.endswith("_deg") else limit
+            for key, limit in self.keep.items()
+        }
+
+    @property
+    def weights(self) -> FloatArray:
+        """How much each state counts in a root mean square, with sum 1."""
+        own = self.states.weights if self.states else np.ones(1)
+        return own / np.sum(own)
+
+    def values_after(self, changes: FloatArray) -> dict[str, Any]:
+        """Return the values of the scene's keys that change, as plain data by path.
+
+        The path begins with the section: ``"driveline.points_mm"``, ``"states.points_mm.3.y"``.
+        """
+        found: dict[str, Any] = {}
+        for variable, change in zip(self.variables, changes, strict=True):
+            axis = variable.axis
+            path = f"driveline.{axis.name}"
+            values = np.array(found.get(path, self.layout.driveline[axis.name]), dtype=np.float64)
+            values[_place(axis)] += change
+            found[path] = values.tolist()
+            for other in self.states.axes if self.states else ():
+                if other.name == axis.name and _entries(other) <= _entries(axis):
+                    found[f"states.{other.key}"] = (other.values + change).tolist()
+        return found
+
+    def run(self) -> Optimum:
+        """Return the best changes, rounded to ``DECIMALS``, with what they bring, in SI units."""
+        phases = [i for i, variable in enumerate(self.variables) if variable.is_phase]
+        teeth = [self.variables[i].teeth for i in phases]
+        try:
+            return optimise(
+                self.drivelines,
+                np.zeros(len(self.variables)),
+                [(variable.low, variable.high) for variable in self.variables],
+                minimise=self.minimise,
+                over=self.over,
+                states=self.names,
+                weights=self.weights if self.over == "rms" else None,
+                keep=self._kept,
+                parameters=self._parameters,
+                load=self.load,
+                speed=self.speed,
+                phases=phases,
+                teeth=teeth if any(teeth) else None,
+                degrees=True,
+                starts=self.starts,
+                decimals=DECIMALS,
+                vectorised=True,
+            )
+        except NotKeptError as error:
+            reached = {kept_quantity(key): key for key in self.keep}
+            key = reached[error.quantity]
+            limit, found = self.keep[key], error.reached
+            found = math.degrees(found) if key.endswith("_deg") else found
+            raise Location("keep", (key,)).error(
+                f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
+                f"{found:.4g}, {found - limit:.3g} above"
+            ) from None
+
+    @property
+    def _parameters(self) -> list[tuple[Any, ...]] | None:
+        """What each variable changes of the driveline; ``None`` if one changes anything else."""
+        if any(variable.axis.name not in _DERIVATIVES for variable in self.variables):
+            return None
+        found = []
+        for variable in self.variables:
+            kind, factor = _DERIVATIVES[variable.axis.name]
+            found.append((kind, _place(variable.axis)[1:], factor))
+        return found
+
+
+def _place(axis: Axis) -> tuple[Any, ...]:
+    place = slice(None) if axis.place is None else axis.place
+    return (..., place) if axis.component is None else (..., place, axis.component)
+
+
+def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
+    """Return what the section [optimise] asks for, each value given or its default."""
+    layout, states, load = scene.layout, scene[STATES], scene.load
+    if layout is None:
+        raise ValueError("it does not go with recorded bends, which nothing can change")
+    ranges: Mapping[str, tuple[float, float] | None] = values["vary"]
+    axes = _axes(ranges, layout)
+    teeth = scene[DRIVELINE].teeth
+    variables = tuple(_variable(axis, ranges[axis.key], layout, teeth) for axis in axes)
+    if states:
+        load = states.loads(load)
+        for axis in axes:
+            _check_states(axis, states.axes)
+    found = Optimisation(
+        variables,
+        values["minimise"],
+        values["over"],
+        values["keep"] or {},
+        values["starts"],
+        layout,
+        states,
+        load,
+    )
+    _check_ranges(found)
+    _check_quantities(found)
+    return found
+
+
+def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
+    paths: dict[str, dict[str, list[float]]] = {}
+    for name, places in nested({path: [0.0] for path in ranges}).items():
+        where = Location("vary", (name,))
+        if name not in STUDY.keys or name not in DRIVELINE.keys:
+            raise where.error(f"is no key that can change; those of the scene are {_there(layout)}")
+        if name not in layout.driveline:
+            raise where.error(f"is not in [driveline]; what can change is {_there(layout)}")
+        paths[name] = STUDY.keys[name].rule.read(Location(name), places)
+    return axes_of(paths, layout.driveline, None, "an optimisation")
+
+
+def _there(layout: SceneLayout) -> str:
+    return ", ".join(layout.driveline)
+
+
+def _variable(
+    axis: Axis, ends: tuple[float, float] | None, layout: SceneLayout, teeth: Sequence[int]
+) -> Variable:
+    low, high = (-math.inf, math.inf) if ends is None else ends
+    values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
+    base = float(np.ravel(values[_place(axis)[1:]])[0])
+    own = 0
+    if axis.name == "phases_deg" and teeth:
+        counts = set(teeth[axis.place or slice(None)])
+        if len(counts) > 1:
+            raise Location("vary", (axis.key,)).error(
+                "turns yokes on splines of different teeth together; vary one phase at a time"
+            )
+        own = counts.pop()
+    return Variable(axis, base, low, high, own, len(values) - 1)
+
+
+def _check_states(axis: Axis, varied: Sequence[Axis]) -> None:
+    """Refuse a variable that moves only a part of what one value of a state sets."""
+    own = _entries(axis)
+    for other in varied:
+        theirs = _entries(other) if other.name == axis.name else set()
+        if own & theirs and not theirs <= own:
+            raise Location("vary", (axis.key,)).error(
+                f"changes only a part of {other.key}, which [states] sets; vary all of it"
+            )
+
+
+def _entries(axis: Axis) -> set[tuple[int, int | None]]:
+    # More entries than any list of a file has.
+    entries = range(*(axis.place or slice(None)).indices(1 << 20))
+    return {(entry, axis.component) for entry in entries}
+
+
+def _check_ranges(found: Optimisation) -> None:
+    """Refuse ranges at an end of which there is no driveline."""
+    for i, variable in enumerate(found.variables):
+        for end in (variable.low, variable.high):
+            changes = np.zeros(len(found.variables))
+            changes[i] = end if math.isfinite(end) else 0.0
+            try:
+                found.drivelines(changes)
+            except ArgumentValueError as error:
+                raise Location("vary", (variable.axis.key,)).error(
+                    f"reaches {end:g}, where {error}"
+                ) from None
+
+
+def _check_quantities(found: Optimisation) -> None:
+    line = found.drivelines(np.zeros(len(found.variables)))
+    named: list[tuple[str, tuple[str, ...], str]] = [("minimise", (), found.minimise)]
+    named += [("keep", (key,), kept_quantity(key)) for key in found.keep]
+    for argument, place, quantity in named:
+        try:
+            found.measure(argument, quantity).vectors(line)
+        except (IndexError, ArgumentValueError) as error:
+            problem = error.problem if isinstance(error, ArgumentValueError) else str(error)
+            problem = problem if problem.startswith("is ") else f"is {quantity!r}; {problem}"
+            raise Location(argument, place).error(problem) from None
+        motion = MOTION_QUANTITIES.get(quantity)
+        if place and motion and motion.needs_speed and found.speed is None:
+            raise Location(argument, place).error("needs the speed of the drive in [load]")
