@@ -83,11 +83,7 @@ def equivalent(
 ) -> list[_Flat]: ...
 def excitations(lines: Lines, workers: int | None) -> _Flat: ...
 def steering(
-    lines: Lines,
-    numbers: _Numbers,
-    centres: _Flat,
-    drawn: Lines | None,
-    workers: int | None,
+    lines: Lines, numbers: _Numbers, centres: _Flat, drawn: Lines | None, workers: int | None
 ) -> _Flat: ...
 def spline_forces(
     lines: Lines, shaft: int, numbers: _Numbers, loads: list[_Flat], workers: int | None

@@ -172,11 +172,7 @@ class Driveline:
         return map(self.__getitem__, range(len(self)))
 
     def __len__(self) -> int:
-        """Return the length of the batch's first axis.
-
-        Raises:
-            TypeError: a single driveline.
-        """
+        """Return the length of the batch's first axis; a ``TypeError`` for a single driveline."""
         if not self._shape:
             raise TypeError("a single driveline has no length; n_joints is its number of joints")
         return self._shape[0]

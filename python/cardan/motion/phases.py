@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, shares_of, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -95,10 +95,7 @@ def arrangement(line: Driveline) -> Arrangement:
     Raises:
         ValueError: a batch of drivelines.
     """
-    if line.shape:
-        raise ArgumentValueError(
-            "driveline", f"has shape {line.shape}; an arrangement is that of one driveline"
-        )
+    check_shape("driveline", line, not line.shape, "an arrangement is that of one driveline")
     bent = np.flatnonzero(line.bends > _STRAIGHT)
     if len(bent) < 2:
         return "single bend" if len(bent) else "straight"

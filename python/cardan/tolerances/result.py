@@ -190,8 +190,7 @@ class Tolerances:
     def worst_at(self) -> Any:  # noqa: ANN401
         """Deviations of the worst driveline as a mapping from group to array, in rad or the unit.
 
-        Raises:
-            ValueError: ``worst_kind`` is ``"linear"``.
+        They are not known where ``worst_kind`` is ``"linear"``, which is a ``ValueError``.
         """
         if not all(map(self._searched, self._quantities.values())):
             raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
@@ -377,10 +376,7 @@ class Tolerances:
         """Return the SI unit of a figure, such as ``"rad"``; ``"1"`` if it has none.
 
         Args:
-            name: one of ``of``.
-
-        Raises:
-            KeyError: a figure that was not asked for.
+            name: one of ``of``; another one is a ``KeyError``.
         """
         return self._quantities[name].unit
 
