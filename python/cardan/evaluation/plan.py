@@ -48,6 +48,9 @@ class Plan:
     is skipped. A plan never changes, so threads may share it.
     """
 
+    # What can be read of a plan; the rest is for its calls.
+    __slots__ = ("__dict__", "dtype", "labels", "line", "places", "planes", "request")
+
     def __init__(self, line: Driveline, request: Request, level: str | None = None) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape
