@@ -175,7 +175,7 @@ def test_examples_of_the_help_work(
     if name == "tolerances":
         with Path("shaft.toml").open("a") as scene:
             scene.write("\n[tolerances]\nphases_deg = 1\n")
-    if name == "life":
+    if name in ("life", "plot"):
         for needed in ("conveyor.toml", "joint_sizes.csv"):
             shutil.copy(TRUCK.with_name(needed), ".")
     if name == "torsion":

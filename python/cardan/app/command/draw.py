@@ -64,7 +64,7 @@ def plot(
       cardan plot shaft.toml
       cardan plot shaft.toml --output shaft.png
       cardan plot shaft.toml --over orders
-      cardan plot shaft.toml --what forces
+      cardan plot conveyor.toml --what life
     """
     options = {"--what": what, "--over": over, "--study": study}
     given = [name for name, value in options.items() if value is not None]

@@ -132,7 +132,7 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
 
 
 def _whole(answer: Answer) -> Figure:
-    """Pressure on the seat of a ball joint, in section and as a curve."""
+    """Pressure on the seat of a ball joint: section and curve."""
     case = answer.of.ball_joint
     if case is None:
         raise ValueError(f"{answer.of.name}: section [ball_joint] is missing")

@@ -172,7 +172,7 @@ def plot_tolerance_shares(
 
 
 def _whole(answer: Answer) -> Figure:
-    """How the first figure scatters, and which tolerances make it do so."""
+    """How a figure scatters, and which tolerances make it do so."""
     answer.needed("tolerances")
     found = answer.scene.tolerances
     assert found
