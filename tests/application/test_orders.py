@@ -10,8 +10,7 @@ from click.testing import CliRunner
 from matplotlib.patches import StepPatch
 
 from cardan import Driveline
-from cardan.app.answers.turn.bands import Bands
-from cardan.app.answers.turn.orders import orders
+from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.command import commands
 from cardan.app.plots import plot_scene
 from cardan.app.scene import Scene

@@ -28,8 +28,8 @@ from matplotlib.transforms import Bbox
 
 from cardan import reference
 from cardan.app import plots
-from cardan.app.answers.turn.bands import Bands
 from cardan.app.answers.turn.figures import SummaryRow, summary
+from cardan.app.answers.turn.orders import Bands
 from cardan.app.answers.turn.picture import key_figures
 from cardan.app.command import commands
 from cardan.app.pictures import space, style

@@ -35,7 +35,7 @@ from cardan.app.answers.limits.figures import MotionFigures
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.printed import figure_text
 from cardan.app.answers.rows import rows_of
-from cardan.app.answers.study.maps import heat_map
+from cardan.app.answers.study.page import heat_map
 from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.charts.drawing import views
 from cardan.app.charts.samples import NOMINAL_TORQUE, evaluated

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 import cardan.app.answers.turn.panel as panel
-from cardan.app.answers.turn.bands import Bands
-from cardan.app.answers.turn.orders import orders
+from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.pictures.style import line_style, value_ticks
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.rounding import flat_limits
-from cardan.app.answers.turn.bands import Bands
+from cardan.app.answers.turn.orders import Bands
 from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
 from cardan.app.scene.language.units import in_degrees
 from cardan.arrays import FloatArray
