@@ -82,7 +82,7 @@ def plot_optimise(found: Optimised) -> Figure:
 
 
 def _whole(answer: Answer) -> Figure:
-    """The quantity over each variable, each state before and after."""
+    """Best values: curves over variables, states before and after."""
     found = answer.needed("optimise")
     if isinstance(found, NotFound):
         raise ValueError(found.reason)
