@@ -17,9 +17,9 @@ from cardan.design.machine import Change, Machine
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-# Parts and figures that a machine does not have. Its heat is that of each step, not the mean.
-_UNTRIED = ("tolerances", "torsion", "ball_joint")
-_UNTRIED_FIGURES = ("heat", "of_sizes")
+# The parts that a machine has, and their figures that it does not: its heat is that of each step.
+_TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
+_UNTRIED = ("heat", "of_sizes")
 
 Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
 
@@ -55,7 +55,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
         each.name
         for each in answer.judged
         if each.value.limit is not None
-        and (each.part.name in _UNTRIED or each.entry.path.rpartition(".")[2] in _UNTRIED_FIGURES)
+        and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
     ]
     set_by_states = bool(scene.states and scene.states.set_phases)
     return tuple(
