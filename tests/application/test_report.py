@@ -48,6 +48,7 @@ from cardan.app.scene.starters import STARTERS
 from cardan.app.scene.study.study import Column
 from cardan.arrays import FloatArray
 from cardan.design.judged import Finding
+from cardan.design.quantities import label as label_of
 from example_scenes import DRIVELINES, EXAMPLES, Answers
 from pages import curves, scales, tables
 
@@ -361,7 +362,7 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
             assert (limit, maximum, source) == ("", "", "no limit given")
         ends = (finding.within_up_to, finding.tolerable_up_to)
         rpm = [figure_text(float(speed) * 30.0 / np.pi) for speed in ends if np.isfinite(speed)]
-        assert [f"{each} rpm" for each in rpm] == list(kept.get(finding.name, ()))
+        assert [f"{each} rpm" for each in rpm] == list(kept.get(label_of(finding.figure), ()))
     verdicts = [str(finding.verdict) for finding in found.findings]
     assert {"within", "tolerable", "not judged"} == set(verdicts)
 
@@ -690,8 +691,9 @@ def test_no_text_changes_the_page(
     render, given = jinja2.Template.render, dict[str, Any]()
 
     def tampered(self: jinja2.Template, first: dict[str, Any], **more: Any) -> str:  # noqa: ANN401
-        own = {key: more.pop(key) for key in ("style", "script")}
-        given.update(hostile({**first, **more}))
+        every = {**first, **more}
+        own = {key: every.pop(key) for key in ("style", "script")}
+        given.update(hostile(every))
         return render(self, given, **own)
 
     monkeypatch.setattr(jinja2.Template, "render", tampered)

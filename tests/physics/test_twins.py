@@ -78,7 +78,9 @@ TWINS = {
         "with_play": "design.with_skews",
         "lash": "design.lash",
         "wind_up": "design.wind_up",
-        "catalogue_bend": SOURCES,
+        "catalogue_bend fork_signs": SOURCES,
+        "arrangement": SHAPE,
+        "bend_ranges": SEARCH,
         "order_tolerances tolerances": SEARCH,
         "plot approx_equal bearings concatenate has_points n_bearings n_joints ndim plan reshape "
         "shape size with_bearings": SHAPE,

@@ -433,7 +433,7 @@ def speed_response(
     ... )
     >>> (largest,) = system.speed_response([150, 250]).largest
     >>> round(largest.speed), round(largest.most)
-    (200, 6208)
+    (200, 3943)
     """
     check_single(self)
     critical = self.critical_speeds(np.atleast_1d(orders))
