@@ -1,0 +1,51 @@
+"""What the figures of answers are called, their keys with units, and what limits them: a record.
+
+Programs read the keys and people the labels, so neither changes unnoticed. This file, run as a
+program, writes the record anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from cardan.app.answers.identification.figures import Identified
+from cardan.app.answers.rows import element_of, rows_of
+from cardan.app.answers.states.figures import StatesFigures
+from cardan.app.answers.study.figures import StudyFigures
+from cardan.app.answers.table import PARTS
+from cardan.app.answers.turn.figures import TurnFigures
+from cardan.app.answers.yokes.figures import YokeFigures
+
+# The answers of run, phase and identify, which are no parts of others.
+OTHERS = {
+    "run": TurnFigures,
+    "run.study": StudyFigures,
+    "run.states": StatesFigures,
+    "phase": YokeFigures,
+    "identify": Identified,
+}
+RECORD = Path(__file__).parent / "rows.txt"
+
+
+def rows() -> Iterator[str]:
+    """Yield a line for each field: its key, what it holds, its label and the key of its limit."""
+
+    def of(path: str, figures: type) -> Iterator[str]:
+        for name, row, hint in rows_of(figures):
+            key = f"{path}.{name}{row.ending()}"
+            yield "  ".join(filter(None, (key, row.kind, row.label, row.limit)))
+            if row.kind == "parts":
+                yield from of(key, element_of(hint))
+
+    every = {name: part.figures() for name, part in PARTS.items()} | OTHERS
+    for name, figures in every.items():
+        yield from of(name, figures)
+
+
+def test_every_figure_is_called_as_recorded() -> None:
+    assert list(rows()) == RECORD.read_text(encoding="utf-8").splitlines()
+
+
+if __name__ == "__main__":
+    RECORD.write_text("".join(f"{row}\n" for row in rows()), encoding="utf-8")
