@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module, resources
 from importlib.util import find_spec
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 from cardan.app.answers.data import data_of, schema_of
 from cardan.app.answers.printed import filled, part_text
-from cardan.app.answers.rows import Entry, Judged, Row, element_of, entries, item_of
+from cardan.app.answers.rows import Entry, element_of, entries, item_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,16 +36,10 @@ class Part:
     said: bool = False  # whether an answer about more than it only has its sentences
     alone: bool = False  # whether a ball joint alone has it
 
-    def _module(self, name: str) -> ModuleType | None:
-        path = f"cardan.app.answers.{self.name}.{name}"
-        return import_module(path) if find_spec(path) else None
-
-    def _own(self, function: str, *modules: str) -> Any:  # noqa: ANN401 - of any signature
-        """The part's own function of a name, if it has one."""
-        for name in modules:
-            if found := getattr(self._module(name), function, None):
-                return found
-        return None
+    def _own(self, function: str, module: str) -> Any:  # noqa: ANN401 - of any signature
+        """The part's own function of a name in one of its modules, if it has one."""
+        path = f"cardan.app.answers.{self.name}.{module}"
+        return getattr(import_module(path), function, None) if find_spec(path) else None
 
     def find(self, answer: Answer) -> Any:  # noqa: ANN401 - any part
         """Return the figures of a scene, ``None`` or nothing without them."""
@@ -59,24 +52,14 @@ class Part:
 
     def entries(self, found: Any) -> Iterator[Entry]:  # noqa: ANN401 - any part
         """Yield the figures as rows with values."""
-        if own := self._own("verdicts", "figures"):
-            for label, verdict in own(found).items():
-                limits = {"within": 1.0, "beyond": -1.0}
-                value = Judged(0.0, limits.get(verdict))
-                yield Entry(f"{self.name}.{label}", Row("figure", label, limit="-"), value, "")
-        elif not self._own("data", "data", "figures"):
-            yield from entries(found, self.name)
+        yield from entries(found, self.name)
 
     def data(self, found: Any, *, radians: bool = False) -> Any:  # noqa: ANN401 - any part
         """Return the figures as plain data for JSON."""
-        if own := self._own("data", "data", "figures"):
-            return own(found, radians=radians)
         return data_of(found, radians=radians)
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the figures."""
-        if own := self._own("SCHEMA", "data", "figures"):
-            return dict(own)
         hint = self._hint()
         schema = schema_of(element_of(hint))
         several = tuple in (get_origin(each) for each in (hint, *get_args(hint)))
