@@ -98,3 +98,21 @@ phases_deg.0 = [90, 45, 0]
     assert np.degrees(found.offset.value) == pytest.approx(4.35, abs=0.005)
     assert found.offset.at == {"phases_deg.0": 45.0}
     assert Answer(Scene.parse(text)).verdict == "beyond"
+
+
+def test_ratio_and_turns_are_those_where_the_column_is_farthest_from_symmetry() -> None:
+    text = """[driveline]
+    points_mm = [[0, 0, 0], [550, 0, -280], [780, 90, -520], [900, 100, -600]]
+    [steering]
+    centre_deg = 10
+    [states]
+    names = ["high", "low"]
+    "points_mm.0.z" = [30, -30]
+    """
+    scene, found = Scene.parse(text), figures(text)
+    own = scene.drivelines().steering(np.radians(10.0), drawn=scene.line)
+    far = int(np.argmax(np.abs(own.offset)))
+    assert (found.offset.state, found.ratio.state) == ("low", "low")
+    assert far == 1
+    for name in ("ratio", "slope", "turn_to_quick", "turn_to_slow"):
+        assert getattr(found, name).value == getattr(own, name)[far]
