@@ -108,8 +108,12 @@ impl NativeMachine {
             let [diameter, wall, length, shear_modulus, elastic_modulus, density] = dimensions;
             (shaft, Round { diameter, wall, length, shear_modulus, elastic_modulus, density })
         };
-        let sliding = |(shaft, [engaged, push_in, friction, radius]): SplineNumbers| {
-            SlidingShaft { shaft, engaged, push_in, friction, radius }
+        let sliding = |(shaft, [engaged, push_in, friction, radius]): SplineNumbers| SlidingShaft {
+            shaft,
+            engaged,
+            push_in,
+            friction,
+            radius,
         };
         let parts = Parts {
             shares,

@@ -94,9 +94,8 @@ impl<'a> Drivelines<'a> {
     /// Direction of shaft 0 and normal of the first bend plane, from which drive angles count, of
     /// the driveline with this number; all have `joints` joints.
     pub fn column(&self, joints: usize, line: usize) -> [Vector; 2] {
-        let first = |array: &[f64], each: usize| {
-            Vector::from_column_slice(&array[3 * each * line..][..3])
-        };
+        let first =
+            |array: &[f64], each: usize| Vector::from_column_slice(&array[3 * each * line..][..3]);
         [first(self.directions, joints + 1), first(self.normals, joints)]
     }
 

@@ -1,7 +1,7 @@
 //! The figures of a machine that have limits, in every state and step.
 
-use crate::design::tube::Tube;
 use crate::design::steering::carried;
+use crate::design::tube::Tube;
 use crate::design::{Excitations, Steering};
 use crate::error::Result;
 use crate::input::Drivelines;
@@ -117,8 +117,7 @@ impl Machine {
 
     /// The machine as it is, nothing of which is computed.
     pub(crate) fn unchanged(&self) -> Variant {
-        let drawn =
-            |spline: &SlidingShaft| [self.drawn_length(spline.shaft), spline.engaged];
+        let drawn = |spline: &SlidingShaft| [self.drawn_length(spline.shaft), spline.engaged];
         Variant {
             lines: self.cases.iter().map(|cases| cases.lines.clone()).collect(),
             ratings: self.parts.ratings.clone(),

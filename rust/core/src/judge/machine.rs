@@ -145,8 +145,8 @@ pub struct Parts {
     /// The drive angle straight ahead of a steering column in rad: in each state, or that of the
     /// drawing alone, from which the column carries its yoke along.
     pub centres: Vec<f64>,
-    /// Ends and joint centres of the drawing in m, which move as those of the states do; if they
-    /// are not known, the first state is the drawing.
+    /// Ends and joint centres of the drawing in m, which move as those of the states do. A spline
+    /// needs them; if they are not known, the first state is the drawing of a steering column.
     pub drawn: Vec<Vector>,
     /// The play of the pins of each joint in their bearings over their arm, in rad.
     pub play: Vec<f64>,
@@ -395,7 +395,7 @@ fn check_parts(joints: usize, cases: &[Cases], parts: &Parts) -> Result<()> {
     }
     let spline = parts.spline.iter().map(|spline| spline.shaft);
     parts.tubes.iter().map(|tube| tube.0).chain(spline).try_for_each(|x| check_shaft(joints, x))?;
-    if parts.spline.is_some() && !(cases[0].has_lengths() && !parts.drawn.is_empty()) {
+    if parts.spline.is_some() && (!cases[0].has_lengths() || parts.drawn.is_empty()) {
         return Err(Error::new("spline", &[], "needs the lengths of the shafts"));
     }
     Ok(())
