@@ -6,11 +6,14 @@ program, writes the record anew.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from cardan.app.answers.identification.figures import Identified
-from cardan.app.answers.rows import element_of, rows_of
+from cardan.app.answers.rows import UNITS, element_of, rows_of
 from cardan.app.answers.states.figures import StatesFigures
 from cardan.app.answers.study.figures import StudyFigures
 from cardan.app.answers.table import PARTS
@@ -41,6 +44,21 @@ def rows() -> Iterator[str]:
     every = {name: part.figures() for name, part in PARTS.items()} | OTHERS
     for name, figures in every.items():
         yield from of(name, figures)
+
+
+def test_units_are_what_they_are_called() -> None:
+    """How many of each are one unit of the library: rad, m, Pa, rad/s, or a part of one."""
+    turn = 2.0 * math.pi
+    expected = {
+        "deg": 360.0 / turn,
+        "mm": 1000.0,
+        "rpm": 60.0 / turn,
+        "MPa": 1e-6,
+        "percent": 100.0,
+    }
+    expected |= {"Hz": 1.0 / turn, "rpm_deg": 60.0 / turn * 360.0 / turn}
+    for name, unit in UNITS.items():
+        assert unit.factor == pytest.approx(expected.get(name, 1.0), rel=1e-14), name
 
 
 def test_every_figure_is_called_as_recorded() -> None:

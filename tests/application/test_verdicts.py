@@ -198,6 +198,21 @@ def test_at_its_limit_a_scene_is_within_and_past_it_beyond(key: str, tmp_path: P
     assert "beyond" in {each.value.verdict for each in limited(Answer(load_scene(path)), key)}
 
 
+def test_what_cannot_be_judged_leaves_no_better_verdict(tmp_path: Path) -> None:
+    """A limit of the heat, which needs friction, beside figures that have each of the verdicts."""
+    path = tmp_path / "scene.toml"
+    for bend, alone, both in (
+        ("8", "within", "not judged"),
+        ("[7, 8]", "tolerable", "not judged"),
+        ("7", "beyond", "beyond"),
+    ):
+        text = f"{MOTION}[limits]\nequivalent_bend_deg = {bend}\n"
+        path.write_text(text, encoding="utf-8")
+        assert agreed(path).verdict == alone
+        path.write_text(f"{text}[joints]\nheat_W = 1\n", encoding="utf-8")
+        assert agreed(path).verdict == both
+
+
 def test_every_key_of_a_limit_has_its_scene() -> None:
     """So that a limit that is added is tried as well."""
 
