@@ -488,3 +488,15 @@ def test_a_check_advises_what_the_teeth_allow(tmp_path: Path) -> None:
     said = CliRunner().invoke(commands(), ["check", str(path)]).output
     assert "No teeth of the splines bring it within the limit of 3°" in said
     assert "Turn the output-side yoke" not in said
+
+
+def test_over_states_the_root_rule_is_that_of_the_worst(tmp_path: Path) -> None:
+    states = "[states]\nnames = ['a', 'b', 'c']\nbends_deg.0 = [5, 9, 6]"
+    path = scene(tmp_path, f"bends_deg = [8, 5]\nphases_deg = 0\n{states}")
+    rule = json.loads(phase(path, "--json"))["catalogue"]["present"]
+    lines = Driveline.from_bends([[5, 5], [9, 5], [6, 5]], degrees=True)
+    worst = int(np.argmax(lines.equivalent().bend))
+    bends = approximations.catalogue_bend(lines.bends, rule["fork_signs"])
+    assert worst == 1
+    assert rule["equivalent_bend_deg"] == pytest.approx(float(np.degrees(bends[worst])))
+    assert len(np.unique(np.round(bends, 9))) == 3
