@@ -146,8 +146,7 @@ def check(
 
     Args:
         speed: drive speed in rad/s; broadcasts against the batch.
-        limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
-            own.
+        limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your own.
 
     Raises:
         TypeError: a speed that is not a real number, limits of another type.

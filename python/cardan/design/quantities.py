@@ -277,8 +277,7 @@ class ReducedQuantity:
         return self.items if self.output.per == "bearing" and isinstance(self.items, int) else None
 
     def _angles(self, line: Driveline) -> Sweep:
-        # Joints as built repeat after a whole turn only.
-        # All else repeats after half a turn.
+        # Joints as built repeat after a whole turn only. All else repeats after half a turn.
         whole = self.output.name == "angle" or self.output.of_cross or line.has_deviations
         return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
 

@@ -90,11 +90,10 @@ def evaluate(
             vector acts (``"shaft"``): x along the shaft, y along its input-side pin (shaft 0:
             its output-side pin), z their cross product. A ``moment`` and a ``joint_force`` act
             on the joint's driven shaft; the moment is ``(torque, 0, ± bending_driven)``.
-        angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the
-            output ``angle`` of the last shaft (``"driven"``), as an encoder at the output
-            measures it. The drive angles are then found in closed form and are the
-            ``drive_angle`` of the result. The results are those before their rounding. They are
-            stored, also with ``reduce``.
+        angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the output
+            ``angle`` of the last shaft (``"driven"``), as an encoder at the output measures it. The
+            drive angles are then found in closed form and are the ``drive_angle`` of the result.
+            The results are those before their rounding. They are stored, also with ``reduce``.
 
     Raises:
         IndexError: a shaft or joint that does not exist.

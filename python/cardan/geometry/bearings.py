@@ -38,8 +38,7 @@ def with_bearings(
             the shaft's input-side joint, for shaft 0 the driving end. Positions have the unit
             of the points, and broadcast against the batch.
         lengths: length of each shaft between its joints or ends, ``(..., n + 1)``, in the same
-            unit; by default those of the points. Forces are in newtons if lengths are in
-            metres.
+            unit; by default those of the points. Forces are in newtons if lengths are in metres.
 
     Raises:
         IndexError: a shaft that does not exist.

@@ -91,9 +91,8 @@ class FreeRunning:
         The other inertias stay as they are.
 
         Args:
-            variation: peak-to-peak variation of the drive's speed over its mean; broadcasts
-                against batch and inertias. It must be positive, other errors are as for
-                ``speed_ratio``.
+            variation: peak-to-peak variation of the drive's speed over its mean; broadcasts against
+                batch and inertias. It must be positive, other errors are as for ``speed_ratio``.
         """
         wanted = as_float64("variation", variation)
         check_elements("variation", wanted, wanted > 0.0, "; it must be positive")
