@@ -731,7 +731,7 @@ def test_what_is_not_a_real_number(call: Callable[[], Any], name: str) -> None:
 
 
 def test_nodes_of_the_rule_are_those_of_gauss() -> None:
-    nodes = ball_joint.contact._GAUSS
+    nodes = ball_joint._GAUSS
     assert len(nodes) == 12
     with mp.workdps(40):
         for found, weight in nodes:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cardan import ArgumentValueError, Driveline, Load, Sweep
 from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.tolerances import JOINT_GROUPS
-from cardan.tolerances.design import _root
+from cardan.tolerances.case import _root
 from deviation_oracle import LeaningChain, LeaningJoint
 
 BENDS, TWISTS, PHASES = [0.2, 0.35], [0.4], [1.0]

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 import cardan
 import tiers
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
-from cardan.optimisation.local import _Program
-from cardan.optimisation.measures import QuantityLike, measure_of
-from cardan.optimisation.problem import Problem
-from cardan.optimisation.search import _settings, candidates
+from cardan.optimisation.problem import Problem, QuantityLike, measure_of
+from cardan.optimisation.search import _Program, _settings, candidates
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
 LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import array_namespace_of, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
-from cardan.evaluation.composed_plans import PlanInDegrees
+from cardan.evaluation.evaluate import PlanInDegrees
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.evaluation.plan import Plan
 from cardan.evaluation.result import Result

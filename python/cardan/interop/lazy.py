@@ -18,7 +18,7 @@ from cardan.arrays import array_namespace_of, as_float64, common_shape, import_o
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
-from cardan.evaluation.composed_plans import PlanInDegrees, planned
+from cardan.evaluation.evaluate import PlanInDegrees, planned
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
 from cardan.evaluation.request import components_first, view

@@ -22,10 +22,16 @@ from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
-from cardan.optimisation.local import MARGIN, TOLERANCE
-from cardan.optimisation.measures import Measure, QuantityLike, measure_of
-from cardan.optimisation.problem import Parameter, Problem, many_of, states_of
-from cardan.optimisation.search import Candidate, candidates, search
+from cardan.optimisation.problem import (
+    Measure,
+    Parameter,
+    Problem,
+    QuantityLike,
+    many_of,
+    measure_of,
+    states_of,
+)
+from cardan.optimisation.search import MARGIN, TOLERANCE, Candidate, candidates, search
 
 __all__ = ["ActiveLimit", "NotKeptError", "Optimum", "optimise"]
 

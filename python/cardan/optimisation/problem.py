@@ -1,19 +1,204 @@
-"""A layout problem: the driveline that variables make, its quantities, and their derivatives."""
+"""A layout problem: the driveline that variables make, its quantities, and their derivatives.
+
+The quantities that are minimised or kept below a limit are vectors that are smooth.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, import_optional
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.design.quantities import (
+    MOTION_QUANTITIES,
+    Amplitude,
+    MotionQuantity,
+    ReducedQuantity,
+    nearest_quantity,
+    reduced_quantity,
+)
 from cardan.driveline import Driveline
-from cardan.geometry.parameters import LayoutVariables
-from cardan.optimisation.measures import Measure, Vectors, over_states
+from cardan.evaluation.load import Load
+from cardan.geometry.parameters import LayoutVariables, Parameters, parameter_shape
+
+Vectors: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
+
+VectorsBy: TypeAlias = Mapping[LayoutVariables, Vectors]
+
+QuantityLike: TypeAlias = str | Callable[[Driveline], Any]
+"""A name of a quantity, or a function of a driveline with one value for each state."""
+
+
+# That of a bend of 89.99997°, above which no limit counts.
+_LARGEST_MODULUS = 1.0 - 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A quantity whose figure grows with the length of a vector that is smooth.
+
+    The equivalent bend goes as the root of ``|q|`` and has an infinite slope at constant velocity.
+    Its vector is ``q``, so that ``|q|**2`` is smooth everywhere. Derivatives of the vectors by some
+    kinds of parameters of the drivelines are ``(*batch, r, *parameters)``.
+    """
+
+    name: str
+    unit: str  # SI, of its figure; "1" for a ratio, "" if unknown
+    vectors: Callable[[Driveline], Vectors]  # (*batch, r), the largest of which counts
+    figure: Callable[[Any], Any]  # from the length of a vector
+    length: Callable[[float], float]  # of a vector, from the figure
+    derivatives: Callable[[Driveline, Collection[LayoutVariables]], VectorsBy] | None = None
+    of_q: bool = False  # whether the vector is ``q`` of the last shaft
+    largest: float = math.inf  # what a limit must be below
+
+    def per_state(self, vectors: Vectors) -> FloatArray:
+        """Return the figure of each state, ``(states,)``."""
+        return np.asarray(self.figure(np.max(np.abs(vectors), axis=-1)))
+
+
+def over_states(vectors: Vectors, weights: FloatArray | None) -> float:
+    """Return the length of vectors ``(states, r)`` that counts: the largest, or a weighted mean."""
+    squares = np.abs(vectors) ** 2
+    if weights is None:
+        return float(np.sqrt(np.max(squares)))
+    return float(np.sqrt(weights @ np.mean(squares, axis=-1)))
+
+
+def measure_of(
+    argument: str,
+    quantity: QuantityLike,
+    n_joints: int,
+    load: Load | None,
+    speed: FloatArray | None = None,
+) -> Measure:
+    """Return the measure of a quantity, which ``argument`` names in errors.
+
+    It is a name of ``MOTION_QUANTITIES`` or of a reduced output, or a function of a driveline.
+    Without a speed of the drive, one or ``(states,)``, excitations are over its square.
+    """
+    if callable(quantity):
+        return _of_function(argument, quantity)
+    if not isinstance(quantity, str):
+        problem = f"is {quantity!r}; it must be a name or a function of a driveline"
+        raise ArgumentTypeError(argument, problem)
+    if quantity in MOTION_QUANTITIES:
+        of = MOTION_QUANTITIES[quantity]
+        if not of.of_last and n_joints == 1:
+            problem = f"is {quantity!r}; one joint has no shaft between two joints"
+            raise ArgumentValueError(argument, problem)
+        return _of_motion(argument, of, None if speed is None else np.square(speed))
+    reduced = reduced_quantity(quantity)
+    if reduced is None:
+        raise ArgumentValueError(argument, f"is {quantity!r}; {nearest_quantity(quantity)}")
+    if reduced.output.needs_load and load is None:
+        raise ArgumentValueError(argument, f"is {quantity!r}; it needs a load")
+    return _of_output(quantity, reduced, load)
+
+
+def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) -> Measure:
+    """The measure of a quantity of the motion, at the square of the drive speed of each state."""
+    unit, common, scale = of.unit, 1.0, np.ones(1)
+    if of.needs_speed:
+        unit = "1" if squared is None else of.unit
+        scale = np.atleast_1d(np.asarray(1.0 if squared is None else squared))
+        if of.of_last:
+            # It is no multiple of the vector, so the speed cannot be part of that.
+            if np.ptp(scale) > 0.0:
+                raise ArgumentValueError(
+                    argument, f"is {of.name!r}; it needs the same speed in all states"
+                )
+            common, scale = float(scale[0]), np.ones(1)
+
+    def vectors(line: Driveline) -> Vectors:
+        found = [_amplitude(line, kind) for kind in of.amplitudes]
+        return np.stack(found, axis=-1) * scale[:, np.newaxis]
+
+    def derivatives(line: Driveline, by: Collection[LayoutVariables]) -> VectorsBy:
+        found = {kind: _motion_derivatives(of, line, kind) for kind in by}
+        return {
+            kind: own * scale.reshape(-1, *(1 for _ in range(own.ndim - len(line.shape))))
+            for kind, own in found.items()
+        }
+
+    def figure(length: Any) -> Any:  # noqa: ANN401 - a number or an array
+        return common * of.ratio(length)
+
+    def length(value: float) -> float:
+        # The last shaft moves as one joint does, with |q| < 1; a sum of several has no end.
+        high = _LARGEST_MODULUS if of.of_last else value
+        if figure(high) <= value:
+            return high
+        root = import_optional("scipy", "optimise").optimize.brentq
+        tolerances = {"xtol": 1e-300, "rtol": 4.0 * np.finfo(float).eps, "maxiter": 500}
+        return float(root(lambda k: figure(k) - value, 0.0, high, **tolerances))
+
+    return Measure(of.name, unit, vectors, figure, length, derivatives, of.of_last, of.largest)
+
+
+def _motion_derivatives(of: MotionQuantity, line: Driveline, by: LayoutVariables) -> Vectors:
+    """The derivatives of the amplitudes of a quantity, ``(*batch, r, *parameters)``."""
+    if by == "lengths" or by == "positions":
+        # The motion depends on neither lengths nor bearings.
+        own = parameter_shape(by, line.n_joints, line.n_bearings)
+        return np.zeros((*line.shape, len(of.amplitudes), *own))
+    found = [_amplitude_derivatives(line, kind, by) for kind in of.amplitudes]
+    return np.stack(found, axis=len(line.shape))
+
+
+def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
+    """A complex number that ``MotionQuantity.amplitudes`` names, in the shape of the batch."""
+    if kind == "last":
+        return np.asarray(line.transmission().q)
+    driven = line if kind == "driving" else line.reversed()
+    total = np.zeros(line.shape, dtype=np.complex128)
+    for shaft in range(1, line.n_joints):
+        total += driven.transmission(shaft).q
+    return total
+
+
+def _amplitude_derivatives(
+    line: Driveline, kind: Amplitude, by: Parameters
+) -> NDArray[np.complex128]:
+    """The derivatives of ``_amplitude`` by parameters, ``(*batch, *parameters)``."""
+    if kind == "last":
+        return line.transmission().dq(by)
+    driven = line if kind == "driving" else line.reversed()
+    total = sum(driven.transmission(shaft).dq(by) for shaft in range(1, line.n_joints))
+    # Driven from its other end, a driveline counts its parameters from there.
+    return np.asarray(total if kind == "driving" else np.flip(total, axis=len(line.shape)))
+
+
+def _of_output(name: str, reduced: ReducedQuantity, load: Load | None) -> Measure:
+    def vectors(line: Driveline) -> Vectors:
+        return reduced.of(line, load)[..., np.newaxis]
+
+    def derivatives(line: Driveline, by: Collection[LayoutVariables]) -> VectorsBy:
+        found = reduced.derivatives(line, load, by)
+        return {kind: np.expand_dims(own, len(line.shape)) for kind, own in found.items()}
+
+    return Measure(
+        name, reduced.unit, vectors, lambda length: length, lambda value: value, derivatives
+    )
+
+
+def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure:
+    name = getattr(function, "__name__", "function")
+
+    def vectors(line: Driveline) -> Vectors:
+        values = np.asarray(function(line), dtype=np.float64)
+        if values.shape != line.shape:
+            rule = f"it must return one value for each state, {line.shape}"
+            raise ArgumentValueError(argument, f"returned shape {values.shape}; {rule}")
+        return values[..., np.newaxis]
+
+    return Measure(name, "", vectors, lambda length: length, lambda value: value)
+
 
 # Steps of central differences, as a share of the scale of a variable: the third root of the
 # rounding error balances it against the error of the formula.

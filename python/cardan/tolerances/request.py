@@ -35,8 +35,7 @@ from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.request import Reduction
 from cardan.tolerances.box import JOINT_GROUPS, Sizes, boxes
-from cardan.tolerances.case import Case, Quantity
-from cardan.tolerances.design import Design
+from cardan.tolerances.case import Case, Design, Quantity
 from cardan.tolerances.result import Tolerances
 
 if TYPE_CHECKING:

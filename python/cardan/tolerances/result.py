@@ -21,8 +21,7 @@ from cardan.arrays.errors import ArgumentValueError, check_choice
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
 from cardan.tolerances.box import Box
-from cardan.tolerances.case import Case, Quantity
-from cardan.tolerances.design import Design, permitted_factor
+from cardan.tolerances.case import Case, Design, Quantity, permitted_factor
 
 
 def _in_degrees(name: str) -> Any:  # noqa: ANN401 - a property

@@ -27,8 +27,8 @@ from cardan.design.quantities import MOTION_QUANTITIES
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
-from cardan.optimisation.local import TOLERANCE
-from cardan.optimisation.measures import Measure, measure_of, over_states
+from cardan.optimisation.problem import Measure, measure_of, over_states
+from cardan.optimisation.search import TOLERANCE
 
 if TYPE_CHECKING:
     from cardan.app.scene.reading import Reading
