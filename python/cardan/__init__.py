@@ -45,13 +45,13 @@ if TYPE_CHECKING:
     from cardan.motion import workshop as workshop
     from cardan.motion.equivalent import EquivalentJoint as EquivalentJoint
     from cardan.motion.equivalent import Motion as Motion
+    from cardan.motion.equivalent import Steering as Steering
     from cardan.motion.equivalent import Transmission as Transmission
     from cardan.motion.free_running import FreeRunning as FreeRunning
     from cardan.motion.identification import Identification as Identification
     from cardan.motion.identification import TwoJoints as TwoJoints
     from cardan.motion.identification import identify as identify
     from cardan.motion.identification import identify_two_joints as identify_two_joints
-    from cardan.motion.steering import Steering as Steering
     from cardan.optimisation import ActiveLimit as ActiveLimit
     from cardan.optimisation import Optimum as Optimum
     from cardan.optimisation import optimise as optimise
@@ -86,10 +86,9 @@ else:
         "evaluation.plan": "Plan",
         "evaluation.result": "Result",
         "evaluation.sweep": "Sweep",
-        "motion.equivalent": "EquivalentJoint Motion Transmission",
+        "motion.equivalent": "EquivalentJoint Motion Steering Transmission",
         "motion.free_running": "FreeRunning",
         "motion.identification": "Identification TwoJoints identify identify_two_joints",
-        "motion.steering": "Steering",
         "optimisation": "ActiveLimit Optimum optimise",
         "tolerances": "Tolerances",
         "tolerances.order_tolerances": "OrderTolerances",

@@ -15,16 +15,6 @@ from cardan.arrays.libraries import draw
 from cardan.design.check import catalogue_bend, check, fork_signs
 from cardan.evaluation.evaluate import evaluate, harmonics, plan
 from cardan.geometry.as_built import with_deviations, with_play
-from cardan.geometry.batch import (
-    approx_equal,
-    concatenate,
-    reshape,
-    reversed,
-    taken,
-    unpickled,
-    with_phases,
-)
-from cardan.geometry.bearings import with_bearings
 from cardan.geometry.constructors import (
     from_bends,
     from_directions,
@@ -33,11 +23,20 @@ from cardan.geometry.constructors import (
     from_projected_bends,
     from_slopes,
 )
-from cardan.geometry.geometry import Geometry
-from cardan.motion.equivalent import equivalent, transmission
+from cardan.geometry.geometry import (
+    Geometry,
+    approx_equal,
+    concatenate,
+    reshape,
+    reversed,
+    taken,
+    unpickled,
+    with_bearings,
+    with_phases,
+)
+from cardan.motion.equivalent import equivalent, steering, transmission
 from cardan.motion.free_running import free_running
 from cardan.motion.phases import arrangement, bend_ranges, optimal_phases
-from cardan.motion.steering import steering
 from cardan.tolerances.order_tolerances import order_tolerances
 from cardan.tolerances.request import tolerances
 from cardan.wear.axial_travel import slides

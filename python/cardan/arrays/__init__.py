@@ -101,9 +101,8 @@ def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:
     full = f"{kind.__module__.partition('.')[0]}.{kind.__name__}"
     unit = getattr(value, "unit", getattr(value, "units", None))
     if unit is not None:
-        raise ArgumentTypeError(
-            name, f"is a {full} in {unit}; give plain numbers in the unit asked for"
-        )
+        problem = f"is a {full} in {unit}; give plain numbers in the unit asked for"
+        raise ArgumentTypeError(name, problem)
     if not isinstance(value, np.ndarray):
         raise ArgumentTypeError(name, f"is a {full}; make it an array of NumPy first")
 

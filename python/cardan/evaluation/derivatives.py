@@ -116,9 +116,8 @@ class DerivativeSamples:
         forces = [name for name in plan.places if OUTPUTS[name].unit == "N"]
         if request.axes == "shaft" and forces:
             # They need the derivatives of the axes themselves, which only moments do without.
-            raise ArgumentValueError(
-                "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
-            )
+            problem = f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
+            raise ArgumentValueError("axes", problem)
         self._level = plan._level
         self.request, self.places, self.line = request, plan.places, line
         self._angle = angle if isinstance(angle, Sweep) else as_float64("angle", angle)
@@ -193,13 +192,6 @@ class DerivativeSamples:
         of_shafts = [(i, self.spread(np.asarray(x))) for i, x in enumerate(inertias)]
         return (load.end, *map(self.spread, arrays), of_shafts)
 
-    def in_order(self, array: NDArray[Any], before: int) -> NDArray[Any]:
-        """Return an array with its axes of samples in their own order, after ``before`` others."""
-        places = np.argsort(self._order)
-        ndim = len(places)
-        axes = [*range(before), *(before + places), *range(before + ndim, array.ndim)]
-        return array.transpose(axes)
-
 
 def gradient(plan: Plan, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
     """Return a weighted sum and its derivatives at drive angles, as ``Plan.gradient`` does."""
@@ -241,8 +233,10 @@ def derivatives(plan: Plan, angle: ArrayLike | Sweep, by: str | Iterable[str]) -
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
     plane = (samples.shape[axis] for axis in samples._order)
-    block = samples.in_order(flat.reshape(planes, *plane, width), 1)
     ndim = len(samples.shape)
+    # The axes of the samples in their own order.
+    axes = 1 + np.argsort(samples._order)
+    block = flat.reshape(planes, *plane, width).transpose(0, *axes, 1 + ndim)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}
     for output, place in places.items():
         own = block[place.first : place.first + place.planes]
@@ -336,9 +330,8 @@ def reduced_derivatives(
     """Return the derivatives of reduced outputs, with the arguments of ``reduced_gradient``."""
     by = by if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
     if by == "angle" or "angle" in by:
-        raise ArgumentValueError(
-            "by", "has 'angle', of which a reduced output has many; a plan with reduce=None has it"
-        )
+        problem = "has 'angle', of which a reduced output has many; a plan with reduce=None has it"
+        raise ArgumentValueError("by", problem)
     whole._rows(whole._sample_shape(np.shape(angle)))
     slopes = _slopes(whole, reduce, angle)
     found: dict[str, dict[str, NDArray[np.float64]]] = {}

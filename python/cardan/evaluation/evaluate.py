@@ -163,9 +163,8 @@ class PlanInDegrees:
         radians: Any = angle
         if isinstance(angle, Sweep):
             if angle.unit == "rad":
-                raise ArgumentValueError(
-                    "angle", f"is {angle!r} in rad; for degrees make it with degrees=True"
-                )
+                problem = f"is {angle!r} in rad; for degrees make it with degrees=True"
+                raise ArgumentValueError("angle", problem)
         elif name := array_namespace_of(angle):
             if LIBRARIES[name].wraps:
                 labelled: Result = adapter(name).evaluate(self, angle, out)

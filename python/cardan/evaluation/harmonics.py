@@ -97,9 +97,8 @@ def harmonics(plan: Plan, orders: ArrayLike) -> Harmonics:
     """Find the harmonics as ``Plan.harmonics`` does."""
     request = plan.request
     if request.reduce is not None:
-        raise ArgumentValueError(
-            "reduce", f"is {request.reduce!r}; harmonics need a plan without a reduction"
-        )
+        problem = f"is {request.reduce!r}; harmonics need a plan without a reduction"
+        raise ArgumentValueError("reduce", problem)
     if "angle" in plan.places:
         problem = "is 'angle', which grows with every turn and has no harmonics; "
         problem += "the periodic part is 'angle_error'"

@@ -110,10 +110,8 @@ class Plan:
             MemoryError: results that do not fit in memory.
             RuntimeError: ``out`` is in use by another call.
         """
-        # The native module takes new results and dictionaries. Other arrays are looked at below.
         named = out if type(out) is dict else None
-        taken = named is out
-        if self._fast_path and taken and type(angle) is np.ndarray and angle.dtype is DOUBLE:
+        if self._fast_path and named is out and type(angle) is np.ndarray and angle.dtype is DOUBLE:
             # The usual call: on a few angles every question shows, that for equal lengths too.
             filled = self._core.run(None, angle, named, threads.at_most(self._workers), self._level)
             if filled is not None:
@@ -141,12 +139,11 @@ class Plan:
         """Evaluate at angles as the native module takes them, if it can."""
         # The native module takes new results and dictionaries. Other arrays are looked at below.
         named = out if type(out) is dict else None
-        taken = named is out
         shape = angle.shape if self._only_angle_varies else self._sample_shape(angle.shape)
         rows = self._rows(shape) if self._reduce else shape
         samples = None if self._single_row else shape
         workers = threads.at_most(self._workers)
-        if taken and (named is None or self._word is self.dtype):
+        if named is out and (named is None or self._word is self.dtype):
             filled = self._core.run(samples, angles, named, workers, self._level)
             if filled is not None:
                 return self._result(angle, filled, named)
@@ -286,7 +283,6 @@ class Plan:
         return gradient(self, self._drive_angles(angle), weights)
 
     def _drive_angles(self, angle: ArrayLike | Sweep) -> ArrayLike | Sweep:
-        """Return the drive angles of a call."""
         return angle
 
     def _again(self, line: Driveline, request: Request) -> Plan:

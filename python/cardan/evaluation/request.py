@@ -57,13 +57,6 @@ def checked_dtype(dtype: DTypeLike) -> np.dtype[Any]:
     raise ArgumentValueError("dtype", f"is {dtype!r}; it must be float64 or float32")
 
 
-def checked_reduction(reduce: str | None) -> str | None:
-    """Return the reduction, which must be a known one."""
-    if reduce is not None and reduce not in REDUCTIONS:
-        raise ArgumentValueError("reduce", f"is {reduce!r}; {nearest(str(reduce), REDUCTIONS)}")
-    return reduce
-
-
 def checked_tolerance(tolerance: float) -> float:
     """Return the tolerance as a number that is not negative."""
     try:
@@ -148,7 +141,8 @@ def _layout(
     one_joint = joints is not None and is_index(joints)
     shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
     joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
-    checked_reduction(reduce)
+    if reduce is not None and reduce not in REDUCTIONS:
+        raise ArgumentValueError("reduce", f"is {reduce!r}; {nearest(str(reduce), REDUCTIONS)}")
     places: dict[str, PlanePlace] = {}
     first = 0
     for name in listed:

@@ -24,8 +24,7 @@ from cardan.evaluation.plan import Plan
 from cardan.evaluation.request import components_first, view
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
-from cardan.geometry.bearings import Bearings
-from cardan.geometry.geometry import Geometry
+from cardan.geometry.geometry import Bearings, Geometry
 from cardan.motion.equivalent import EquivalentJoint
 
 
@@ -90,9 +89,8 @@ class LazyDriveline:
         """
         plan = self._stand_in.plan(outputs, **options)
         if plan.request.angle_of == "driven":
-            raise ArgumentValueError(
-                "angle_of", "is 'driven'; drivelines of dask arrays take the drive angle"
-            )
+            problem = "is 'driven'; drivelines of dask arrays take the drive angle"
+            raise ArgumentValueError("angle_of", problem)
         evaluated = functools.partial(_evaluated, plan, self._make, self._parts, self.shape)
         if not degrees:
             return evaluated(angle, out)

@@ -157,9 +157,8 @@ def identify(
         raise ArgumentValueError("angle", "or speed_ratio must be given, and not both")
     ((name, measured),) = columns
     if measured.shape != drive.shape:
-        raise ArgumentValueError(
-            name, f"has {measured.size} samples and drive_angle {drive.size}; they must be as many"
-        )
+        problem = f"has {measured.size} samples and drive_angle {drive.size}; they must be as many"
+        raise ArgumentValueError(name, problem)
     known = np.isfinite(drive) & np.isfinite(measured)
     drive, measured = drive[known], measured[known]
     if degrees:

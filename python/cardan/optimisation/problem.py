@@ -110,9 +110,8 @@ def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) ->
         if of.of_last:
             # It is no multiple of the vector, so the speed cannot be part of that.
             if np.ptp(scale) > 0.0:
-                raise ArgumentValueError(
-                    argument, f"is {of.name!r}; it needs the same speed in all states"
-                )
+                problem = f"is {of.name!r}; it needs the same speed in all states"
+                raise ArgumentValueError(argument, problem)
             common, scale = float(scale[0]), np.ones(1)
 
     def vectors(line: Driveline) -> Vectors:
@@ -258,9 +257,8 @@ class Problem:
             by_q = np.asarray(self.jac(x))
             wanted = (len(self.weights), len(x))
             if by_q.shape != wanted:
-                raise ArgumentValueError(
-                    "jac", f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
-                )
+                problem = f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
+                raise ArgumentValueError("jac", problem)
             for i, measure in enumerate(self.measures):
                 found[i] = by_q[:, np.newaxis, :] if measure.of_q else None
         if self.parameters:
@@ -334,9 +332,8 @@ def many_of(lines: object, count: int) -> Driveline:
     if not isinstance(lines, Driveline):
         raise _no_driveline(lines)
     if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
-        raise ArgumentValueError(
-            "lines_of", f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
-        )
+        problem = f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
+        raise ArgumentValueError("lines_of", problem)
     return lines
 
 
@@ -345,7 +342,6 @@ def states_of(line: object) -> Driveline:
     if not isinstance(line, Driveline):
         raise _no_driveline(line)
     if len(line.shape) > 1 or 0 in line.shape:
-        raise ArgumentValueError(
-            "lines_of", f"returned a batch {line.shape}; its one axis must be the states"
-        )
+        problem = f"returned a batch {line.shape}; its one axis must be the states"
+        raise ArgumentValueError("lines_of", problem)
     return line if line.shape else Driveline._of(line._geometry.batched((1,)))

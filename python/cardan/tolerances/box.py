@@ -166,15 +166,6 @@ class Box:
 
 
 @dataclass(frozen=True, eq=False)
-class Boxes:
-    """The boxes of a batch of drivelines, flat; that of the tolerances may extend its shape."""
-
-    shape: tuple[int, ...]
-    lines: Driveline
-    each: tuple[Box, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Sizes:
     """The tolerances by group, and the arguments of ``tolerances`` of the same names."""
 
@@ -184,8 +175,11 @@ class Sizes:
     degrees: bool = False
 
 
-def boxes(line: Driveline, sizes: Sizes) -> Boxes:
-    """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
+def boxes(line: Driveline, sizes: Sizes) -> tuple[tuple[int, ...], Driveline, list[Box]]:
+    """Return the boxes of ``Driveline.tolerances``, with all arguments checked.
+
+    The shape of the tolerances may extend that of the batch; drivelines and boxes are flat.
+    """
     own = _shapes(line.n_joints)
     check_choice("distribution", sizes.distribution, ("uniform", "normal"))
     arrays = {
@@ -197,9 +191,8 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
         own["teeth"] = own["phases"]
         arrays["teeth"] = _half_tooth(sizes.teeth, own["teeth"])
     if not arrays:
-        raise ArgumentValueError(
-            "tolerances", f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
-        )
+        problem = f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
+        raise ArgumentValueError("tolerances", problem)
     _check_points(line, arrays)
     given = {group: (array, len(own[group])) for group, array in arrays.items()}
     shape, full = together(given, driveline=line.shape)
@@ -219,7 +212,7 @@ def boxes(line: Driveline, sizes: Sizes) -> Boxes:
         box = Box(nominal, halves, tooth, sizes.distribution == "normal")
         box.check()
         each.append(box)
-    return Boxes(shape, line._of(geometry.reshaped((count,))), tuple(each))
+    return shape, line._of(geometry.reshaped((count,))), each
 
 
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -25,12 +26,6 @@ from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.box import JOINT_GROUPS, Box
 from cardan.tolerances.chain import Deviations, Nominal, amplitude
 from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.worst import (
-    MOST_CORNERS,
-    largest_in_box,
-    largest_of_corners,
-    zonotope_radius,
-)
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -47,7 +42,7 @@ _MOST_OVER_A_TURN = 10
 _BLOCK = 2048
 
 # Up to this factor, and until the limit is met this closely.
-_MOST, _CLOSE, _ROUNDS = 1e6, 1e-11, 100
+_LARGEST_FACTOR, _CLOSE, _TRIALS = 1e6, 1e-11, 100
 # Until the factor with which a joint blocks is met this closely, where the limit is not reached
 # before. Orders of joints that nearly block need very many samples.
 _CLOSE_TO_BLOCKED = 1e-3
@@ -433,11 +428,11 @@ def _root(excess: Callable[[float], float]) -> float:
     high, above = 1.0, excess(1.0)
     while above <= 0.0:
         low, below, high = high, above, 2.0 * high
-        if high > _MOST:
+        if high > _LARGEST_FACTOR:
             return math.inf
         above = excess(high)
     side = 0
-    for _ in range(_ROUNDS):
+    for _ in range(_TRIALS):
         middle = 0.5 * (low + high)
         if math.isfinite(above) and above > below:
             middle = (low * above - high * below) / (above - below)
@@ -455,3 +450,95 @@ def _root(excess: Callable[[float], float]) -> float:
             above *= 0.5 if side < 0 else 1.0
             side = -1
     return low
+
+
+# --- the worst within a box -----------------------------------------------------------------------
+
+
+Value: TypeAlias = Callable[[FloatArray], FloatArray]
+"""From deviations in units of the tolerances, ``(parameters, samples)``, to a figure."""
+
+# So many parameters have all their corners compared; fewer also the middles of edges and faces.
+MOST_CORNERS = 16
+_MOST_MIDDLES = 8
+
+_STARTS = 12
+_ROUNDS = 60
+_STEPS = np.linspace(-1.0, 1.0, 9)
+_ZOOMS = 14
+
+
+def zonotope_radius(centre: complex, generators: ComplexArray) -> float:
+    """Return the largest ``|centre + sum of ± generators|``.
+
+    The sums fill a polygon with two parallel edges per generator. Its vertices follow each other
+    when the generators, all pointing upwards, are sorted by their direction; one of the vertices
+    is farthest.
+    """
+    below = (generators.imag < 0.0) | ((generators.imag == 0.0) & (generators.real < 0.0))
+    upwards = np.where(below, -generators, generators)
+    steps = 2.0 * np.cumsum(upwards[np.argsort(np.angle(upwards))])
+    half = np.sum(upwards)
+    vertices = np.concatenate(
+        [[centre - half, centre + half], centre - half + steps, centre + half - steps]
+    )
+    return float(np.max(np.abs(vertices)))
+
+
+def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
+    """Return the largest value that is found in a box, and where.
+
+    All corners are compared, with few parameters also all middles of edges and faces. From the
+    best of them one parameter after another moves to its best value until none improves. The
+    result is the maximum over the box, unless that is inside and apart from all these starts.
+    """
+    levels = (-1.0, 0.0, 1.0) if parameters <= _MOST_MIDDLES else (-1.0, 1.0)
+    grid = np.array(list(product(levels, repeat=parameters)), dtype=float).T
+    grid = np.concatenate([grid, np.zeros((parameters, 1))], axis=1)
+    values = value(grid)
+    best = np.argsort(-values, kind="stable")[:_STARTS]
+    at, found = grid[:, best].copy(), values[best]
+    for _ in range(_ROUNDS):
+        before = found.copy()
+        for row in range(parameters):
+            found = _along(value, at, found, row)
+        if np.all(found - before <= 1e-13 * np.abs(before)):
+            break
+    top = int(np.argmax(found))
+    return float(found[top]), at[:, top]
+
+
+def largest_of_corners(value: Value, corner: FloatArray) -> tuple[float, FloatArray]:
+    """Return the largest value of corners, and the corner.
+
+    They are reached from one by turning one parameter at a time.
+    """
+    at, best = corner[:, np.newaxis], float(value(corner[:, np.newaxis])[0])
+    turned = 1.0 - 2.0 * np.eye(len(corner))
+    for _ in range(_ROUNDS):
+        values = value(at * turned)
+        top = int(np.argmax(values))
+        if values[top] <= best:
+            break
+        at, best = at * turned[:, [top]], float(values[top])
+    return best, at[:, 0]
+
+
+def _along(value: Value, at: FloatArray, found: FloatArray, row: int) -> FloatArray:
+    """Move one parameter of every start to where the value is largest; changes ``at``."""
+    width = 1.0
+    starts = at.shape[1]
+    for zoom in range(_ZOOMS):
+        centre = at[row] if zoom else np.zeros(starts)
+        trials = np.clip(centre + width * _STEPS[:, np.newaxis], -1.0, 1.0)
+        moved = np.repeat(at[:, np.newaxis], len(_STEPS), axis=1)
+        moved[row] = trials
+        values = value(moved.reshape(len(at), -1)).reshape(len(_STEPS), starts)
+        top = np.argmax(values, axis=0)
+        better = values[top, range(starts)] > found
+        at[row] = np.where(better, trials[top, range(starts)], at[row])
+        found = np.where(better, values[top, range(starts)], found)
+        if zoom and not better.any() and np.all(np.abs(at[row]) == 1.0):
+            break
+        width *= 0.3
+    return found

@@ -20,7 +20,7 @@ from cardan.arrays.indices import integer, item_index
 from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.as_built import DEVIATIONS, angles_of_joints
-from cardan.tolerances.worst import largest_of_corners
+from cardan.tolerances.case import largest_of_corners
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

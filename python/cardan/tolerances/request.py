@@ -194,7 +194,7 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
     index = item_index("shaft", figures.shaft, line.n_joints + 1)
     if index == 0:
         raise ArgumentValueError("shaft", "is 0; the drive shaft turns without errors")
-    each = boxes(line, sizes)
+    batch, lines, each = boxes(line, sizes)
     quantities = {name: _quantity(name, i, line, figures) for i, name in enumerate(names)}
     joints = [group for group in JOINT_GROUPS if sizes.each[group] is not None]
     if line.has_deviations or joints:
@@ -205,16 +205,16 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
         needs_speed = not isinstance(quantity, ReducedQuantity) and quantity.needs_speed
         if needs_speed and figures.speed is None:
             raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
-    speed = np.zeros(each.shape) if figures.speed is None else _speeds(figures.speed, each.shape)
-    own = zip(each.each, speed.ravel().tolist(), _loads(figures.load, each.shape), strict=True)
+    speed = np.zeros(batch) if figures.speed is None else _speeds(figures.speed, batch)
+    own = zip(each, speed.ravel().tolist(), _loads(figures.load, batch), strict=True)
     cases = [
-        Case(box, each.lines[i], index, own_speed, own_load, drawn.workers)
+        Case(box, lines[i], index, own_speed, own_load, drawn.workers)
         for i, (box, own_speed, own_load) in enumerate(own)
     ]
     seed = drawn.seed
     if seed is None:
         seed = int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
-    shape, designs, n_states = _designs(cases, each.shape, line, figures.states)
+    shape, designs, n_states = _designs(cases, batch, line, figures.states)
     return Tolerances(
         designs,
         shape,

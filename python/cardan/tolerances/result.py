@@ -391,9 +391,8 @@ class Tolerances:
     def _degrees(self, values: Any) -> Any:  # noqa: ANN401
         for name in self.of:
             if self.unit(name) != "rad":
-                raise ArgumentValueError(
-                    "of", f"has {name!r} in {self.unit(name)}; only angles have degrees"
-                )
+                problem = f"has {name!r} in {self.unit(name)}; only angles have degrees"
+                raise ArgumentValueError("of", problem)
         if self._several:
             return {name: np.degrees(value)[()] for name, value in values.items()}
         return np.degrees(values)[()]

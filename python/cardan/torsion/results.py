@@ -181,11 +181,7 @@ class SteadyState(Searched):
         Args:
             samples: number of equally spaced drive angles over half a turn, at least 1.
             outputs: names from ``cardan.OUTPUTS`` that need a load, tilts or pins.
-            shafts: as of ``Driveline.evaluate``, like the following arguments.
-            joints: for the outputs per joint.
-            reduce: of the samples.
-            workers: largest number of threads.
-            axes: of vectors.
+            shafts: as of ``Driveline.evaluate``, like all following arguments.
 
         Returns:
             each output as ``([items,] ..., samples [, 3])``; NaN where there is no orbit.

@@ -160,9 +160,8 @@ class TorsionalSystem:
             ratios = not_negative("damping_ratios", damping_ratios)
             ratios = _per_shaft("damping_ratios", ratios, shafts)
             if common_shape(system=shape, damping_ratios=ratios.shape[:-1]) != shape:
-                raise ArgumentValueError(
-                    "damping_ratios", f"has the batch {ratios.shape[:-1]}, the system {shape}"
-                )
+                problem = f"has the batch {ratios.shape[:-1]}, the system {shape}"
+                raise ArgumentValueError("damping_ratios", problem)
             finite_springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
             lowest = self.natural_frequencies()[..., :1]
             self._keep(dampings=np.asarray(2.0 * ratios * finite_springs / lowest))
@@ -290,10 +289,8 @@ class TorsionalSystem:
         """Return one period, half a turn of the drive, of every shaft end and torque.
 
         Args:
-            speed: of the drive in rad/s; broadcasts against the batch.
+            speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
             samples: number of equally spaced drive angles, at least 1.
-            tolerance: as of ``steady``, like ``workers`` and the errors.
-            workers: largest number of threads.
         """
         count = integer("samples", samples, 1)
         m, ends = len(self.compliant), self.line.n_joints + 1
@@ -327,9 +324,7 @@ class TorsionalSystem:
         exceeds the damping ratio (leading order; Mathieu's first region).
 
         Args:
-            speed: of the drive in rad/s; broadcasts against the batch.
-            tolerance: as of ``steady``, like ``workers`` and the errors.
-            workers: largest number of threads.
+            speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
         """
         of, each = (self._core.multipliers,), 4 * len(self.compliant)
         _, _, records, failures = self._run(of, each, speed, tolerance, workers)
@@ -352,10 +347,8 @@ class TorsionalSystem:
         some hundred times as long as that of ``steady``.
 
         Args:
-            speed: of the drive in rad/s; broadcasts against the batch.
+            speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
             most: number of orbits that are returned, at least 1.
-            tolerance: as of ``steady``, like ``workers`` and the errors.
-            workers: largest number of threads.
         """
         orbits, m = integer("most", most, 1), len(self.compliant)
         of, each = (self._core.coexisting, orbits), 1 + 7 * m * orbits

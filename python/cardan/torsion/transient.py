@@ -64,9 +64,8 @@ class Equations:
             problem = f"has the batch {system.shape}; a transient is that of one system"
             raise ArgumentValueError("system", problem)
         if not drive_inertia >= 0.0:
-            raise ArgumentValueError(
-                "drive_inertia", f"is {drive_inertia!r}; it must not be negative"
-            )
+            problem = f"is {drive_inertia!r}; it must not be negative"
+            raise ArgumentValueError("drive_inertia", problem)
         self.free = math.isfinite(drive_inertia)
         if drive_torque is not None and not self.free:
             problem = "is given, but the speed of a drive of infinite inertia does not follow it"

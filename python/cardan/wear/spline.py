@@ -31,7 +31,7 @@ from cardan.arrays import (
     threads,
 )
 from cardan.arrays.indices import item_index
-from cardan.geometry.batch import broadcast
+from cardan.geometry.geometry import broadcast
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

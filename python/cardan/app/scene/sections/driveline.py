@@ -24,8 +24,8 @@ from cardan.app.scene.sections.angles import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.geometry.bearings import in_metres
 from cardan.geometry.constructors import sloping
+from cardan.geometry.geometry import in_metres
 
 if TYPE_CHECKING:
     from cardan.app.scene.reading import Reading
