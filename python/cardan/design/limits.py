@@ -167,9 +167,7 @@ def limits_of(limits: str | Limits | None) -> Limits:
     return limits
 
 
-@functools.cache
-def _of_preset(name: str | None) -> Limits:
-    return Limits(name)
+_of_preset = functools.cache(Limits)
 
 
 def _own(key: str, given: Bound, source: str) -> Limit:

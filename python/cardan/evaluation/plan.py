@@ -101,14 +101,7 @@ class Plan:
 
         Args:
             angle: drive angles in rad, any shape, or a ``Sweep``; broadcasts against the batch.
-            out: arrays to fill, by output name, of the right shape and dtype. One may be the array
-                of angles itself.
-
-        Raises:
-            TypeError: angles that are not real numbers.
-            ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
-            MemoryError: results that do not fit in memory.
-            RuntimeError: ``out`` is in use by another call.
+            out: arrays to fill, by output name, as of ``Driveline.evaluate``, like the errors.
         """
         named = out if type(out) is dict else None
         if self._fast_path and named is out and type(angle) is np.ndarray and angle.dtype is DOUBLE:
