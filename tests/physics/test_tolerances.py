@@ -22,8 +22,14 @@ from cardan import Driveline, Load, Sweep
 from cardan.tolerances import case
 from cardan.tolerances.box import Sizes, boxes
 from cardan.tolerances.case import largest_in_box, largest_of_corners, zonotope_radius
-from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
-from cardan.tolerances.guaranteed import _displacement, bound_parts
+from cardan.tolerances.chain import (
+    Deviations,
+    Nominal,
+    _displacement,
+    bound_parts,
+    joints_and_turns,
+    q_of,
+)
 from oracle import Fold
 
 TRUCK = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03], [2.8, -0.3, 0.04]])

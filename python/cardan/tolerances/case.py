@@ -24,8 +24,7 @@ from cardan.design.quantities import (
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.box import JOINT_GROUPS, Box
-from cardan.tolerances.chain import Deviations, Nominal, amplitude
-from cardan.tolerances.guaranteed import largest_modulus
+from cardan.tolerances.chain import Deviations, Nominal, amplitude, largest_modulus
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline

@@ -1,4 +1,4 @@
-"""The complex number ``q`` of a chain whose parameters deviate, for many deviations at once.
+"""The complex number ``q`` of a chain whose parameters deviate, and how far it can move at most.
 
 A chain takes the pin's direction ``w = exp(i a)`` to ``A w + B conj(w)``; all motion depends on ``q
 = B/A``. As maps of the unit disc, a joint is ``x -> (x + k)/(1 + k x)`` with ``k = tan(b/2)**2``
@@ -7,6 +7,34 @@ joint to the first they give ``-q`` (derived here from Thoma 4).
 
 The core computes one driveline with error terms. Here a rounding error of 1e-15 in ``q`` suffices,
 and NumPy's loops over whole chunks are ten times as fast.
+
+Upper bounds that no driveline within its tolerances exceeds follow from another picture of ``q``.
+With ``L = ln sec(bend)`` a chain is a polygon in the hyperbolic plane: a joint is a side of length
+``L_j``, a shaft a corner, and ``q`` the end of the polygon at the distance ``L_E`` from its start
+(the Poincaré disc, ``|q| = tanh(L_E/2)``). If one element changes, the end moves by at most
+
+* ``2 asinh(sinh(c/2) cosh(s))`` for a side that becomes longer or shorter by up to ``c = L(b + t) -
+  L(b)``, the shift of a point at the distance ``s`` from the axis of a translation by ``c``, and
+* ``2 asinh(sinh(s) |sin d|)`` for a corner turned by ``2 d``,
+
+with ``s`` the distance from the element to the end; if only the distance of start and end matters,
+to the nearer of the two. ``s`` is at most the sum of the sides between. By the triangle inequality
+the changes add up, in any order (derived here). The corners are turned first, while the sides are
+as drawn, then the sides change, with all others at their longest.
+
+The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It is
+no bound: two long sides on the same side of a third move apart by more than that becomes
+longer. It is larger in nearly all cases, and the larger of both is the bound.
+
+Points change the direction of each shaft by up to a cone ``e``. Write a joint as ``z = tan(b/2)
+exp(i phi)``, the stereographic picture of the next direction in a frame of its shaft. The side ends
+at ``z**2``, and a step ``ds`` on the sphere moves it by ``tan(b) ds`` in the hyperbolic plane. So
+two cones together move it by at most ``c = L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever
+the bend plane does; this holds through a straight joint. What turns in addition are the frame of
+the next shaft, by the area of the spherical quadrilateral of the old and new directions, and the
+plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two
+sides ``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
+tanh(r/2))`` in the hyperbolic plane. A turn of a frame counts twice, since a side is ``z**2``.
 """
 
 from __future__ import annotations
@@ -15,12 +43,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from cardan.arrays import ComplexArray, FloatArray
 from cardan.design.quantities import Amplitude
+
+if TYPE_CHECKING:
+    from cardan.tolerances.box import Box
 
 ParameterPlace: TypeAlias = tuple[str, tuple[int, ...]]
 """One parameter: its group, such as ``"bends"``, and its place there."""
@@ -185,3 +216,108 @@ def _across(vector: _Vector, a: _Vector, length: _Values) -> _Vector:
     """The part of a vector across a shaft."""
     along = _dot(vector, a) / np.square(length)
     return [x - along * y for x, y in zip(vector, a, strict=True)]
+
+
+# --- upper bounds ---------------------------------------------------------------------------------
+
+
+def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
+    """Return a bound of the magnitude of an amplitude over the box."""
+    grown, changes, corners, turned = bound_parts(box)
+    if kind == "last":
+        k = float(np.abs(amplitude(kind, box.nominal, {}, shaft)))
+        # The distance of start and end: each corner may be seen from the nearer of them.
+        moved = _moved(grown[:shaft], changes, corners, turned, nearer=True)
+        return float(np.tanh(0.5 * min(2.0 * np.arctanh(k) + moved, np.sum(grown[:shaft]))))
+    if kind == "coasting":
+        grown, changes, corners, turned = grown[::-1], changes[::-1], corners[::-1], turned[::-1]
+    nominal = box.nominal.reversed() if kind == "coasting" else box.nominal
+    total = sum(
+        _displacement(nominal, s, grown, changes, corners, turned) for s in _between(nominal)
+    )
+    own = float(np.abs(amplitude("driving", nominal, {}, shaft)))
+    most = sum(float(np.tanh(0.5 * np.sum(grown[:s]))) for s in _between(nominal))
+    return min(own + total, most)
+
+
+def _between(nominal: Nominal) -> range:
+    return range(1, nominal.n_joints)
+
+
+def _displacement(nominal: Nominal, shaft: int, *parts: FloatArray) -> float:
+    """By how much ``q`` of a shaft can move in the disc."""
+    grown, changes, corners, turned = parts
+    q = float(np.abs(amplitude("last", nominal, {}, shaft)))
+    r = float(np.tanh(0.5 * _moved(grown[:shaft], changes, corners, turned, nearer=False)))
+    # A disc about q of hyperbolic radius artanh(r) reaches so far.
+    return r * (1.0 - q * q) / (1.0 - q * r)
+
+
+def bound_parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return each side ``(n,)`` at its longest, its change ``(n,)``, and half of the turns in rad.
+
+    These are of each corner ``(n - 1,)`` by phases and twists, and of the polygon behind each joint
+    ``(n,)`` by points.
+    """
+    bends, sizes = box.nominal.bends, box.by_group(box.sizes)
+    least = _length(bends)
+    grown = _length(bends + box.bend_changes)
+    changes = grown - least
+    between = np.zeros(len(bends) - 1)
+    corners = sizes.get("phases", between) + sizes.get("twists", between)
+    before, behind = box.cones[:-1], box.cones[1:]
+    # Either diagonal divides the quadrilateral into two triangles.
+    frames = np.minimum(
+        _two_triangles(before, behind, bends), _two_triangles(behind, before, bends)
+    )
+    plane = _half_area(np.tanh(0.5 * least) * np.tanh(0.5 * changes))
+    # The area of the quadrilateral turns the frame, and twice of it the plane; half turns here.
+    turned = 2.0 * frames + np.where(before + behind > 0.0, plane, 0.0)
+    return grown, changes, corners, turned
+
+
+def _moved(
+    grown: FloatArray, changes: FloatArray, corners: FloatArray, turned: FloatArray, *, nearer: bool
+) -> float:
+    """How far the end of the polygon can move."""
+    n = len(grown)
+    reach = np.concatenate([[0.0], np.cumsum(grown)])
+    behind, before = reach[-1] - reach, reach
+    # A corner lies between two sides. The turn at a joint acts where its side begins or ends.
+    at_joint = np.minimum(behind[1:], before[:-1]) if nearer else behind[1:]
+    turns = np.sum(_swung(at_joint, turned[:n]))
+    shifts = np.sum(2.0 * np.arcsinh(np.sinh(0.5 * changes[:n]) * np.cosh(at_joint)))
+    proven = np.sum(_swung(_arms(grown - changes[:n], nearer), corners[: n - 1])) + shifts + turns
+    simple = np.sum(_swung(_arms(grown, nearer), corners[: n - 1])) + np.sum(changes[:n]) + turns
+    return float(max(proven, simple))
+
+
+def _arms(sides: FloatArray, nearer: bool) -> FloatArray:
+    """Longest distance from each corner to the end, or to the nearer of end and start."""
+    before = np.cumsum(sides)[:-1]
+    behind = np.sum(sides) - before
+    return np.minimum(behind, before) if nearer else behind
+
+
+def _length(bends: FloatArray) -> FloatArray:
+    """``L = ln sec(bend)``."""
+    # The cosine of a small bend has lost the digits of its difference from 1.
+    small = -np.log1p(-2.0 * np.sin(0.5 * bends) ** 2)
+    return np.where(bends < 0.5, small, -np.log(np.cos(bends)))
+
+
+def _two_triangles(first: FloatArray, second: FloatArray, bends: FloatArray) -> FloatArray:
+    """Half the area between old and new directions, divided from the old of the first shaft."""
+    moved = bends + first + second
+    return _half_area(np.tan(0.5 * first) * np.tan(0.5 * moved)) + _half_area(
+        np.tan(0.5 * second) * np.tan(0.5 * bends)
+    )
+
+
+def _half_area(product: FloatArray) -> FloatArray:
+    return np.arcsin(np.minimum(product, 1.0))
+
+
+def _swung(arm: FloatArray, half_turn: FloatArray) -> FloatArray:
+    sine = np.sin(np.minimum(half_turn, np.pi / 2))
+    return np.asarray(2.0 * np.arcsinh(np.sinh(arm) * sine))
