@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,12 @@ from cardan.app.scene.language.rules import Rule
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
+    from cardan.app.scene import scene
 
 Made = TypeVar("Made")
+
+Reading: TypeAlias = "scene.Reading"
+"""The scene that a section belongs to; it knows the sections, and they only know its name."""
 
 
 @dataclass(frozen=True)

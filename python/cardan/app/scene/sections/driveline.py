@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,17 +18,14 @@ from cardan.app.scene.language.rules import (
     Number,
     numbers,
 )
-from cardan.app.scene.language.section import Key, Section, check_count
+from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.language.units import LengthUnit
-from cardan.app.scene.sections.angles import ANGLES
+from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.geometry.bearings import in_metres
 from cardan.geometry.constructors import sloping
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 TEETH = "teeth"
 """The key of a driveline that says in which steps its yokes can be set."""
@@ -359,4 +356,3 @@ DRIVELINE: Section[Described] = Section(
     together=(LENGTHS,),
     always=True,
 )
-"""The section [driveline]."""

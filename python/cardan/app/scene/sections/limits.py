@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import (
@@ -17,12 +17,9 @@ from cardan.app.scene.language.rules import (
     Text,
     refused,
 )
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
@@ -113,4 +110,3 @@ LIMITS: Section[GivenLimits] = Section(
     fewest=1,
     always=True,
 )
-"""The section [limits]."""

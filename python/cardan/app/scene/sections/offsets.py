@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.rules import DISTANCE, each, names
-from cardan.app.scene.language.section import Key, Section
-from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.sections.study import STATES
 from cardan.driveline import Driveline
 from cardan.wear.axial_travel import NAMES, SlideName, Slides
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
@@ -73,4 +70,3 @@ OFFSETS: Section[AxisOffsets | None] = Section(
     needed=(("driving_pin_mm", "cross_mm", "driven_pin_mm", "shafts_mm"),),
     recorded_bends=False,
 )
-"""The section [offsets]."""

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import KEPT, Keep, QuantityName
 from cardan.app.scene.language.rules import COUNT, ListOf, Number, OneOf, Rule, Schema, refused
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.design.quantities import MOTION_QUANTITIES
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
     from cardan.app.scene.study.optimisation import Optimisation
 
 FREE = "free"
@@ -169,4 +168,3 @@ OPTIMISE: Section[Optimisation | None] = Section(
     _optimisation,
     needed=(("vary",),),
 )
-"""The section [optimise]."""

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.files import columns
 from cardan.app.scene.language.rules import INDICES, FileName, Number, OneOf, Whole, names
-from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import LOAD
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.outputs import OUTPUTS
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 REDUCTIONS = ("peak", "min", "max", "mean", "rms")
 """Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
@@ -204,4 +201,3 @@ OUTPUT: Section[Asked] = Section(
     _asked,
     always=True,
 )
-"""The section [output]."""

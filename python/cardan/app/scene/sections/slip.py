@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.rules import FRICTION, INDEX, POSITIVE, SIZE
-from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.arrays.errors import ArgumentValueError
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
@@ -74,4 +71,3 @@ SLIP: Section[Slip | None] = Section(
         ("radius_mm", "friction"),
     ),
 )
-"""The section [slip]."""

@@ -47,4 +47,3 @@ STEERING: Section[SteeringColumn | None] = Section(
     lambda values, _: SteeringColumn(**values),
     recorded_bends=False,
 )
-"""The section [steering]."""

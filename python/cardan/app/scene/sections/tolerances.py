@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +21,11 @@ from cardan.app.scene.language.rules import (
     Whole,
     each,
 )
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.joints import IN_DEGREES_OR_MM, JOINTS, angles_of, arms_of
 from cardan.app.scene.sections.limits import LIMITS
 from cardan.app.scene.sections.load import largest_speed
-from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.sections.study import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limits
@@ -41,9 +41,6 @@ from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.tolerances import REDUCTIONS, Tolerances
 from cardan.tolerances.box import GROUPS, Sizes
 from cardan.tolerances.request import Drawn, Figures, toleranced
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 _BETWEEN = "shaft between two joints"
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
@@ -263,4 +260,3 @@ TOLERANCES: Section[Toleranced] = Section(
     together=(("bends_deg", "points_mm"), ("twists_deg", "points_mm"), *IN_DEGREES_OR_MM.values()),
     always=True,
 )
-"""The section [tolerances]."""

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from cardan.app.scene.language.rules import INDICES, POSITIVE, SIZE, each
-from cardan.app.scene.language.section import Key, Section, check_count, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_count, check_exists
 from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.torsion import Tube, tube
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,4 +110,3 @@ TUBES: Section[Tubes | None] = Section(
     _tubes,
     needed=(("outer_diameter_mm",),),
 )
-"""The section [tubes]."""

@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from cardan.app.scene.language.document import nested
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import kept_quantity
+from cardan.app.scene.language.section import Reading
 from cardan.app.scene.language.units import split
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import largest_speed
-from cardan.app.scene.sections.states import STATES
-from cardan.app.scene.sections.study import STUDY
+from cardan.app.scene.sections.study import STATES, STUDY
 from cardan.app.scene.study.axes import Axis, axes_of
 from cardan.app.scene.study.states import SceneLayout, States
 from cardan.arrays import FloatArray
@@ -29,9 +29,6 @@ from cardan.evaluation.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
 from cardan.optimisation.local import TOLERANCE
 from cardan.optimisation.measures import Measure, measure_of, over_states
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 DECIMALS = 6
 """Decimal places of the values that are found, in the unit of their keys."""
