@@ -10,13 +10,7 @@ from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
 
 @dataclass(frozen=True)
 class Location:
-    """A value in a scene file.
-
-    Attributes:
-        key: its key.
-        place: where in the key's value it is: numbers count entries of lists, texts name entries of
-            tables.
-    """
+    """A value in a scene file; its place has numbers in lists and names in tables."""
 
     key: str
     place: Place = ()

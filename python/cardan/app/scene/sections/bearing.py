@@ -45,12 +45,7 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Mounting:
-    """The bearings of a scene, and lengths of shafts that no points give.
-
-    Attributes:
-        lengths: length of each shaft in m, ``(n + 1,)``, in a study with dimensions before that;
-            ``None`` for those of the points.
-    """
+    """The bearings of a scene, and lengths of shafts in m that no points give, ``(..., n + 1)``."""
 
     bearings: tuple[Bearing, ...] = ()
     lengths: tuple[float, ...] | FloatArray | None = None

@@ -232,12 +232,7 @@ IN_DEGREES_OR_MM = {group: (f"{group}_deg", f"{group}_mm") for group in JOINT_GR
 
 @dataclass(frozen=True)
 class Joints:
-    """The joints of a scene.
-
-    Attributes:
-        each: size of each joint; empty if the scene only has a table from which to choose.
-        table: the sizes from which to choose, by growing rating; those without a rating first.
-    """
+    """The size of each joint, if given, and a table to choose from, by growing rating."""
 
     each: tuple[JointSize, ...]
     table: tuple[JointSize, ...]

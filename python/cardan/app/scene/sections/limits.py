@@ -23,18 +23,6 @@ from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
 
 
 @dataclass(frozen=True)
-class Preset(OneOf):
-    """The name of a preset."""
-
-    def read(self, where: Location, value: object) -> str:
-        """Return the name."""
-        name = Text().read(where, value)
-        if name not in self.names:
-            raise where.error(unknown_preset(name))
-        return name
-
-
-@dataclass(frozen=True)
 class LimitRule(OneOrEach):
     """A limit, or a list of a limit and a maximum that is not below it.
 
@@ -89,7 +77,7 @@ LIMITS: Section[GivenLimits] = Section(
     "limit, tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
-            Preset(tuple(PRESETS)),
+            OneOf(tuple(PRESETS), unknown_preset),
             f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
             "the catalogues alone, an equivalent bend of 3 deg",
         ),

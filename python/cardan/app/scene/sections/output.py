@@ -44,12 +44,9 @@ _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What to evaluate and which files to write, ``None`` for no file.
+    """What to evaluate, with further arguments for it, and which files to write, if any.
 
-    Attributes:
-        shafts: the shafts that the scene names; ``None`` for the last one only.
-        joints: the joints that the scene names; ``None`` for all.
-        options: further arguments of ``Driveline.evaluate``.
+    Without shafts it is of the last one only, without joints of all.
     """
 
     quantities: tuple[str, ...]

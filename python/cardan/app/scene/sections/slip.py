@@ -14,13 +14,7 @@ from cardan.arrays.errors import ArgumentValueError
 
 @dataclass(frozen=True)
 class Slip:
-    """The spline of a shaft; lengths in mm, ``None`` for what the scene does not give.
-
-    Attributes:
-        engaged: engaged length at the points of the scene.
-        push_in: how far it can be pushed in from there.
-        radius: pitch radius in m.
-    """
+    """The spline of a shaft: lengths in mm from the points of the scene, but its radius in m."""
 
     shaft: int
     engaged: float | None = None

@@ -49,12 +49,7 @@ _OF_JOINTS = tuple(key for pair in IN_DEGREES_OR_MM.values() for key in pair)
 
 @dataclass(frozen=True, eq=False)
 class Toleranced:
-    """What a scene says of its tolerances.
-
-    Attributes:
-        arms: arm of each joint in m, by the groups of deviations whose tolerances are lengths.
-        share: of the drivelines that must be within the limit; ``None`` if all must.
-    """
+    """Tolerances, arms in m of the groups that are lengths, and the share to keep the limit."""
 
     tolerances: Tolerances | None
     arms: Mapping[str, FloatArray]

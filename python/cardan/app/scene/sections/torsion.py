@@ -100,12 +100,9 @@ class SpeedValues(Rule):
 
 @dataclass(frozen=True, eq=False)
 class TorsionCase:
-    """The torsional system of a scene.
+    """The torsional system, drive speeds in rad/s and orders, both rising, and the least margin.
 
-    Attributes:
-        speed: drive speeds in rad/s at which it runs, rising, ``(speeds,)``.
-        orders: of the drive's rotation, rising.
-        margin: least distance of a critical speed from the speeds, in shares of it, if any.
+    The margin of a critical speed is its distance from the speeds in shares of it.
     """
 
     system: TorsionalSystem

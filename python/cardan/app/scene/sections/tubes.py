@@ -19,13 +19,10 @@ from cardan.torsion import Tube, tube
 
 @dataclass(frozen=True, eq=False)
 class Tubes:
-    """The tubes of a scene.
+    """What makes tubes, and their figures as drawn, ``(shafts,)`` each; the stress is in Pa.
 
-    Attributes:
-        given: what makes them, each ``(shafts,)``; no length if that of the driveline counts.
-        tube: their figures in the driveline of the drawing, ``(shafts,)``.
-        permitted_stress: in Pa; ``None`` if the scene permits any.
-        least_margin: of the critical speed over the largest speed; ``None`` if any will do.
+    No length is given where that of the driveline counts. The margin is that of the critical speed
+    over the largest speed.
     """
 
     shafts: tuple[int, ...]
