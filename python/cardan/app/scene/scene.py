@@ -180,26 +180,20 @@ class Scene:
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
         layout: the keys that describe the driveline; ``None`` if its bends were recorded.
-        states: the states that the scene lists, if it does. ``line`` is the driveline of
-            [driveline], whether that is one of them or not.
+        states: the states that the scene lists, if any; ``line`` need not be one of them.
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
-        tolerances: what errors of manufacture make of the driveline in all of its states, if the
-            scene gives any.
-        driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
-            those in place of drive angles.
+        tolerances: how manufacturing errors affect the driveline in its states, if any are given.
+        driven_angle_deg: likewise of the last shaft, if the scene gives those instead.
         sizes: sizes and bearings of its joints, if the scene gives any.
         play: of the pins in their bearings, if the scene gives any.
         offsets: distances of axes that should meet, if the scene gives any.
         duty: the duty cycle: that of [life], or the load as its only step.
         tubes: the round sections of shafts, if the scene gives any.
         torsion: its shafts as torsion springs, if the scene says so.
-        deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
-            driveline of the drawing, ``line_as_built`` has them.
-        tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
-            lengths.
-        tolerance_share: share of the toleranced drivelines that must be within the limit; ``None``
-            if all must.
+        deviations: of the joints in rad, ``(n, 3)``, if any; ``line_as_built`` has them.
+        tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
+        tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
     """
 

@@ -26,8 +26,6 @@ class Key:
     """One key of a scene file.
 
     Attributes:
-        rule: what its value must be.
-        meaning: one line.
         argument: the parameter that it sets.
         factor: what to multiply the value by to get that parameter's unit.
         default: the value where the key is left out.
@@ -50,8 +48,6 @@ class Section(Generic[Made]):
 
     Attributes:
         name: of the section; ``""`` for the top of the file.
-        meaning: one line.
-        keys: what it may contain.
         make: makes of its values by key what scenes use.
         together: keys of which at most one may be given.
         needed: keys that must be given, one of each group.

@@ -76,16 +76,9 @@ BearingType = Literal["needle", "plain"]
 
 @dataclass(frozen=True)
 class JointSize:
-    """A size of joint, in SI units; ``None`` for what is not known.
+    """A size of joint, by the keys above in SI units; ``None`` for what is not known.
 
-    Attributes:
-        name: of the table; ``""`` for a joint that the scene itself describes.
-        rating: torque in N m for 5000 h at 3 degrees and 100 rpm.
-        pin_radius: radius in m at which the friction acts.
-        arm: distance of the middle of a pin's bearing from the centre in m.
-        seal_torque: about the pins of each yoke in N m.
-        max_speed_bend: largest permitted product of rpm and degrees.
-        most_heat: most permitted mean heat in W.
+    A joint that the scene itself describes has no name. The speed times the bend is in rpm deg.
     """
 
     name: str = ""

@@ -29,14 +29,9 @@ _ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
 class DutyCycle:
     """How a driveline is used, in steps.
 
-    Attributes:
-        shares: of each step in the time, ``(steps,)``, with sum 1.
-        line: the driveline in each step, a batch ``(places, steps)``. The places are the states
-            of the scene or drivelines of its study; there is one where the steps say how the
-            driveline stands.
-        load: the load in each step, ``(places, steps)``.
-        target: required life in hours; ``None`` if the scene requires none.
-        values: of [life] by key; none if [load] is the only step.
+    Driveline and load are ``(places, steps)``: the places are the states of the scene or drivelines
+    of its study; there is one where the steps say how the driveline stands. The shares have the
+    sum 1, the target is in hours, and the values of [life] are none if [load] is the only step.
     """
 
     names: tuple[str, ...]

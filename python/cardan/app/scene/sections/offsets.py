@@ -15,12 +15,7 @@ from cardan.wear.axial_travel import NAMES, SlideName, Slides
 
 @dataclass(frozen=True)
 class AxisOffsets:
-    """Distances of axes that should meet, and what cannot slide.
-
-    Attributes:
-        distances: arguments of ``Driveline.slides`` in mm.
-        blocked: slides that are not free.
-    """
+    """Distances of axes that should meet, for ``Driveline.slides`` in mm, and what cannot slide."""
 
     distances: Mapping[str, float | list[float]]
     blocked: tuple[SlideName, ...]

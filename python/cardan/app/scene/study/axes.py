@@ -234,11 +234,7 @@ def axes_of(
     varying: str,
     bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
-    """Return the keys that vary, each with its values.
-
-    The values are given by key and place, the keys of the driveline, the load and each bearing (if
-    its position may vary) as the scene has them; ``varying`` says in words what varies them.
-    """
+    """Return the keys that vary, given by key and place; ``varying`` says in words what does it."""
     axes = []
     for name, places in given.items():
         if name == "bearing":

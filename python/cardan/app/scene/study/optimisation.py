@@ -46,15 +46,11 @@ _DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"],
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """A key of a scene that may change.
+    """A key of a scene, with the entries that change together, and its least and largest change.
 
-    Attributes:
-        axis: the key, with the entries that change together.
-        base: its value in [driveline], of the first of its entries.
-        low: least change; ``-inf`` for a phase that is free.
-        high: largest change.
-        teeth: of the spline of a phase; 0 without one.
-        last_entry: number of the last entry of its key.
+    The base is the value of the first of its entries in [driveline], and ``last_entry`` the number
+    of the last one of its key. A phase that is free has the least change ``-inf``; teeth are those
+    of its spline, 0 without one.
     """
 
     axis: Axis
@@ -77,14 +73,7 @@ class Variable:
 
 @dataclass(frozen=True, eq=False)
 class Optimisation:
-    """What a scene's section [optimise] asks for.
-
-    Attributes:
-        keep: limits of other quantities by key, in the unit of the key.
-        starts: number of local searches.
-        layout: what the other sections say of the driveline.
-        load: the load in every state, if there is one.
-    """
+    """What a scene's section [optimise] asks for; limits to keep are in the unit of their key."""
 
     variables: tuple[Variable, ...]
     minimise: str
