@@ -796,7 +796,7 @@ def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     def exhausted(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("cardan.app.scene.recording.streaming.stream", exhausted)
+    monkeypatch.setattr("cardan.app.scene.study.curves.stream", exhausted)
     hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
     failed(run("stream", scene), hint)
 

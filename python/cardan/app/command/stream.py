@@ -11,7 +11,7 @@ from cardan.app.answers.turn.figures import recorded_angles
 from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_text
 from cardan.app.command.options import into_option, missing_samples, scene_argument, units_option
 from cardan.app.command.terminal import progress_bar, say
-from cardan.app.scene.recording import streaming
+from cardan.app.scene.study import curves
 
 
 @click.command()
@@ -31,7 +31,7 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     begun = time.perf_counter()
     try:
         with progress_bar("rows") as progress:
-            done = streaming.stream(scene, into, radians=radians, progress=progress)
+            done = curves.stream(scene, into, radians=radians, progress=progress)
     except MemoryError:
         # It takes the angles by chunks already.
         hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"

@@ -1,9 +1,9 @@
 """Scenes: a driveline, its load, drive angles and study in one short file, and what they give."""
 
 from cardan.app.scene.language.errors import SceneError
-from cardan.app.scene.recording.streaming import stream
 from cardan.app.scene.scene import BallJointScene, Scene, SceneResult, load_scene
 from cardan.app.scene.sections.ball_joint import BallJointCase, Material
+from cardan.app.scene.study.curves import stream
 from cardan.app.scene.study.states import States, StatesResult
 from cardan.app.scene.study.study import Axis, Column, StudyResult
 

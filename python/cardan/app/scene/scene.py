@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import textwrap
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
@@ -9,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,12 +21,10 @@ from cardan.app.scene.language.document import Document, read_text
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.rules import Text
 from cardan.app.scene.language.schema import describe, scene_schema
-from cardan.app.scene.language.section import Key, Section, made_of
+from cardan.app.scene.language.section import Key, Made, Section, made_of
 from cardan.app.scene.language.units import LengthUnit
-from cardan.app.scene.reading import Reading, is_alone
-from cardan.app.scene.recording.recorded import Angles, Recording
+from cardan.app.scene.recording.recorded import BEND_COLUMNS, Angles, Recording
 from cardan.app.scene.recording.signals import Signal
-from cardan.app.scene.sections.angles import ANGLES
 from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball_joint_case
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE
@@ -37,10 +36,9 @@ from cardan.app.scene.sections.offsets import OFFSETS, AxisOffsets
 from cardan.app.scene.sections.optimise import OPTIMISE
 from cardan.app.scene.sections.output import OUTPUT
 from cardan.app.scene.sections.slip import SLIP, Slip
-from cardan.app.scene.sections.states import STATES
 from cardan.app.scene.sections.steering import STEERING, SteeringColumn
-from cardan.app.scene.sections.study import STUDY
-from cardan.app.scene.sections.sweep import SWEEP
+from cardan.app.scene.sections.study import STATES, STUDY
+from cardan.app.scene.sections.sweep import ANGLES, DRIVE_ANGLES, SWEEP
 from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
 from cardan.app.scene.sections.tubes import TUBES, Tubes
@@ -69,6 +67,86 @@ TOP: Section[str] = Section(
     always=True,
 )
 """The keys before all sections."""
+
+
+class Reading:
+    """A scene file being read: ``reading[TUBES]`` is what is made of its section [tubes].
+
+    Each section is made once, when it is first asked for; errors name it.
+
+    Attributes:
+        document: the file.
+        folder: to which its paths are relative.
+        given: values by section and key.
+    """
+
+    def __init__(self, document: Document, folder: Path, recorded: Angles | None = None) -> None:
+        """Take a file, and the next angles of a recording that is read in parts."""
+        self.document, self.folder, self.given = document, folder, document.sections
+        self._made: dict[str, Any] = {} if recorded is None else {ANGLES.name: recorded}
+        with document.within(""):
+            self._check_sections()
+
+    def __getitem__(self, section: Section[Made]) -> Made:
+        """Return what is made of a section."""
+        if section.name not in self._made:
+            made = None
+            with self.document.within(section.name):
+                if section.always or section.name in self.given:
+                    made = self._make(section)
+            self._made[section.name] = made
+        return cast("Made", self._made[section.name])
+
+    def _make(self, section: Section[Made]) -> Made:
+        values = self.given.get(section.name, {})
+        if not section.recorded_bends and self.line.shape:
+            raise ValueError("it does not go with recorded bends, which differ by sample")
+        return section.make(values, self)
+
+    @property
+    def line(self) -> Driveline:
+        """The driveline of the drawing in its bearings, a batch if its bends were recorded."""
+        return self[BEARING].line
+
+    @property
+    def load(self) -> Load | None:
+        """The load, if there is one."""
+        return self[LOAD].load
+
+    @functools.cached_property
+    def layout(self) -> SceneLayout | None:
+        """How the file describes its driveline; ``None`` if its bends were recorded."""
+        if self.line.shape:
+            return None
+        described = self[DRIVELINE]
+        return SceneLayout(described.form, described.keys, self[LOAD].keys, self[BEARING].mounting)
+
+    def _check_sections(self) -> None:
+        """Refuse sections that are missing or do not go together."""
+        given: Mapping[str, Mapping[str, Any]] = self.given
+        if "driveline" not in given and not given.get("angles", {}).keys() & set(BEND_COLUMNS):
+            instead = (
+                "; a ball joint alone can be run, checked, plotted and reported "
+                "(in Python: cardan.scene.load_scene)"
+            )
+            raise ValueError(
+                "section [driveline] is missing; it describes the joints and shafts"
+                + (instead if is_alone(self.document) else "")
+            )
+        if given.keys() >= {"study", "states"}:
+            raise ValueError(
+                "sections [study] and [states] are both given; a study varies the design, states "
+                "are positions of one design: give one of them"
+            )
+        if given.keys() >= set(DRIVE_ANGLES):
+            both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
+            raise ValueError(f"sections {both} are both given; give one of them")
+
+
+def is_alone(document: Document) -> bool:
+    """Whether a document describes a ball joint and no driveline."""
+    given = document.sections
+    return "ball_joint" in given and not given.keys() & {"driveline", "angles"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,26 +180,20 @@ class Scene:
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
         layout: the keys that describe the driveline; ``None`` if its bends were recorded.
-        states: the states that the scene lists, if it does. ``line`` is the driveline of
-            [driveline], whether that is one of them or not.
+        states: the states that the scene lists, if any; ``line`` need not be one of them.
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
-        tolerances: what errors of manufacture make of the driveline in all of its states, if the
-            scene gives any.
-        driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
-            those in place of drive angles.
+        tolerances: how manufacturing errors affect the driveline in its states, if any are given.
+        driven_angle_deg: likewise of the last shaft, if the scene gives those instead.
         sizes: sizes and bearings of its joints, if the scene gives any.
         play: of the pins in their bearings, if the scene gives any.
         offsets: distances of axes that should meet, if the scene gives any.
         duty: the duty cycle: that of [life], or the load as its only step.
         tubes: the round sections of shafts, if the scene gives any.
         torsion: its shafts as torsion springs, if the scene says so.
-        deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
-            driveline of the drawing, ``line_as_built`` has them.
-        tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
-            lengths.
-        tolerance_share: share of the toleranced drivelines that must be within the limit; ``None``
-            if all must.
+        deviations: of the joints in rad, ``(n, 3)``, if any; ``line_as_built`` has them.
+        tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
+        tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
     """
 

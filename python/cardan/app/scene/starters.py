@@ -15,12 +15,9 @@ from cardan.arrays.errors import ArgumentValueError
 
 @dataclass(frozen=True)
 class Starter:
-    """One kind of starter scene, in whose text ``{name}`` stands for the name of its file.
+    """A scene to begin with, in whose text ``{name}`` stands for the name of its file.
 
-    Attributes:
-        meaning: one line.
-        recorded: whether a sample recording goes with it.
-        machine: whether it is a whole machine, from its points to its limits.
+    It may have a sample recording with it, or be a whole machine, from its points to its limits.
     """
 
     meaning: str

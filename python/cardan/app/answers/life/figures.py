@@ -14,9 +14,8 @@ from cardan.app.answers.rows import Judged, count, figure, flag, item, parts, wo
 from cardan.app.answers.tubes.figures import speed_of
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.joints import Joints
+from cardan.app.scene.sections.joints import BearingType, Joints, JointSize
 from cardan.app.scene.sections.life import DutyCycle
-from cardan.app.scene.sections.sizes import BearingType, JointSize
 from cardan.arrays import FloatArray
 from cardan.design.judged import is_within
 from cardan.driveline import Driveline

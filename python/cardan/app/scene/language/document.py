@@ -95,10 +95,8 @@ class Document:
     def within(self, section: str, key: str = "") -> Iterator[None]:
         """Put file, line and section in front of what is wrong there, and raise or gather it.
 
-        Args:
-            section: where; of an array of tables with the number of the table: ``"bearing.2"``;
-                ``""`` for the file itself.
-            key: what errors without fields are about, if that is one key.
+        An array of tables has the number of the table, ``"bearing.2"``, and the file itself is
+        ``""``. Errors without fields are about the key, if that is one.
         """
         try:
             yield

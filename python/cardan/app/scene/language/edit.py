@@ -30,12 +30,7 @@ class Span:
 
 @dataclass
 class Map:
-    """Where the values and the sections of a scene's text stand.
-
-    Attributes:
-        values: by path, section first, its parts joined by dots.
-        ends: behind the last line of each section that has a heading.
-    """
+    """Where values stand by dotted path, section first, and where sections with a heading end."""
 
     values: dict[str, Span] = field(default_factory=dict)
     ends: dict[str, int] = field(default_factory=dict)

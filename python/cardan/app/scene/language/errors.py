@@ -10,13 +10,7 @@ from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
 
 @dataclass(frozen=True)
 class Location:
-    """A value in a scene file.
-
-    Attributes:
-        key: its key.
-        place: where in the key's value it is: numbers count entries of lists, texts name entries of
-            tables.
-    """
+    """A value in a scene file; its place has numbers in lists and names in tables."""
 
     key: str
     place: Place = ()
@@ -44,12 +38,9 @@ class KeyValueError(ArgumentValueError):
 
 
 class StudyPointError(ArgumentValueError):
-    """A point of a study's grid, or a state, that makes no driveline.
+    """A point of a study's grid, or a state with its name, that makes no driveline.
 
-    Attributes:
-        section: the section to which the key belongs that ``argument`` names.
-        point: the values of the keys that vary, by key.
-        state: the name of the state; ``""`` for a point of a grid.
+    The section is that of the key that is wrong, and the point has the values of those that vary.
     """
 
     def __init__(

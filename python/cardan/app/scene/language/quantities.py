@@ -34,11 +34,7 @@ from cardan.evaluation.outputs import OUTPUTS
 
 @dataclass(frozen=True)
 class QuantityName(Rule):
-    """The name of a quantity.
-
-    Attributes:
-        outputs: whether outputs are possible without item and reduction, and orders.
-    """
+    """The name of a quantity, or also of an output without item and reduction or of an order."""
 
     outputs: bool = False
     name = "name"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date, time
 from pathlib import Path
@@ -92,15 +92,9 @@ class Text(Rule):
 
 @dataclass(frozen=True)
 class Number(Rule):
-    """A finite number of an interval.
+    """A finite number of an interval whose ends ``above`` and ``below`` exclude.
 
-    Attributes:
-        low: its lower end.
-        high: its upper end.
-        above: whether the lower end is excluded.
-        below: whether the upper end is excluded.
-        what: what the message for a number outside calls it.
-        unit: its unit in that message.
+    The message for a number outside calls it ``what`` and gives its ``unit``.
     """
 
     low: float = -_LARGEST
@@ -161,13 +155,7 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Whole(Rule):
-    """A whole number.
-
-    Attributes:
-        least: the smallest one.
-        also: a smaller one that is permitted too.
-        most: the largest one, if there is one.
-    """
+    """A whole number; ``also`` is one below the least that is permitted too."""
 
     least: int
     also: int | None = None
@@ -198,16 +186,20 @@ class Whole(Rule):
 
 @dataclass(frozen=True)
 class OneOf(Rule):
-    """One of some names."""
+    """One of some names; ``hint`` says what to name in place of another."""
 
     names: tuple[str, ...]
+    hint: Callable[[str], str] | None = None
     name = "name"
 
     def read(self, where: Location, value: object) -> str:
         """Return the name."""
         name = Text().read(where, value)
         if name not in self.names:
-            raise where.error(f"is {shown(name)}; {nearest(name, self.names)}")
+            hint = (
+                self.hint(name) if self.hint else f"is {shown(name)}; {nearest(name, self.names)}"
+            )
+            raise where.error(hint)
         return name
 
     @property
@@ -218,12 +210,7 @@ class OneOf(Rule):
 
 @dataclass(frozen=True)
 class FileName(Rule):
-    """The name of a file.
-
-    Attributes:
-        suffixes: what it may end in.
-        folders: whether it may name folders.
-    """
+    """The name of a file with one of some endings, which may name folders or not."""
 
     suffixes: Collection[str]
     folders: bool = False
@@ -256,14 +243,7 @@ class FileName(Rule):
 
 @dataclass(frozen=True)
 class ListOf(Rule):
-    """A list.
-
-    Attributes:
-        item: what each entry must be.
-        what: the entries, in words.
-        count: how many there must be, if that is fixed.
-        distinct: whether there must be an entry and none may come twice.
-    """
+    """A list of what ``what`` says; a distinct one is not empty and has no entry twice."""
 
     item: Rule
     what: str
@@ -344,13 +324,7 @@ class OneOrMore(OneOrEach):
 
 @dataclass(frozen=True)
 class Table(Rule):
-    """A table of some keys.
-
-    Attributes:
-        keys: the rule of each.
-        what: how it is written, in words.
-        required: whether all of them must be given.
-    """
+    """A table of some or all of these keys; ``what`` says in words how it is written."""
 
     keys: Mapping[str, Rule]
     what: str

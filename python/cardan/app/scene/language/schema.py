@@ -10,7 +10,7 @@ from cardan.app.scene.language.section import Key, Section
 from cardan.app.scene.recording.recorded import BEND_COLUMNS
 from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH, only
 from cardan.app.scene.sections.sweep import DRIVE_ANGLES
-from cardan.app.scene.study.axes import DEFINITION, AxisValues, NestedAxes
+from cardan.app.scene.study.axes import DEFINITION, ENTRIES, AxisValues, NestedAxes
 
 
 def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def _not_both(*keys: str) -> dict[str, Any]:
 
 
 # What follows a key in a path: an entry, or some; of a vector its component as well.
-_PATH_ENTRY = r"\.[0-9]{1,9}(-[0-9]{1,9})?"
+_PATH_ENTRY = rf"\.{ENTRIES}"
 
 
 def _pattern_schemas(section: Section[Any]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,12 @@ from cardan.app.scene.language.rules import Rule
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
+    from cardan.app.scene import scene
 
 Made = TypeVar("Made")
+
+Reading: TypeAlias = "scene.Reading"
+"""The scene that a section belongs to; it knows the sections, and they only know its name."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +26,6 @@ class Key:
     """One key of a scene file.
 
     Attributes:
-        rule: what its value must be.
-        meaning: one line.
         argument: the parameter that it sets.
         factor: what to multiply the value by to get that parameter's unit.
         default: the value where the key is left out.
@@ -47,8 +48,6 @@ class Section(Generic[Made]):
 
     Attributes:
         name: of the section; ``""`` for the top of the file.
-        meaning: one line.
-        keys: what it may contain.
         make: makes of its values by key what scenes use.
         together: keys of which at most one may be given.
         needed: keys that must be given, one of each group.

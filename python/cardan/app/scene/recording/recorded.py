@@ -22,14 +22,10 @@ from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.sweep import Sweep
 
+# The keys for recorded bends, drive angles and speeds; a scene uses at most one of each.
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
-"""The keys for recorded bends; a scene uses at most one of them."""
-
 ANGLE_COLUMNS = ("angle_column_deg", "angle_column_rad")
-"""The keys for recorded drive angles; a scene uses at most one of them."""
-
 SPEED_COLUMNS = ("speed_column_rpm", "speed_column_rad_s")
-"""The keys for a recorded speed of the drive; a scene uses at most one of them."""
 
 REACH = 5
 """Samples on each side of the parabola that differentiates, if the scene gives no number."""
@@ -41,7 +37,6 @@ _LARGEST = 1e30
 _SIGNAL = "signal"
 
 _Rows = dict[str, FloatArray]
-
 
 MOST_STEPS = 10_000_000
 """Steps that a sweep takes at most."""
@@ -57,12 +52,10 @@ class Angles:
     Attributes:
         degrees: the angles in degrees, for tables and pictures.
         drive: the same for evaluating: a sweep, or recorded angles in rad.
-        bends: bends recorded with the angles, in degrees, if any.
-        time: recorded times in s, if any.
+        bends: recorded bends in degrees.
+        time: recorded times in s.
         load: recorded values of the keys of [load], ``(samples,)`` each.
-        signals: the extents of what was recorded besides angles and bends.
         driven: angles of the last shaft in degrees, if the file gives those.
-        file: from which they were read, if they were.
     """
 
     degrees: FloatArray

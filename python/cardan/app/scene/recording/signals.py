@@ -18,13 +18,9 @@ _GAP = 2.5
 
 @dataclass(frozen=True)
 class Sampling:
-    """How a recording is sampled.
+    """How many samples per second a recording has without its gaps, and the longest gap in s.
 
-    Attributes:
-        rate: samples per second, without gaps; ``None`` of fewer than two times.
-        gaps: how many gaps there are in the times.
-        longest: the longest gap in s; 0 without any.
-        longest_after: the time in s of the sample before it.
+    Fewer than two times have no rate. ``longest_after`` is the time of the sample before that gap.
     """
 
     rate: float | None = None
@@ -103,14 +99,10 @@ Measured = Literal["time", "speed", "acceleration", "drive_torque"]
 
 @dataclass(frozen=True)
 class Signal:
-    """The extent of a signal, by which a wrong unit is seen.
+    """The extent of a signal, by which a wrong unit is seen, in the unit that the scene gives it.
 
-    Attributes:
-        column: the recorded column; ``None`` for what was derived from others.
-        unit: unit of the values; of a column, as the scene gives it.
-        first: the value of the first sample that is not missing.
-        reach: samples on each side of the filter that derived it; 0 for a column.
-        sampling: rate and gaps of the whole recording so far; of times only.
+    What was derived from others has no column, but the reach of the filter: samples on each side.
+    Times have the sampling of the whole recording so far. Missing samples do not count.
     """
 
     signal: Measured

@@ -208,4 +208,3 @@ BALL_JOINT: Section[BallJointCase | None] = Section(
     ball_joint_case,
     needed=(("load_N",),),
 )
-"""The section [ball_joint]."""

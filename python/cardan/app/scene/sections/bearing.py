@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 
 from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE
-from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
     from cardan.app.scene.study.axes import Axis
 
 
@@ -46,12 +45,7 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Mounting:
-    """The bearings of a scene, and lengths of shafts that no points give.
-
-    Attributes:
-        lengths: length of each shaft in m, ``(n + 1,)``, in a study with dimensions before that;
-            ``None`` for those of the points.
-    """
+    """The bearings of a scene, and lengths of shafts in m that no points give, ``(..., n + 1)``."""
 
     bearings: tuple[Bearing, ...] = ()
     lengths: tuple[float, ...] | FloatArray | None = None
@@ -157,4 +151,3 @@ BEARING: Section[Mounted] = Section(
     repeated=True,
     always=True,
 )
-"""The sections [[bearing]]."""

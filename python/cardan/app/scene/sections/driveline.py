@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,17 +18,14 @@ from cardan.app.scene.language.rules import (
     Number,
     numbers,
 )
-from cardan.app.scene.language.section import Key, Section, check_count
+from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.language.units import LengthUnit
-from cardan.app.scene.sections.angles import ANGLES
+from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.geometry.constructors import sloping
 from cardan.geometry.geometry import in_metres
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 TEETH = "teeth"
 """The key of a driveline that says in which steps its yokes can be set."""
@@ -42,15 +39,10 @@ LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveli
 
 @dataclass(frozen=True)
 class Form:
-    """One way to describe a driveline: the keys that it needs and those that may go with it.
+    """One way to describe a driveline: keys of one length for a constructor, and optional ones.
 
-    Attributes:
-        make: the constructor that the keys' arguments belong to.
-        keys: required, all of one length.
-        optional: may go with them.
-        ends: how many entries the needed keys have beyond one per joint.
-        joints: how many joints it describes, if only so many.
-        views: whether the needed keys are views, of which one suffices: in the other all is level.
+    The keys have one entry per joint and ``ends`` more, or are for so many joints only. Of two
+    views one suffices: in the other all is level.
     """
 
     make: Callable[..., Driveline]
@@ -229,11 +221,8 @@ def _too_steep(key: str, vectors: FloatArray) -> str | None:
 class Described:
     """A driveline without its bearings, and what the file says of it.
 
-    Attributes:
-        keys: values by key as the file has them, twists and phases that it leaves out as zeros.
-        teeth: of the spline of each intermediate shaft; empty if the file gives none.
-        lengths: of the shafts in m, where keys give them in place of points.
-        points: ends and joint centres as the file gives them, ``(n + 2, 3)``, if it does.
+    The keys have zeros for twists and phases that the file leaves out; lengths are in m and of keys
+    that give them in place of points.
     """
 
     form: Form
@@ -359,4 +348,3 @@ DRIVELINE: Section[Described] = Section(
     together=(LENGTHS,),
     always=True,
 )
-"""The section [driveline]."""

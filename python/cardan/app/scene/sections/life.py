@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cardan.app.scene.language.rules import BEND, POSITIVE, TEXTS, ListOf, Number, Text, each
-from cardan.app.scene.language.section import Key, Section, check_count
+from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import TORQUES
-from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.sections.study import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
     from cardan.app.scene.study.states import SceneLayout, States
 
 _ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
@@ -30,14 +29,9 @@ _ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
 class DutyCycle:
     """How a driveline is used, in steps.
 
-    Attributes:
-        shares: of each step in the time, ``(steps,)``, with sum 1.
-        line: the driveline in each step, a batch ``(places, steps)``. The places are the states
-            of the scene or drivelines of its study; there is one where the steps say how the
-            driveline stands.
-        load: the load in each step, ``(places, steps)``.
-        target: required life in hours; ``None`` if the scene requires none.
-        values: of [life] by key; none if [load] is the only step.
+    Driveline and load are ``(places, steps)``: the places are the states of the scene or drivelines
+    of its study; there is one where the steps say how the driveline stands. The shares have the
+    sum 1, the target is in hours, and the values of [life] are none if [load] is the only step.
     """
 
     names: tuple[str, ...]
@@ -245,4 +239,3 @@ LIFE: Section[DutyCycle | None] = Section(
     fewest=1,
     always=True,
 )
-"""The section [life]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import (
@@ -17,24 +17,9 @@ from cardan.app.scene.language.rules import (
     Text,
     refused,
 )
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
-
-
-@dataclass(frozen=True)
-class Preset(OneOf):
-    """The name of a preset."""
-
-    def read(self, where: Location, value: object) -> str:
-        """Return the name."""
-        name = Text().read(where, value)
-        if name not in self.names:
-            raise where.error(unknown_preset(name))
-        return name
 
 
 @dataclass(frozen=True)
@@ -92,7 +77,7 @@ LIMITS: Section[GivenLimits] = Section(
     "limit, tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
-            Preset(tuple(PRESETS)),
+            OneOf(tuple(PRESETS), unknown_preset),
             f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
             "the catalogues alone, an equivalent bend of 3 deg",
         ),
@@ -113,4 +98,3 @@ LIMITS: Section[GivenLimits] = Section(
     fewest=1,
     always=True,
 )
-"""The section [limits]."""

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cardan.app.scene.language.rules import ListOf, Number
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import RPM
-from cardan.app.scene.sections.angles import ANGLES
+from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 TORQUES = ("drive_torque_Nm", "output_torque_Nm")
 """The keys for a torque; a scene gives at most one of them."""
@@ -105,4 +102,3 @@ LOAD: Section[Loaded] = Section(
     together=(("speed_rpm", "speed_rad_s"), TORQUES),
     always=True,
 )
-"""The section [load]."""

@@ -4,26 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.rules import DISTANCE, each, names
-from cardan.app.scene.language.section import Key, Section
-from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.sections.study import STATES
 from cardan.driveline import Driveline
 from cardan.wear.axial_travel import NAMES, SlideName, Slides
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
 class AxisOffsets:
-    """Distances of axes that should meet, and what cannot slide.
-
-    Attributes:
-        distances: arguments of ``Driveline.slides`` in mm.
-        blocked: slides that are not free.
-    """
+    """Distances of axes that should meet, for ``Driveline.slides`` in mm, and what cannot slide."""
 
     distances: Mapping[str, float | list[float]]
     blocked: tuple[SlideName, ...]
@@ -73,4 +65,3 @@ OFFSETS: Section[AxisOffsets | None] = Section(
     needed=(("driving_pin_mm", "cross_mm", "driven_pin_mm", "shafts_mm"),),
     recorded_bends=False,
 )
-"""The section [offsets]."""

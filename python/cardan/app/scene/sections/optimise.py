@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import KEPT, Keep, QuantityName
 from cardan.app.scene.language.rules import COUNT, ListOf, Number, OneOf, Rule, Schema, refused
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.study.axes import ENTRIES
 from cardan.design.quantities import MOTION_QUANTITIES
 
 if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
     from cardan.app.scene.study.optimisation import Optimisation
 
 FREE = "free"
@@ -25,8 +25,6 @@ FREE = "free"
 
 _RANGE = ListOf(Number(), "two numbers, least and largest change", count=2)
 
-
-_PLACE = "[0-9]{1,9}(-[0-9]{1,9})?"
 _PHASES = "phases_deg"
 _VECTORS = "(points_m|points_mm|directions)"
 _LISTS = (
@@ -50,7 +48,7 @@ class Vary(Rule):
             own = where.at(path if path.isprintable() else ascii(path))
             if path in found:
                 raise own.error("is given twice, with quotes and without")
-            if re.fullmatch(rf"{_VECTORS}(\.{_PLACE})?", path):
+            if re.fullmatch(rf"{_VECTORS}(\.{ENTRIES})?", path):
                 raise own.error("needs place and axis, as in points_mm.2.y")
             if path.startswith("inertias_kgm2"):
                 raise own.error(
@@ -88,24 +86,24 @@ class Vary(Rule):
         ends = _RANGE.schema
         phase: Schema = {"anyOf": [ends, {"enum": [FREE]}]}
         by_axis = _tables("^[xyz]$", ends)
-        by_place = f"^{_PLACE}$"
+        by_place = f"^{ENTRIES}$"
         return {
             "type": "object",
             "minProperties": 1,
             "patternProperties": {
-                rf"^{_VECTORS}\.{_PLACE}\.[xyz]$": ends,
-                rf"^{_VECTORS}\.{_PLACE}$": by_axis,
+                rf"^{_VECTORS}\.{ENTRIES}\.[xyz]$": ends,
+                rf"^{_VECTORS}\.{ENTRIES}$": by_axis,
                 f"^{_VECTORS}$": _tables(by_place, by_axis),
-                rf"^{_PHASES}\.{_PLACE}$": phase,
+                rf"^{_PHASES}\.{ENTRIES}$": phase,
                 f"^{_PHASES}$": {"anyOf": [phase, _tables(by_place, phase)]},
-                rf"^{_LISTS}\.{_PLACE}$": ends,
+                rf"^{_LISTS}\.{ENTRIES}$": ends,
                 f"^{_LISTS}$": {"anyOf": [ends, _tables(by_place, ends)]},
             },
             "additionalProperties": False,
         }
 
 
-_PATH = rf"{_VECTORS}\.{_PLACE}\.[xyz]|({_PHASES}|{_LISTS})(\.{_PLACE})?"
+_PATH = rf"{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
 
 
 def _tables(pattern: str, entry: Schema) -> Schema:
@@ -169,4 +167,3 @@ OPTIMISE: Section[Optimisation | None] = Section(
     _optimisation,
     needed=(("vary",),),
 )
-"""The section [optimise]."""

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.files import columns
 from cardan.app.scene.language.rules import INDICES, FileName, Number, OneOf, Whole, names
-from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import LOAD
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.outputs import OUTPUTS
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 REDUCTIONS = ("peak", "min", "max", "mean", "rms")
 """Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
@@ -47,12 +44,9 @@ _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What to evaluate and which files to write, ``None`` for no file.
+    """What to evaluate, with further arguments for it, and which files to write, if any.
 
-    Attributes:
-        shafts: the shafts that the scene names; ``None`` for the last one only.
-        joints: the joints that the scene names; ``None`` for all.
-        options: further arguments of ``Driveline.evaluate``.
+    Without shafts it is of the last one only, without joints of all.
     """
 
     quantities: tuple[str, ...]
@@ -204,4 +198,3 @@ OUTPUT: Section[Asked] = Section(
     _asked,
     always=True,
 )
-"""The section [output]."""

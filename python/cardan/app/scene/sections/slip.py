@@ -4,26 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cardan.app.scene.language.rules import FRICTION, INDEX, POSITIVE, SIZE
-from cardan.app.scene.language.section import Key, Section, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.arrays.errors import ArgumentValueError
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 
 @dataclass(frozen=True)
 class Slip:
-    """The spline of a shaft; lengths in mm, ``None`` for what the scene does not give.
-
-    Attributes:
-        engaged: engaged length at the points of the scene.
-        push_in: how far it can be pushed in from there.
-        radius: pitch radius in m.
-    """
+    """The spline of a shaft: lengths in mm from the points of the scene, but its radius in m."""
 
     shaft: int
     engaged: float | None = None
@@ -74,4 +65,3 @@ SLIP: Section[Slip | None] = Section(
         ("radius_mm", "friction"),
     ),
 )
-"""The section [slip]."""

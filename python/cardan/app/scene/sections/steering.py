@@ -10,13 +10,7 @@ from cardan.app.scene.language.section import Key, Section
 
 @dataclass(frozen=True)
 class SteeringColumn:
-    """What a scene says of its steering column.
-
-    Attributes:
-        centre_deg: drive angle straight ahead.
-        offset_deg: permitted distance from symmetry, if the scene gives one.
-        ratio_percent: permitted difference of the ratio from left to right, if it gives one.
-    """
+    """Drive angle straight ahead, and what is permitted: distance from symmetry, left to right."""
 
     centre_deg: float = 0.0
     offset_deg: float | None = None
@@ -47,4 +41,3 @@ STEERING: Section[SteeringColumn | None] = Section(
     lambda values, _: SteeringColumn(**values),
     recorded_bends=False,
 )
-"""The section [steering]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +21,11 @@ from cardan.app.scene.language.rules import (
     Whole,
     each,
 )
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.joints import IN_DEGREES_OR_MM, JOINTS, angles_of, arms_of
 from cardan.app.scene.sections.limits import LIMITS
 from cardan.app.scene.sections.load import largest_speed
-from cardan.app.scene.sections.states import STATES
+from cardan.app.scene.sections.study import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limits
@@ -42,9 +42,6 @@ from cardan.tolerances import REDUCTIONS, Tolerances
 from cardan.tolerances.box import GROUPS, Sizes
 from cardan.tolerances.request import Drawn, Figures, toleranced
 
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
-
 _BETWEEN = "shaft between two joints"
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
 _OF_JOINTS = tuple(key for pair in IN_DEGREES_OR_MM.values() for key in pair)
@@ -52,12 +49,7 @@ _OF_JOINTS = tuple(key for pair in IN_DEGREES_OR_MM.values() for key in pair)
 
 @dataclass(frozen=True, eq=False)
 class Toleranced:
-    """What a scene says of its tolerances.
-
-    Attributes:
-        arms: arm of each joint in m, by the groups of deviations whose tolerances are lengths.
-        share: of the drivelines that must be within the limit; ``None`` if all must.
-    """
+    """Tolerances, arms in m of the groups that are lengths, and the share to keep the limit."""
 
     tolerances: Tolerances | None
     arms: Mapping[str, FloatArray]
@@ -263,4 +255,3 @@ TOLERANCES: Section[Toleranced] = Section(
     together=(("bends_deg", "points_mm"), ("twists_deg", "points_mm"), *IN_DEGREES_OR_MM.values()),
     always=True,
 )
-"""The section [tolerances]."""

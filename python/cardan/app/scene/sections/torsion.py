@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,16 +25,13 @@ from cardan.app.scene.language.rules import (
     refused,
     shown,
 )
-from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.sections.tubes import TUBES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load
 from cardan.torsion import TorsionalSystem
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 ORDERS = (2, 4)
 """The orders of the drive's rotation that are listed by default."""
@@ -103,12 +100,9 @@ class SpeedValues(Rule):
 
 @dataclass(frozen=True, eq=False)
 class TorsionCase:
-    """The torsional system of a scene.
+    """The torsional system, drive speeds in rad/s and orders, both rising, and the least margin.
 
-    Attributes:
-        speed: drive speeds in rad/s at which it runs, rising, ``(speeds,)``.
-        orders: of the drive's rotation, rising.
-        margin: least distance of a critical speed from the speeds, in shares of it, if any.
+    The margin of a critical speed is its distance from the speeds in shares of it.
     """
 
     system: TorsionalSystem
@@ -229,4 +223,3 @@ TORSION: Section[TorsionCase | None] = Section(
     needed=(("inertias_kgm2",), ("speed_rpm",)),
     recorded_bends=False,
 )
-"""The section [torsion]."""

@@ -4,31 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from cardan.app.scene.language.rules import INDICES, POSITIVE, SIZE, each
-from cardan.app.scene.language.section import Key, Section, check_count, check_exists
+from cardan.app.scene.language.section import Key, Reading, Section, check_count, check_exists
 from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.torsion import Tube, tube
 
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
-
 
 @dataclass(frozen=True, eq=False)
 class Tubes:
-    """The tubes of a scene.
+    """What makes tubes, and their figures as drawn, ``(shafts,)`` each; the stress is in Pa.
 
-    Attributes:
-        given: what makes them, each ``(shafts,)``; no length if that of the driveline counts.
-        tube: their figures in the driveline of the drawing, ``(shafts,)``.
-        permitted_stress: in Pa; ``None`` if the scene permits any.
-        least_margin: of the critical speed over the largest speed; ``None`` if any will do.
+    No length is given where that of the driveline counts. The margin is that of the critical speed
+    over the largest speed.
     """
 
     shafts: tuple[int, ...]
@@ -113,4 +107,3 @@ TUBES: Section[Tubes | None] = Section(
     _tubes,
     needed=(("outer_diameter_mm",),),
 )
-"""The section [tubes]."""

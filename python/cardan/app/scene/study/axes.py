@@ -96,7 +96,8 @@ def _tables(pattern: str, entry: Schema) -> Schema:
     }
 
 
-_ENTRIES = "[0-9]{1,9}(-[0-9]{1,9})?"
+ENTRIES = "[0-9]{1,9}(-[0-9]{1,9})?"
+"""Pattern of an entry, or some, of a list."""
 _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
 
 
@@ -109,7 +110,7 @@ class ListAxes(AxisValues):
         if not _is_table(value) or value.keys() & _SPREAD.keys.keys():
             return super().read(where, value)
         for index in value:
-            if not re.fullmatch(_ENTRIES, index):
+            if not re.fullmatch(ENTRIES, index):
                 raise where.at(index).error(_NO_ENTRY)
         return {index: _values(where.at(index), entry) for index, entry in value.items()}
 
@@ -117,18 +118,14 @@ class ListAxes(AxisValues):
     def schema(self) -> Schema:
         """The values, or an object of them."""
         values = AxisValues().schema
-        return {"anyOf": [values, _tables(f"^{_ENTRIES}$", values)]}
+        return {"anyOf": [values, _tables(f"^{ENTRIES}$", values)]}
 
 
 @dataclass(frozen=True)
 class NestedAxes(Rule):
     """What varies a part of an entry, as a component of a vector: values by entry and part.
 
-    Attributes:
-        what: entry and part in words, and an example of them.
-        entry: pattern of what names an entry.
-        no_entry: what to say of what does not.
-        parts: of an entry.
+    ``what`` is entry and part in words with an example; ``no_entry`` says what names no entry.
     """
 
     what: tuple[str, str]
@@ -171,7 +168,7 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 NUMBER_AXIS = AxisValues()
 LIST_AXES = ListAxes()
-VECTOR_AXES = NestedAxes(("place and axis", "2.y"), _ENTRIES, _NO_ENTRY, ("x", "y", "z"))
+VECTOR_AXES = NestedAxes(("place and axis", "2.y"), ENTRIES, _NO_ENTRY, ("x", "y", "z"))
 BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
@@ -237,11 +234,7 @@ def axes_of(
     varying: str,
     bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
-    """Return the keys that vary, each with its values.
-
-    The values are given by key and place, the keys of the driveline, the load and each bearing (if
-    its position may vary) as the scene has them; ``varying`` says in words what varies them.
-    """
+    """Return the keys that vary, given by key and place; ``varying`` says in words what does it."""
     axes = []
     for name, places in given.items():
         if name == "bearing":

@@ -42,11 +42,7 @@ _MOST_ROWS = 1 << 16
 
 @dataclass(frozen=True)
 class Written:
-    """The result of ``write_study``: the folder, its drivelines and its files.
-
-    Attributes:
-        found: number of files that were already complete.
-    """
+    """A folder that was written: its drivelines, its files, and how many were complete before."""
 
     folder: Path
     rows: int
@@ -128,12 +124,8 @@ def write_study(
     Every worker must see the folder under the same name. A file has a few tenths of a second of
     work, or so many rows; a folder that was started with another number keeps that number.
 
-    Raises:
-        ImportError: pyarrow or dask.distributed is missing.
-        OSError: a file cannot be written, or a worker writes into another folder; dask gave up,
-            because a part ended one worker after another or the scheduler is gone.
-        ValueError: a point of the grid that makes no driveline; a folder that holds another study
-            or none.
+    Raises OSError also where dask gave up, because a part ended one worker after another or the
+    scheduler is gone, and ValueError for a folder that holds another study or none.
     """
     import_optional("pyarrow", "table")
     distributed = import_optional("distributed", "dask")

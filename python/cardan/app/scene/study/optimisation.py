@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from cardan.app.scene.language.document import nested
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import kept_quantity
+from cardan.app.scene.language.section import Reading
 from cardan.app.scene.language.units import split
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import largest_speed
-from cardan.app.scene.sections.states import STATES
-from cardan.app.scene.sections.study import STUDY
+from cardan.app.scene.sections.study import STATES, STUDY
 from cardan.app.scene.study.axes import Axis, axes_of
 from cardan.app.scene.study.states import SceneLayout, States
 from cardan.arrays import FloatArray
@@ -29,9 +29,6 @@ from cardan.evaluation.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
 from cardan.optimisation.problem import Measure, measure_of, over_states
 from cardan.optimisation.search import TOLERANCE
-
-if TYPE_CHECKING:
-    from cardan.app.scene.reading import Reading
 
 DECIMALS = 6
 """Decimal places of the values that are found, in the unit of their keys."""
@@ -49,15 +46,11 @@ _DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"],
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """A key of a scene that may change.
+    """A key of a scene, with the entries that change together, and its least and largest change.
 
-    Attributes:
-        axis: the key, with the entries that change together.
-        base: its value in [driveline], of the first of its entries.
-        low: least change; ``-inf`` for a phase that is free.
-        high: largest change.
-        teeth: of the spline of a phase; 0 without one.
-        last_entry: number of the last entry of its key.
+    The base is the value of the first of its entries in [driveline], and ``last_entry`` the number
+    of the last one of its key. A phase that is free has the least change ``-inf``; teeth are those
+    of its spline, 0 without one.
     """
 
     axis: Axis
@@ -80,14 +73,7 @@ class Variable:
 
 @dataclass(frozen=True, eq=False)
 class Optimisation:
-    """What a scene's section [optimise] asks for.
-
-    Attributes:
-        keep: limits of other quantities by key, in the unit of the key.
-        starts: number of local searches.
-        layout: what the other sections say of the driveline.
-        load: the load in every state, if there is one.
-    """
+    """What a scene's section [optimise] asks for; limits to keep are in the unit of their key."""
 
     variables: tuple[Variable, ...]
     minimise: str

@@ -27,12 +27,9 @@ STATE = "state"
 
 @dataclass(frozen=True, eq=False)
 class SceneLayout:
-    """How a scene describes its driveline.
+    """How a scene describes its driveline and its load: values by key as the file has them.
 
-    Attributes:
-        driveline: values by key as the file has them, twists and phases that it leaves out as
-            zeros.
-        load: likewise those of its load; ``None`` without one.
+    Twists and phases that it leaves out are zeros.
     """
 
     form: Form
@@ -50,14 +47,10 @@ class SceneLayout:
         count: int = 1,
         changes: Mapping[str, ArrayLike] | None = None,
     ) -> dict[str, FloatArray]:
-        """Return values by key, each ``(count, entries, [3])``.
+        """Return values by key, each ``(count, entries, [3])``, with those of axes and changes.
 
-        Args:
-            axes: keys with one value per driveline.
-            count: the number of drivelines.
-            changes: further values by path (``"points_mm.2.y"``, ``"phases_deg.0"``) in the unit
-                of the key: one for all drivelines, or one each, ``(count,)``. The path must be one
-                that the scene uses and that does not vary among ``axes``.
+        Changes are by path (``"points_mm.2.y"``, ``"phases_deg.0"``) in the unit of the key: one
+        for all drivelines, or one each, ``(count,)``. The scene must use the path, and no axis may.
         """
         own = {axis.key for axis in axes}
         for path in changes or {}:

@@ -130,17 +130,9 @@ class StudyPart:
 class Study:
     """What a scene varies and which figures it wants of each driveline.
 
-    Attributes:
-        axes: what is varied.
-        form: how the scene describes its driveline.
-        driveline: the values of its keys as they stand in the file.
-        load: likewise those of its load; ``None`` without one.
-        angle: drive angles to reduce over: a sweep, or an array in rad.
-        shafts: of which shafts; ``None`` for the last one, without its number in the names.
-        options: further arguments of ``evaluate``.
-        mounting: the bearings of every driveline.
-        deviations: of the joints of every driveline in rad, ``(n, 3)``; ``None`` of ideal ones.
-            Closed forms are those of ideal joints.
+    Driveline and load have the values of their keys as they stand in the file. The drive angles to
+    reduce over are in rad. Without shafts it is of the last one, without its number in the names.
+    All drivelines have the deviations, ``(n, 3)`` in rad; closed forms are those of ideal joints.
     """
 
     axes: tuple[Axis, ...]
@@ -262,10 +254,8 @@ class Study:
                 argument, problem, place = error.argument, error.problem, error.place
                 # The first two count rows of the block, which the reader has not seen.
                 place = place[2:] if place[:2] == (0, 0) else place
-                point = {
-                    axis.key: float(column[0])
-                    for axis, column in zip(self.axes, columns, strict=True)
-                }
+                keys = (axis.key for axis in self.axes)
+                point = dict(zip(keys, map(float, np.ravel(columns)), strict=True))
                 if not point:
                     raise ArgumentValueError(argument, problem, place) from None
                 owners = (own.name for own in (DRIVELINE, BEARING) if argument in own.keys)
