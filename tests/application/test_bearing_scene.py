@@ -23,8 +23,7 @@ from cardan.app.answers.forces.figures import (
 from cardan.app.answers.printed import figure_text
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import summary
-from cardan.app.answers.turn.picture import plot_scene
-from cardan.app.answers.turn.quantities import quantities
+from cardan.app.answers.turn.picture import plot_scene, quantities
 from cardan.app.charts.samples import evaluated
 from cardan.app.command import commands
 from cardan.app.report import write_report

@@ -85,12 +85,8 @@ def chart(
     if names:
         x, start, stop = np.arange(float(len(names.texts))), -0.5, len(names.texts) - 0.5
 
-    def across(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
-        return FRAME.left + (FRAME.right - FRAME.left) * (value - start) / (stop - start)
-
-    def up(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
-        return FRAME.bottom - (FRAME.bottom - FRAME.top) * (value - low) / (high - low)
-
+    across = scaled(start, stop, FRAME.left, FRAME.right)
+    up = scaled(low, high, FRAME.bottom, FRAME.top)
     if names:
         x_label = named[0] if named else x_label
         marks = list(zip(x.tolist(), names.texts, strict=True))
@@ -128,12 +124,6 @@ def bars(heading: str, items: Sequence[tuple[str, float, str]]) -> dict[str, Any
         for (label, _, text), width in zip(items, widths, strict=True)
     ]
     return {"heading": heading, "items": shown}
-
-
-def _names(names: Sequence[str]) -> _NameAxis | None:
-    """The names below the frame, each in the middle of its share of the axis, if they fit."""
-    edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)
-    return _name_axis(names, ((edges[:-1] + edges[1:]) / 2.0).tolist(), FRAME.width)
 
 
 def decimals(panel: Panel) -> int:
@@ -174,6 +164,11 @@ def scale_of(values: FloatArray, scale: float) -> tuple[float, float, bool]:
     middle = (low + high) / 2.0
     room = 0.05 * abs(middle) if abs(middle) > noise else scale or 1.0
     return middle - room, middle + room, True
+
+
+def scaled(low: float, high: float, start: float, stop: float) -> Any:  # noqa: ANN401
+    """Return what turns numbers or arrays from low to high into places from start to stop."""
+    return lambda value: start + (stop - start) * (value - low) / (high - low)
 
 
 def ticks(low: float, high: float, about: float = 4.0) -> Sequence[float]:
@@ -219,12 +214,10 @@ class _NameAxis(NamedTuple):
     room: float  # pixels that they need more than level names
 
 
-def _name_axis(names: Sequence[str], places: Sequence[float], width: float) -> _NameAxis | None:
-    """Return the names below a frame, or ``None`` if they do not fit.
-
-    Each belongs at its place, from left to right and evenly spread, in pixels; all must be within
-    the width of the drawing.
-    """
+def _names(names: Sequence[str]) -> _NameAxis | None:
+    """The names below the frame, each in the middle of its share of the axis, if they fit."""
+    edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)
+    places = ((edges[:-1] + edges[1:]) / 2.0).tolist()
     names = [name if len(name) <= _LETTERS else f"{name[: _LETTERS - 1]}…" for name in names]
     wide = [_text_width(name) for name in names]
     step = min((b - a for a, b in pairwise(places)), default=math.inf)
@@ -233,12 +226,12 @@ def _name_axis(names: Sequence[str], places: Sequence[float], width: float) -> _
         if tilt:
             fits = step * sine >= _LINE
             fits &= all(x - own * cosine >= 0.0 for x, own in zip(places, wide, strict=True))
-            fits &= places[-1] + _FONT * sine <= width
+            fits &= places[-1] + _FONT * sine <= FRAME.width
             room = max(wide) * sine
         else:
             ends = [(x - own / 2.0, x + own / 2.0) for x, own in zip(places, wide, strict=True)]
             fits = all(left[1] + _GAP <= right[0] for left, right in pairwise(ends))
-            fits &= ends[0][0] >= 0.0 and ends[-1][1] <= width
+            fits &= ends[0][0] >= 0.0 and ends[-1][1] <= FRAME.width
             room = 0.0
         if fits:
             return _NameAxis(names, tilt, room)

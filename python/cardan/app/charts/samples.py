@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from cardan.app.answers.rounding import alike, first_peak
-from cardan.app.answers.turn.extremes import magnitudes, peak, shortest_arm, values_of
+from cardan.app.answers.rounding import alike, first_peak, is_cancelled
+from cardan.app.answers.turn.extremes import magnitudes, peak, peaks, shortest_arm, values_of
 from cardan.app.charts.charts import Curve, Panel
-from cardan.app.charts.motion import as_built
 from cardan.app.pictures.space import pins
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.recording.recorded import Angles
@@ -21,6 +20,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import Output
+from cardan.motion.equivalent import EquivalentJoint
 
 NOMINAL_TORQUE = 100.0
 """Drive torque in N m that is assumed where a scene gives no torque and no inertia in motion."""
@@ -89,11 +89,8 @@ class Samples:
     @property
     def assumed(self) -> str:
         """What loads are for, where the scene gives none: an ending of their headings."""
-        return (
-            f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
-            if self.nominal
-            else ""
-        )
+        words = f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
+        return words if self.nominal else ""
 
     @cached_property
     def peaks(self) -> list[PeakSample]:
@@ -102,9 +99,7 @@ class Samples:
         They are those of a whole turn and of all states, found between the samples; of a recording
         those of all samples. Of the motion there are closed forms.
         """
-        return list(self._peaks())
-
-    def _peaks(self) -> Iterator[PeakSample]:
+        peaks = []
         for output, item, values in self.result.curves():
             # An angle grows without end.
             if output.name in (*_MOTION, "angle"):
@@ -116,7 +111,8 @@ class Samples:
             vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
                 size, angle, state = 0.0, None, ""
-            yield PeakSample(output, item, size, angle, vector, state)
+            peaks.append(PeakSample(output, item, size, angle, vector, state))
+        return peaks
 
     def _peak(
         self, output: Output, item: int, values: FloatArray
@@ -145,19 +141,14 @@ class Samples:
         scene = self.result.scene
         if not scene.states:
             return [("", scene.line_as_built, scene.load_case)]
-        loads = [scene.states.load(i) for i in range(scene.states.count)]
         return [
             (
                 name,
                 as_built(scene, scene.states.driveline(i)),
-                scene.load_case if self.nominal else loads[i],
+                scene.load_case if self.nominal else scene.states.load(i),
             )
             for i, name in enumerate(scene.states.names)
         ]
-
-    def support_peaks(self) -> list[PeakSample]:
-        """Return the peak of every shaft's support moment."""
-        return [peak for peak in self.peaks if peak.output.name == "support_moment"]
 
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""
@@ -168,7 +159,12 @@ class Samples:
             if output.needs_load or output.per == "joint" or item > 0:
                 sizes = np.linalg.norm(values, axis=-1) if output.vector else values
                 found.setdefault(output, {})[item] = sizes
-        panels = list(self._drive())
+        panels = []
+        if scene.time is not None and scene.load_case is not None:
+            rpm = np.broadcast_to(scene.load_case.speed / RPM, scene.time.shape)
+            own = (Curve("shaft 0", rpm[self.shown]),)
+            scale = float(np.max(np.abs(rpm))) or 1.0
+            panels.append(Panel("drive speed", "rpm", own, scale))
         for output, curves in found.items():
             heading, unit, factor = output.label, output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
@@ -193,15 +189,6 @@ class Samples:
             left_out = len(curves) - len(chosen)
             panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
         return panels
-
-    def _drive(self) -> Iterator[Panel]:
-        """The speed of a drive that was recorded over time."""
-        scene = self.result.scene
-        if scene.time is None or scene.load_case is None:
-            return
-        speed = np.broadcast_to(scene.load_case.speed / RPM, scene.time.shape)
-        curve = Curve("shaft 0", np.asarray(speed)[self.shown])
-        yield Panel("drive speed", "rpm", (curve,), float(np.max(np.abs(speed))) or 1.0)
 
     def pins(self) -> FloatArray:
         """Return the pins of every cross at the samples shown, as ``pins`` does."""
@@ -243,5 +230,55 @@ def evaluated(scene: Scene) -> Samples:
 def _loaded_in_states(scene: Scene) -> bool:
     """Whether a state has a torque, which [load] need not have."""
     states = scene.states
-    loads = [states.load(i) for i in range(states.count)] if states else []
+    loads = (states.load(i) for i in range(states.count)) if states else ()
     return any(load is not None and bool(np.any(load.torque)) for load in loads)
+
+
+# --- motion of the shafts over a turn, with joints as built if a scene has them -------------------
+
+
+class TurnMotion(NamedTuple):
+    """The extremes of a shaft's motion over a turn, ``(...)`` of a batch of drivelines."""
+
+    angle_error: FloatArray  # largest magnitude in rad
+    slowest: FloatArray  # least speed ratio
+    fastest: FloatArray  # largest speed ratio
+    acceleration: FloatArray  # largest magnitude of the acceleration ratio
+
+
+def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
+    """Return the joint that moves a shaft as the chain does, straight if rounding alone is left."""
+    joint = line.equivalent(shaft)
+    if not line.shape and is_cancelled(line, joint):
+        return Driveline.from_bends([0.0]).equivalent()
+    return joint
+
+
+def as_built(scene: Scene, line: Driveline) -> Driveline:
+    """Return a driveline of a scene with the deviations of its joints, if the scene gives any."""
+    return line if scene.deviations is None else line.with_deviations(*scene.deviations.T)
+
+
+def deviates(scene: Scene) -> bool:
+    """Return whether a joint of a scene deviates from its drawing."""
+    return scene.deviations is not None and bool(np.any(scene.deviations))
+
+
+def turn_motion(scene: Scene, line: Driveline, shaft: int) -> TurnMotion:
+    """Return the extremes of a shaft of one driveline of a scene or of those of its states.
+
+    Of ideal joints they have closed forms; with deviations they are searched over the turn.
+    """
+    if not deviates(scene):
+        joint = equivalent(line, shaft)
+        return TurnMotion(
+            *map(np.asarray, (joint.max_angle_error, joint.min_speed_ratio)),
+            *map(np.asarray, (joint.max_speed_ratio, joint.max_acceleration_ratio)),
+        )
+    built = as_built(scene, line)
+    return TurnMotion(
+        peaks(built, "angle_error", [shaft])[0],
+        peaks(built, "speed_ratio", [shaft], is_least=True)[0],
+        peaks(built, "speed_ratio", [shaft])[0],
+        peaks(built, "acceleration_ratio", [shaft])[0],
+    )

@@ -8,7 +8,7 @@ from typing import get_args
 import click
 
 from cardan.app.answers.table import pictures
-from cardan.app.answers.turn.abscissa import Over
+from cardan.app.answers.turn.panel import Over
 from cardan.app.command.options import check_output, file_option, scene_argument
 from cardan.app.command.terminal import progress_bar, say
 from cardan.app.files.columns import PICTURES as SUFFIXES

@@ -27,8 +27,7 @@ from cardan.app.answers.yokes.text import (
     tooth_lines,
     yoke_lines,
 )
-from cardan.app.charts.motion import deviates, turn_motion
-from cardan.app.charts.samples import Samples
+from cardan.app.charts.samples import Samples, deviates, turn_motion
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import counted
@@ -52,7 +51,10 @@ _SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the 
 
 def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) -> dict[str, Any]:
     """Return the three answers as plain data for ``answer.html``."""
-    scene = answer.scene
+    scene, drive_speed, forces = answer.scene, answer["drive_speed"], answer["forces"]
+    spline, tolerances = answer["spline"], answer["tolerances"]
+    # Of more joints the yokes say it.
+    has_one_bend = scene.line.n_joints == 1 and not scene.line.shape
     return {
         "verdict": verdict_of(answer),
         "smooth": _smooth(answer),
@@ -63,11 +65,17 @@ def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) ->
             if scene.states
             else "The bends vary along the recording. Yoke settings are given for fixed bends only."
         ),
-        "remedies": _of_one_joint(scene),
-        "drive_speed": _drive_speed(answer),
-        "forces": _forces(answer),
-        "spline": _spline(answer),
-        "toleranced": _toleranced(answer),
+        "remedies": remedies(advice(scene.line, limit_of(scene))) if has_one_bend else [],
+        "drive_speed": drive_speed
+        and {"heading": heading(drive_speed), "words": list(sentences(drive_speed))},
+        "forces": [*filter(None, [largest_text(forces)]), *missing_forces(forces)]
+        if forces
+        else [],
+        "spline": ""
+        if spline is None or spline.force is None
+        else f"The spline of shaft {spline.shaft} adds an axial force of up to "
+        f"{figure_text(spline.force)} N while it slides.",
+        "toleranced": list(tolerance_sentences(tolerances)) if tolerances else [],
     }
 
 
@@ -75,11 +83,6 @@ def verdict_of(answer: Answer) -> dict[str, str]:
     """Return the one verdict for the top of a page."""
     words = verdict_text(answer)
     return {"word": answer.verdict, "class": CLASSES[answer.verdict], "words": words}
-
-
-def _toleranced(answer: Answer) -> list[str]:
-    found = answer["tolerances"]
-    return list(tolerance_sentences(found)) if found else []
 
 
 def _smooth(answer: Answer) -> dict[str, Any]:
@@ -127,7 +130,7 @@ def _motion(scene: Scene, check: Check) -> str:
 
 def _bearings(samples: Samples) -> dict[str, Any] | None:
     """The largest support moments; ``None`` where there are none."""
-    peaks = samples.support_peaks()
+    peaks = [peak for peak in samples.peaks if peak.output.name == "support_moment"]
     by_size = sorted(peaks, key=lambda peak: -peak.size)
     largest = by_size[0]
     if largest.size == 0.0:
@@ -152,37 +155,6 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
         "listed": [(peak.item, figure_text(peak.size)) for peak in listed],
         "others": len(peaks) - len(listed),
     }
-
-
-def _of_one_joint(scene: Scene) -> list[str]:
-    """What would bring a single joint within its limit; of more joints the yokes say it."""
-    if scene.line.n_joints > 1 or scene.line.shape:
-        return []
-    return remedies(advice(scene.line, limit_of(scene)))
-
-
-def _forces(answer: Answer) -> list[str]:
-    """The largest force of a bearing, and why forces are not known."""
-    found = answer["forces"]
-    return [] if found is None else [*filter(None, [largest_text(found)]), *missing_forces(found)]
-
-
-def _spline(answer: Answer) -> str:
-    """What the axial force of a spline adds to the loads of the bearings."""
-    found = answer["spline"]
-    if found is None or found.force is None:
-        return ""
-    return (
-        f"The spline of shaft {found.shaft} adds an axial force of up to "
-        f"{figure_text(found.force)} N while it slides."
-    )
-
-
-def _drive_speed(answer: Answer) -> dict[str, Any] | None:
-    found = answer["drive_speed"]
-    if found is None:
-        return None
-    return {"heading": heading(found), "words": list(sentences(found))}
 
 
 def _yokes(found: YokeFigures) -> dict[str, Any]:

@@ -12,13 +12,13 @@ from cardan.app.answers.rounding import is_cancelled
 from cardan.app.answers.turn.figures import within_turn
 from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.charts.charts import Table
-from cardan.app.charts.motion import deviates, equivalent, turn_motion
-from cardan.app.charts.samples import PeakSample, Samples
+from cardan.app.charts.samples import PeakSample, Samples, deviates, equivalent, turn_motion
 from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 from cardan.motion.workshop import VIEW, turn
 
 # Shafts or joints that fit side by side on paper; more go below each other.
@@ -45,56 +45,43 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     """
     line = scene.drivelines() if scene.states else scene.line
     joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
-    heads = ["Shaft"]
-    shafts = [[f"shaft {i}"] for i in range(line.n_joints + 1)]
+    shafts = {"Shaft": [f"shaft {i}" for i in range(line.n_joints + 1)]}
     if line.n_joints > 1:
-        twists = line.twists.reshape(-1, line.n_joints - 1)
+        twists = within_turn(line.twists.reshape(-1, line.n_joints - 1))
         phases = line.phases.reshape(-1, line.n_joints - 1)
-        heads += ["Twist of bend planes [deg]", "Phase of yokes [deg]", f"Output-side yoke, {VIEW}"]
-        for i, cells in enumerate(shafts):
-            if 0 < i < line.n_joints:
-                twist = _span(within_turn(twists[:, i - 1]))
-                own = phases[:, i - 1]
-                one = bool(np.ptp(own) == 0.0)
-                cells += [twist, _span(within_turn(own)), _setting(own[0]) if one else ""]
-            else:
-                cells += ["", "", ""]
+        for head, cells in (
+            ("Twist of bend planes [deg]", map(_span, twists.T)),
+            ("Phase of yokes [deg]", map(_span, within_turn(phases).T)),
+            (f"Output-side yoke, {VIEW}", map(_setting, phases.T)),
+        ):
+            shafts[head] = ["", *cells, ""]
     if scene.states or not line.shape:
-        heads += [f"Direction, {axis}" for axis in "xyz"]
         directions = line.directions.reshape(-1, line.n_joints + 1, 3)
-        for i, cells in enumerate(shafts):
-            cells += [_coordinate(directions[:, i, axis]) for axis in range(3)]
-    if has_lengths(line):
-        lengths = line.lengths().each.reshape(-1, line.n_joints + 1)
-        heads += ["Length [mm]"]
-        for cells, length in zip(shafts, lengths.T, strict=True):
-            cells += [_span(1e3 * length)]
+        for axis, values in zip("xyz", directions.T, strict=True):
+            shafts[f"Direction, {axis}"] = [_fixed(each, 5) for each in values]
     load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+    if has_lengths(line):
+        shafts["Length [mm]"] = _by_shaft(line, 1e3 * line.lengths().each)
     if load is not None and load.inertias is not None:
-        heads += ["Inertia [kg m²]"]
-        inertias = load.inertias.reshape(-1, line.n_joints + 1)
-        for cells, inertia in zip(shafts, inertias.T, strict=True):
-            cells += [_span(inertia)]
-    return {
-        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
-        "drive": Table("Load and drive", ("Input", "Value"), _drive(scene)),
-        "shafts": Table("Shafts", heads, shafts),
-        "bearings": _bearings(line) if line.n_bearings else None,
-    }
-
-
-def _bearings(line: Driveline) -> Table:
-    """Shaft and position of every bearing."""
-    heads = ("Bearing", "Shaft", "Position from its upstream end [mm]")
-    rows = [
+        shafts["Inertia [kg m²]"] = _by_shaft(line, load.inertias)
+    bearings = [
         (f"bearing {number}", f"{shaft}", _span(1e3 * position))
         for number, (shaft, position) in enumerate(line.bearings)
     ]
-    return Table("Bearings", heads, rows)
+    of_bearings = ("Bearing", "Shaft", "Position from its upstream end [mm]")
+    return {
+        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
+        "drive": Table("Load and drive", ("Input", "Value"), _drive(scene, load)),
+        "shafts": Table("Shafts", [*shafts], [*zip(*shafts.values(), strict=True)]),
+        "bearings": Table("Bearings", of_bearings, bearings) if bearings else None,
+    }
 
 
-def _drive(scene: Scene) -> list[tuple[str, str]]:
-    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+def _by_shaft(line: Driveline, values: FloatArray) -> list[str]:
+    return [*map(_span, values.reshape(-1, line.n_joints + 1).T)]
+
+
+def _drive(scene: Scene, load: Load | None) -> list[tuple[str, str]]:
     given = []
     if load is not None:
         given += [(f"Torque at the {load.end}", f"{_span(_known(load.torque))} N m")]
@@ -227,21 +214,21 @@ def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
     line = scene.line
     if line.n_joints == 1:
         return None
-    rows = []
+    compared = []
     if yokes:
         for key, rule in vars(yokes.catalogue).items():
             if rule:
                 words = " ".join("\N{MINUS SIGN}" if sign < 0 else "+" for sign in rule.fork_signs)
-                exact, by_rule = getattr(yokes.equivalent_bend_deg, key), rule.equivalent_bend_deg
-                figures = (exact, by_rule, by_rule - exact, rule.off_deg)
-                rows.append((_SETTINGS[key], *map(_fixed, figures), words))
+                exact = getattr(yokes.equivalent_bend_deg, key)
+                compared.append((key, exact, rule.equivalent_bend_deg, rule.off_deg, words))
     else:
         signs, off = line.fork_signs()
-        exact, by_rule = (
-            np.degrees(bend) for bend in (line.equivalent().bend, line.catalogue_bend(signs))
-        )
-        figures = (exact, by_rule, by_rule - exact, np.degrees(np.max(off)))
-        rows.append((_SETTINGS["present"], *map(_fixed, figures), ""))
+        exact, by_rule = np.degrees((line.equivalent().bend, line.catalogue_bend(signs)))
+        compared.append(("present", exact, by_rule, np.degrees(np.max(off)), ""))
+    rows = [
+        (_SETTINGS[key], *map(_fixed, (exact, by_rule, by_rule - exact, off)), words)
+        for key, exact, by_rule, off, words in compared
+    ]
     heads = (
         "Yokes",
         "Exact [deg]",
@@ -253,9 +240,11 @@ def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
     return Table("Equivalent bend", heads, rows)
 
 
-def _setting(phase: float) -> str:
-    """How the output-side yoke of a shaft is turned against the input-side one."""
-    found = turn(phase)
+def _setting(phases: FloatArray) -> str:
+    """How the output-side yoke of a shaft is turned against the input-side one, if it stays so."""
+    if np.ptp(phases) != 0.0:
+        return ""
+    found = turn(phases[0])
     degrees = float(np.degrees(found.angle))
     return f"{degrees:.2f}° {found.sense}" if degrees >= _SHOWN_DEG else "in one plane"
 
@@ -264,9 +253,9 @@ def _figure(value: float | FloatArray) -> str:
     return figure_text(float(value) + 0.0)
 
 
-def _fixed(angles: FloatArray | float) -> str:
-    """An angle in degrees, or the least and the largest of several; what is rounding reads 0."""
-    low, high = (f"{end + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
+def _fixed(values: FloatArray | float, decimals: int = 4) -> str:
+    """A value, or the least and the largest of several; what is rounding reads 0."""
+    low, high = (f"{end:.{decimals}f}" for end in (np.min(values), np.max(values)))
     low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
     return low if low == high else f"{low} to {high}"
 
@@ -284,11 +273,6 @@ def _span(values: FloatArray | float) -> str:
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         return _figure(high)
     return f"{_figure(low)} to {_figure(high)}"
-
-
-def _coordinate(values: FloatArray) -> str:
-    low, high = (f"{end + 0.0:.5f}" for end in (np.min(values), np.max(values)))
-    return low if low == high else f"{low} to {high}"
 
 
 def _ends(first: FloatArray, second: FloatArray) -> str:

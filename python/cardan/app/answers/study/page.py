@@ -24,6 +24,7 @@ from cardan.app.charts.charts import (
     chart,
     number,
     scale_of,
+    scaled,
     some,
     ticks,
     ticks_of,
@@ -197,8 +198,8 @@ def heat_map(
     across, up = _edges(x[columns]), _edges(y[rows])
     shown = np.full_like(values, np.mean(values)) if flat else values
     bands = np.digitize(shown[np.ix_(rows, columns)], levels[1:-1])
-    to_x = _to(across[0], across[-1], FRAME.left, FRAME.right)
-    to_y = _to(up[0], up[-1], FRAME.bottom, FRAME.top)
+    to_x = scaled(across[0], across[-1], FRAME.left, FRAME.right)
+    to_y = scaled(up[0], up[-1], FRAME.bottom, FRAME.top)
     place = np.unravel_index(int(np.argmin(values)), values.shape)
     x_label, y_label = labels
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
@@ -241,9 +242,5 @@ def _path(inside: Any, x: FloatArray, y: FloatArray) -> str:  # noqa: ANN401 - b
 def _edges(places: FloatArray) -> FloatArray:
     """Borders of cells around places: halfway between neighbours, and as far beyond the ends."""
     middles = (places[1:] + places[:-1]) / 2.0
-    ends = [2.0 * places[0] - middles[0]], [2.0 * places[-1] - middles[-1]]
-    return np.concatenate([ends[0], middles, ends[1]])
-
-
-def _to(low: float, high: float, start: float, stop: float) -> Any:  # noqa: ANN401 - numbers or arrays
-    return lambda value: start + (stop - start) * (value - low) / (high - low)
+    first, last = 2.0 * places[0] - middles[0], 2.0 * places[-1] - middles[-1]
+    return np.concatenate([[first], middles, [last]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -12,15 +13,16 @@ import numpy as np
 
 from cardan.app.answers.states.picture import height_mm, plot_states
 from cardan.app.answers.study.picture import plot_study
-from cardan.app.answers.turn.abscissa import Abscissa, Over, abscissa
 from cardan.app.answers.turn.figures import SummaryRow, summary
-from cardan.app.answers.turn.quantities import MOST, DrawnQuantity, quantities
+from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, in_unit
 from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
 from cardan.app.pictures.style import (
+    LINES,
     MM,
     STYLE,
     WIDTH,
+    legend_above,
     matplotlib,
     number,
     page,
@@ -31,6 +33,8 @@ from cardan.app.pictures.style import (
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.states import StatesResult
+from cardan.arrays import FloatArray
+from cardan.evaluation.outputs import Output
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -276,3 +280,121 @@ def _lines(rows: Sequence[SummaryRow], most: int) -> Iterator[tuple[str, str]]:
         item = max(found, key=lambda row: abs(row.value)).item
         for label, text in summary_lines(row for row in found if row.item == item):
             yield label if label.startswith("largest") else f"largest {label}", text
+
+
+# --- panels: what is drawn in each, and on which scale --------------------------------------------
+
+MOST = len(LINES)
+"""How many shafts or joints a panel shows at most."""
+
+
+_KINDS = {"N m": "moments", "N": "forces"}
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnQuantity:
+    """A panel: a curve, ``(samples,)``, for each shaft, joint or bearing that there is room for."""
+
+    heading: str
+    per: str
+    items: tuple[int, ...]
+    curves: tuple[FloatArray, ...]
+    # Panels of the same name share their scale.
+    scale: str
+    # What values that are all 0 would be measured in.
+    unit_size: float = 1.0
+    left_out: int = 0
+    # What it is a component of, "moments" or "forces"; "" of a scalar.
+    vector: str = ""
+
+    def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
+        """Draw the panel with its heading and, of several curves, its legend.
+
+        These begin so many points to the left of the axes.
+        """
+        names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
+        labels = names if len(self.items) > 1 else [""]
+        curves = list(zip(labels, self.curves, strict=True))
+        over.draw(axes, curves=curves, scale=self.unit_size)
+        # Over the ticks too, where long headings and six names need the width.
+        left = -aside / axes.bbox.width * axes.figure.dpi / 72.0
+        many = len(self.items) > 1
+        axes.set_title(self.heading, loc="left", x=left, pad=14.5 if many else 5.5)
+        if many:
+            place = {"loc": "lower left", "bbox_to_anchor": (left, 1.0), "borderaxespad": 0.7}
+            legend_above(axes, ncols=MOST, **{**place, "handlelength": 1.6, "columnspacing": 0.5})
+
+
+def quantities(result: SceneResult) -> list[DrawnQuantity]:
+    """Return the panels of a scene: one per quantity, three for one that is a vector.
+
+    The speed and acceleration of a drive that was recorded over time come first.
+    """
+    found: dict[str, tuple[Output, list[int], list[FloatArray]]] = {}
+    for output, item, values in result.curves():
+        _, items, curves = found.setdefault(output.name, (output, [], []))
+        items.append(item)
+        curves.append(values)
+    scene, panels = result.scene, []
+    if scene.speed_recorded and scene.load_case:
+        for heading, values in (
+            ("drive speed [rpm]", scene.load_case.speed / RPM),
+            ("drive acceleration [rad/s²]", scene.load_case.acceleration),
+        ):
+            panels.append(DrawnQuantity(heading, "shaft", (0,), (values,), heading))
+    for output, items, curves in found.values():
+        if output.vector:
+            along = _along(result)
+            for i, axis in enumerate(output.axes):
+                part = [values[:, i] for values in curves]
+                scale = f"{output.name} {'along' if i == along else 'across'}"
+                sense = "about" if _KINDS[output.unit] == "moments" else "along"
+                panels.append(_panel(result, output, items, part, f" {sense} {axis}", scale))
+        else:
+            panels.append(_panel(result, output, items, curves, "", output.name))
+    return panels
+
+
+def _panel(
+    result: SceneResult,
+    output: Output,
+    items: Sequence[int],
+    curves: Sequence[FloatArray],
+    component: str,
+    scale: str,
+) -> DrawnQuantity:
+    heading, size = f"{output.label}{component}", 1.0
+    every, unit = in_unit(output, np.stack(curves))
+    if output.name == "acceleration_ratio" and result.scene.speed:
+        size = result.scene.speed**2
+        speed = result.scene.load_case.speed if result.scene.load_case else 0.0
+        every, unit = every * speed**2, " [rad/s²]"
+        heading = "acceleration" + " at steady drive" * result.scene.accelerates
+    extents = np.array([_extent(values) for values in every])
+    # Those that vary most, of equal ones the first, in the order of the driveline.
+    shown = np.sort(np.argsort(-extents, kind="stable")[:MOST])
+    if len(items) == 1:
+        heading += f", {output.per} {items[0]}"
+    elif len(items) > len(shown):
+        heading += f", {len(shown)} of {len(items)} {output.per}s"
+    return DrawnQuantity(
+        heading + unit,
+        output.per,
+        tuple(items[i] for i in shown),
+        tuple(every[shown]),
+        scale,
+        size,
+        len(items) - len(shown),
+        _KINDS[output.unit] if output.vector else "",
+    )
+
+
+def _extent(values: FloatArray) -> float:
+    known = values[~np.isnan(values)]
+    return float(np.ptp(known)) if known.size else 0.0
+
+
+def _along(result: SceneResult) -> int:
+    """The axis that the driveline follows most: torque goes along it, bending across."""
+    directions = result.scene.line.directions
+    return int(np.argmax(np.abs(np.mean(directions.reshape(-1, 3), axis=0))))
