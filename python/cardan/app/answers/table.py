@@ -111,14 +111,14 @@ class Part:
 
     def heading(self, found: Any) -> str:  # noqa: ANN401 - any part
         """Return what stands above the figures: ``"Spline of shaft 1"``."""
-        if own := self._own("heading", "text"):
+        if own := self._own("heading", "text", "figures"):
             return str(own(found))
         about = "" if isinstance(found, tuple) else item_of(found)
         return f"{self.title} of {about}" if about else self.title
 
     def sentences(self, found: Any) -> list[str]:  # noqa: ANN401 - any part
         """Return what follows from the figures, in words."""
-        own = self._own("sentences", "text")
+        own = self._own("sentences", "text", "figures")
         return list(own(found)) if own else []
 
 

@@ -1,7 +1,8 @@
-"""The command ``cardan run``."""
+"""The commands that evaluate a scene: ``run``, and ``stream`` for long recordings."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
@@ -16,8 +17,8 @@ from cardan.app.answers.states.text import OF_DRIVELINE, states_text
 from cardan.app.answers.study.figures import StudyTable, study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
-from cardan.app.answers.turn.figures import DriveAngles, turn_figures
-from cardan.app.answers.turn.text import few_samples_text, signals_text, summary_text
+from cardan.app.answers.turn.figures import DriveAngles, recorded_angles, turn_figures
+from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_text, summary_text
 from cardan.app.command.options import (
     check_output,
     check_picture,
@@ -36,6 +37,7 @@ from cardan.app.command.terminal import (
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
+from cardan.app.scene.recording import streaming
 from cardan.app.scene.scene import FORMAT, BallJointScene, Scene, SceneResult
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.app.scene.study import cluster
@@ -260,3 +262,44 @@ def _write_on_cluster(
         except ValueError as error:
             raise SceneError(error, scene.name, "study") from None
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
+
+
+@click.command()
+@scene_argument
+@into_option
+@units_option
+def stream(scene: Path, into: Path, radians: bool) -> None:
+    """Evaluate a recording of any length, in chunks that fit in memory.
+
+    The scene needs a section [angles], and curves that end in .parquet. Only the curves are
+    written.
+
+    \b
+    Example:
+      cardan stream long.toml
+    """
+    begun = time.perf_counter()
+    try:
+        with progress_bar("rows") as progress:
+            done = streaming.stream(scene, into, radians=radians, progress=progress)
+    except MemoryError:
+        # It takes the angles by chunks already.
+        hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
+        raise click.ClickException(hint) from None
+    rate = done.rows / (time.perf_counter() - begun) / 1e6
+    say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
+    angles = recorded_angles(
+        done.rows,
+        done.missing,
+        done.ends_deg,
+        done.turns,
+        done.signals,
+        done.extent_deg,
+    )
+    say(f"drive angles {angles_text(angles, radians=radians)}")
+    if done.signals:
+        say(signals_text(angles))
+    if warning := few_samples_text(angles):
+        say(f"cardan: {warning}", on_error=True)
+    if done.missing:
+        say(missing_samples(done.missing, done.rows, "the recording"))

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from cardan.app.files.headings import place_of_column, short
+from cardan.app.files.delimited import place_of_column, short
 from cardan.arrays import FloatArray, import_optional
 
 # What an MDF file begins with; the second is of a file whose logger was switched off.

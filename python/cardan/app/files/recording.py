@@ -14,8 +14,7 @@ from typing import IO, Any, NamedTuple
 
 import numpy as np
 
-from cardan.app.files.delimited import line_of, read_csv
-from cardan.app.files.headings import place_of_column, short
+from cardan.app.files.delimited import line_of, place_of_column, read_csv, short
 from cardan.arrays import FloatArray, import_optional
 
 _Columns = list[FloatArray]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
+from cardan.app.answers.printed import place_of, quantity
 from cardan.app.answers.rows import Judged, count, figure, item, parts
 from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.app.answers.turn.figures import first_place, noise
@@ -227,3 +228,24 @@ def unknown(scene: Scene) -> str:
 
 def _rounded(size: float, least: float) -> float:
     return 0.0 if size <= least else size
+
+
+def sentences(found: Forces) -> Iterator[str]:
+    """Say why forces are missing."""
+    each: tuple[tuple[str, tuple[OverTurn, ...]], ...]
+    each = (("joints", found.joints), ("bearings", found.bearings))
+    for name, forces in each:
+        if forces and (why := forces[0].largest.why):
+            yield f"The forces of the {name} are not known: {why}."
+
+
+def largest_text(found: Forces) -> str:
+    """Say which bearing bears the largest force; nothing without bearings."""
+    force = max(found.bearings, key=lambda force: force.largest.value or 0.0, default=None)
+    if force is None or not force.largest.value:
+        return ""
+    at = "" if force.at is None else f", at {quantity(force.at, 'deg')} of drive angle"
+    return (
+        f"Largest bearing force: bearing {force.number}, shaft {force.shaft}, "
+        f"{quantity(force.largest.value, 'N')}{place_of(force.largest)}{at}."
+    )
