@@ -199,8 +199,7 @@ def phase(scene: Path, as_json: bool) -> None:
 @click.option("--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's.")
 @click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
 @click.option(
-    "--radians/--degrees",
-    help="Angles in the file and in the answer; by default in degrees.",
+    "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
 )
 @json_option
 def identify(
@@ -249,8 +248,7 @@ def identify(
 @scene_argument
 @file_option("--to", "Scene to write; default: NAME.optimised.toml in the folder of the scene.")
 @file_option(
-    "--picture",
-    "Also draw the quantity over each variable and each state, before and after.",
+    "--picture", "Also draw the quantity over each variable and each state, before and after."
 )
 @json_option
 def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:

@@ -28,12 +28,7 @@ from cardan.app.command.options import (
     scene_argument,
     units_option,
 )
-from cardan.app.command.terminal import (
-    as_json_text,
-    progress_bar,
-    say,
-    say_before_files,
-)
+from cardan.app.command.terminal import as_json_text, progress_bar, say, say_before_files
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
@@ -63,20 +58,11 @@ SCENE is a TOML file with these sections and keys:
 @click.option(
     "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
 )
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Evaluate the study on this dask cluster.",
-)
+@click.option("--scheduler", metavar="ADDRESS", help="Evaluate the study on this dask cluster.")
 @units_option
 @json_option
 def run(
-    scene: Path,
-    into: Path,
-    local: int | None,
-    scheduler: str | None,
-    radians: bool,
-    as_json: bool,
+    scene: Path, into: Path, local: int | None, scheduler: str | None, radians: bool, as_json: bool
 ) -> None:
     """Evaluate a scene: print the main results, write curves, study and picture.
 
@@ -289,12 +275,7 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     rate = done.rows / (time.perf_counter() - begun) / 1e6
     say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
     angles = recorded_angles(
-        done.rows,
-        done.missing,
-        done.ends_deg,
-        done.turns,
-        done.signals,
-        done.extent_deg,
+        done.rows, done.missing, done.ends_deg, done.turns, done.signals, done.extent_deg
     )
     say(f"drive angles {angles_text(angles, radians=radians)}")
     if done.signals:

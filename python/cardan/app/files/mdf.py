@@ -154,11 +154,7 @@ def _numbers(
     _check_place(file.groups[group], places[0], f"column {name!r}")
     try:
         samples, invalid = file.get(
-            group=group,
-            index=places[0],
-            samples_only=True,
-            ignore_invalidation_bits=True,
-            **part,
+            group=group, index=places[0], samples_only=True, ignore_invalidation_bits=True, **part
         )
     except Exception as error:
         raise _unreadable(f"column {name!r}", error) from None

@@ -62,10 +62,7 @@ class Chunk(NamedTuple):
 
 
 def read_chunks(
-    path: str | PathLike[str],
-    names: Sequence[str],
-    rows: int | None,
-    raster_s: float | None = None,
+    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None = None
 ) -> Generator[Chunk]:
     """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 

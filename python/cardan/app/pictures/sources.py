@@ -176,10 +176,7 @@ def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> A
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
     found = line.evaluate(
-        TURN,
-        ("angle", "bending_driving", "bending_driven"),
-        joints=0,
-        load=Load(drive_torque=1.0),
+        TURN, ("angle", "bending_driving", "bending_driven"), joints=0, load=Load(drive_torque=1.0)
     )
     with drawing(ax, "polar", height_mm=78.0) as axes:
         polar: Any = axes

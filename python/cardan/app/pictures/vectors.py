@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.app.answers.turn.extremes import period_of
-from cardan.app.pictures.style import (
-    LINES,
-    MARKERS,
-    THIN,
-    check_single,
-    drawing,
-    finish,
-)
+from cardan.app.pictures.style import LINES, MARKERS, THIN, check_single, drawing, finish
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
@@ -106,11 +99,7 @@ _MARKS = np.arange(0, 180, 30) * _PER_DEGREE
 
 
 def plot_hodograph(
-    line: Driveline,
-    joint: int = 0,
-    *,
-    load: Load | None = None,
-    ax: Axes | None = None,
+    line: Driveline, joint: int = 0, *, load: Load | None = None, ax: Axes | None = None
 ) -> Axes:
     """Draw the path of what bends the shafts at a joint: its moment seen along either shaft.
 

@@ -8,14 +8,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
-from cardan.app.pictures.style import (
-    THIN,
-    drawing,
-    finish,
-    line_style,
-    stacked,
-    value_ticks,
-)
+from cardan.app.pictures.style import THIN, drawing, finish, line_style, stacked, value_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

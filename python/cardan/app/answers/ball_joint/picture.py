@@ -14,13 +14,7 @@ from cardan.app.answers.ball_joint.figures import (
 )
 from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import Curve, Panel, chart
-from cardan.app.pictures.style import (
-    THIN,
-    drawing,
-    finish,
-    line_style,
-    page,
-)
+from cardan.app.pictures.style import THIN, drawing, finish, line_style, page
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint

@@ -202,11 +202,7 @@ def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Suppor
     last = bends.shape[-1]
     sides: tuple[tuple[Literal["upstream", "downstream"], int, int | None], ...] = (
         ("upstream", max(slip.shaft - 1, 0), slip.shaft - 1 if slip.shaft else None),
-        (
-            "downstream",
-            min(slip.shaft + 1, last),
-            slip.shaft if slip.shaft < last else None,
-        ),
+        ("downstream", min(slip.shaft + 1, last), slip.shaft if slip.shaft < last else None),
     )
     found = []
     for side, shaft, joint in sides:

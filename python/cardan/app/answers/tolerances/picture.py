@@ -21,14 +21,7 @@ from cardan.app.answers.tolerances.figures import (
 )
 from cardan.app.answers.tolerances.text import by_state, percent
 from cardan.app.charts.charts import Curve, Panel, Table, bars, chart
-from cardan.app.pictures.style import (
-    LINES,
-    draw_bars,
-    drawing,
-    legend_above,
-    stacked,
-    value_ticks,
-)
+from cardan.app.pictures.style import LINES, draw_bars, drawing, legend_above, stacked, value_ticks
 from cardan.arrays.errors import ArgumentValueError
 from cardan.tolerances import Tolerances
 

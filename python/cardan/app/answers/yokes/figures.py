@@ -191,10 +191,7 @@ def yoke_settings(scene: Scene) -> YokeFigures:
     }
     above = [str(finding) for finding in check.findings if not np.all(finding.passes)]
     return YokeFigures(
-        **vars(found),
-        view=VIEW,
-        catalogue=_by_setting(RootRules, rules),
-        above_limits=tuple(above),
+        **vars(found), view=VIEW, catalogue=_by_setting(RootRules, rules), above_limits=tuple(above)
     )
 
 
