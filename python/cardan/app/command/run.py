@@ -89,7 +89,9 @@ def run(
     if on_cluster:
         _check_for_cluster(whole, local, scheduler)
         loaded = replace(whole, study=None, table_file=None)
-        _check_folder(into / str(whole.table_file))
+        path = into / str(whole.table_file)
+        if path.exists() and not path.is_dir():
+            raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
     seat = loaded.ball_joint and loaded.ball_joint.picture_file
     for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
         if name:
@@ -120,8 +122,9 @@ def run(
     say_before_files(summary_text(turn, radians=radians))
     if whole.states:
         say_before_files(f"\n{OF_DRIVELINE}")
-    if whole.missing:
-        say_before_files(f"\n{_missing_of(whole)}")
+    if whole.missing and whole.recording:
+        count, where = len(whole.drive_angle), whole.recording.name
+        say_before_files(f"\n{missing_samples(whole.missing, count, where)}")
     for part, found in answer.parts("run"):
         say_before_files(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
@@ -189,12 +192,6 @@ def _write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[d
         yield {"file": str(path)}
 
 
-def _missing_of(scene: Scene) -> str:
-    """Return the line that says how many recorded samples of a scene are missing."""
-    assert scene.recording
-    return missing_samples(scene.missing, len(scene.drive_angle), scene.recording.name)
-
-
 def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     """Return the line that says which file was written."""
     if not rows:
@@ -225,12 +222,6 @@ def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -
         raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
     import_optional("distributed", "dask")
     import_optional("pyarrow", "table")
-
-
-def _check_folder(path: Path) -> None:
-    """Refuse a file in the place of the folder of a study, before the work is done."""
-    if path.exists() and not path.is_dir():
-        raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
 
 
 def _write_on_cluster(

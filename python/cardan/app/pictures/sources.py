@@ -84,8 +84,7 @@ def plot_angle_error(
             axes.plot(where, sign * locus[1], label=label, **THIN)
             where = places if sign > 0.0 else 180.0 - places
             axes.plot(where, sign * largest, "o", color=THIN["color"])
-        axes.set_xlim(0.0, 180.0)
-        finish(axes, "drive angle [deg]", "angle error [deg]", ncols=2)
+        finish(axes, "drive angle [deg]", "angle error [deg]", (0.0, 180.0), ncols=2)
     return axes
 
 
@@ -105,12 +104,7 @@ def plot_largest_angle_error(to_deg: float = 45.0, *, ax: Axes | None = None) ->
 def plot_non_uniformity(to_deg: float = 45.0, *, ax: Axes | None = None) -> Axes:
     """Draw Bild 13: the non-uniformity over the bend.
 
-    Args:
-        to_deg: largest bend in degrees.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ValueError: a bend outside [0, 90°).
+    Arguments and errors are those of ``plot_largest_angle_error``.
     """
     return _over_bend("non_uniformity", "non-uniformity U", to_deg, ax)
 
@@ -135,29 +129,21 @@ def _over_bend(field: str, label: str, to_deg: float, ax: Axes | None) -> Axes:
     with drawing(ax, height_mm=45.0) as axes:
         in_unit = np.degrees(values) if field == "max_angle_error" else values
         axes.plot(np.degrees(lines.bends[:, 0]), in_unit, **LINES[0])
-        axes.set_xlim(0.0, to_deg)
-        axes.set_ylim(bottom=0.0)
-        finish(axes, "bend [deg]", label)
+        finish(axes, "bend [deg]", label, (0.0, to_deg), (0.0, None))
     return axes
 
 
 def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes:
     """Draw Abb. 3: the torque of the driven shaft over the drive angle, per unit drive torque.
 
-    Args:
-        bend_deg: bend in degrees.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ValueError: a bend outside [0, 90°).
+    Arguments and errors are those of ``plot_driven_angle``.
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
     torque = line.evaluate(TURN, "torque", load=Load(drive_torque=1.0)).torque
     with drawing(ax, height_mm=45.0) as axes:
         axes.plot(np.degrees(TURN), torque, label=f"bend {number(bend_deg)}°", **LINES[0])
-        axes.set_xlim(0.0, 360.0)
-        axes.set_ylim(bottom=0.0)
-        finish(axes, r"drive angle $\alpha_1$ [deg]", "torque $D_2/D_1$")
+        x = r"drive angle $\alpha_1$ [deg]"
+        finish(axes, x, "torque $D_2/D_1$", (0.0, 360.0), (0.0, None))
     return axes
 
 

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.app.answers.turn.extremes import period_of
-from cardan.app.pictures.style import LINES, MARKERS, THIN, check_single, drawing, finish
+from cardan.app.pictures.style import (
+    LINES,
+    MARKERS,
+    THIN,
+    check_single,
+    drawing,
+    finish,
+    write_angle,
+)
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
@@ -137,16 +145,8 @@ def plot_hodograph(
             for mark in _MARKS:
                 inwards = middle - (x[mark], y[mark])
                 inwards /= max(float(np.linalg.norm(inwards)), 1e-300)
-                axes.annotate(
-                    f"{angle_deg[mark]:g}°",
-                    (x[mark], y[mark]),
-                    xytext=(13.0 * inwards[0], 10.5 * inwards[1]),
-                    textcoords="offset points",
-                    ha="center",
-                    va="center",
-                    fontsize="small",
-                    bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.0},
-                )
+                point = np.array([x[mark], y[mark]])
+                write_angle(axes, angle_deg[mark], point, np.array([13.0, 10.5]) * inwards)
         unit = " / drive torque" if load is None else " [N m]"
         axes.set_aspect("equal", adjustable="datalim")
         finish(axes, f"moment in the bend plane{unit}", f"moment across it{unit}")

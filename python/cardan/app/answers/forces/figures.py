@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -161,7 +161,11 @@ def _over_turn(scene: Scene, name: str, why: str, limit: dict[str, Any]) -> list
     each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
     try:
         if not why and items:
-            found = [force_figures(one.line_as_built, _load(one), [name]) for one in each]
+            found = [
+                force_figures(one.line_as_built, one.load_case, [name])
+                for one in each
+                if one.load_case is not None
+            ]
             sizes = _sizes(scene, name)
     except ArgumentValueError as error:
         # What the output is comes first; the reason follows.
@@ -173,14 +177,14 @@ def _over_turn(scene: Scene, name: str, why: str, limit: dict[str, Any]) -> list
         own = [of_state[i].largest for of_state in found]
         worst = int(np.argmax(own))
         one, of_one = each[worst], found[worst][i]
-        least = noise(one, "N")
+        least, first_at = noise(one, "N"), first_place(one, of_one.places)
         values = np.array(own) if sizes is None else sizes[i]
         shown = (of_one.mean, of_one.order_1, of_one.order_2, of_one.order_4)
-        mean, first, second, fourth = (_rounded(size, least) for size in shown)
+        mean, first, second, fourth = (0.0 if size <= least else size for size in shown)
         rows.append(
             (
                 over(scene, np.where(values > least, values, 0.0), **limit),
-                _place(one, of_one.places) if own[worst] > least else None,
+                None if first_at is None or own[worst] <= least else math.radians(first_at),
                 mean,
                 first if scene.deviations is not None else None,
                 second,
@@ -202,16 +206,6 @@ def _sizes(scene: Scene, name: str) -> FloatArray | None:
     return np.concatenate(found, axis=-1)
 
 
-def _load(scene: Scene) -> Load:
-    assert scene.load_case is not None
-    return scene.load_case
-
-
-def _place(scene: Scene, places: Sequence[float]) -> float | None:
-    degrees = first_place(scene, places)
-    return None if degrees is None else math.radians(degrees)
-
-
 def unknown(scene: Scene) -> str:
     """Return why a scene has no forces over a turn; "" if it has."""
     line, load = scene.line, scene.load_case
@@ -224,10 +218,6 @@ def unknown(scene: Scene) -> str:
     if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
         return "its speed or its torque was recorded"
     return ""
-
-
-def _rounded(size: float, least: float) -> float:
-    return 0.0 if size <= least else size
 
 
 def sentences(found: Forces) -> Iterator[str]:

@@ -15,7 +15,6 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.slip import Slip
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.evaluation.load import Load
 
 # A shaft without a spline may change its length by this much, in m: less than any play.
 _FIXED = 1e-5
@@ -174,7 +173,8 @@ def _places(scene: Scene, slip: Slip) -> Iterator[tuple[FloatArray, ...]]:
     """Lengths, torque of the shaft, bends and forces of bearings, a row per driveline."""
     for lines, load, _ in drivelines(scene):
         torques = np.full(lines.shape[0], np.nan)
-        if load is not None and _is_loaded(slip, load):
+        loaded = load and (load.inertias is not None or np.any(load.torque != 0.0))
+        if load and loaded and slip.friction is not None:
             torques = np.max(largest_torques(scene, lines, load, [slip.shaft])[0], axis=-1)
         drawn = lines[:, 0]
         yield drawn.lengths().each, torques, drawn.bends, _radial(slip, drawn, torques)
@@ -190,11 +190,6 @@ def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
     except ValueError:
         return np.zeros((len(torques), 0))
     return np.asarray(np.linalg.norm(forces, axis=-1).T)
-
-
-def _is_loaded(slip: Slip, load: Load) -> bool:
-    has_torque = load.inertias is not None or bool(np.any(load.torque != 0.0))
-    return slip.friction is not None and has_torque
 
 
 def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Support, ...]:

@@ -35,7 +35,7 @@ def sentences(found: SplineFigures) -> Iterator[str]:
 
 
 def _verdict(found: SplineFigures) -> Iterator[str]:
-    faults = [text for text in (_travel(found), _engaged(found), _push_in(found)) if text]
+    faults = [*_faults(found)]
     judged = [each for each in (found.travel, found.engaged, found.push_in) if each]
     if faults:
         yield f"The spline does not suffice: {'; '.join(faults)}."
@@ -55,27 +55,20 @@ def _verdict(found: SplineFigures) -> Iterator[str]:
         )
 
 
-def _travel(found: SplineFigures) -> str:
-    if found.travel is None or found.travel.verdict != "beyond":
-        return ""
-    return f"its travel exceeds the permitted one by {_mm(found.travel.excess)}"
-
-
-def _engaged(found: SplineFigures) -> str:
-    engaged = found.engaged
-    if engaged is None or engaged.verdict != "beyond":
-        return ""
-    assert engaged.value is not None
-    if engaged.value <= 0.0:
-        return f"it comes apart{place_of(engaged)}"
-    return f"{_mm(engaged.excess)} of engaged length are missing{place_of(engaged)}"
-
-
-def _push_in(found: SplineFigures) -> str:
-    left = found.push_in
-    if left is None or left.verdict != "beyond":
-        return ""
-    return f"it bottoms {_mm(left.excess)} too early{place_of(left)}"
+def _faults(found: SplineFigures) -> Iterator[str]:
+    """What is beyond its limit, by how much and where."""
+    travel, engaged, left = (
+        each if each and each.verdict == "beyond" else None
+        for each in (found.travel, found.engaged, found.push_in)
+    )
+    if travel:
+        yield f"its travel exceeds the permitted one by {_mm(travel.excess)}"
+    if engaged:
+        assert engaged.value is not None
+        missing = f"{_mm(engaged.excess)} of engaged length are missing"
+        yield f"{'it comes apart' if engaged.value <= 0.0 else missing}{place_of(engaged)}"
+    if left:
+        yield f"it bottoms {_mm(left.excess)} too early{place_of(left)}"
 
 
 def _mm(value: float) -> str:

@@ -148,13 +148,7 @@ def plot_tolerance_shares(
 ) -> Axes:
     """Draw the shares that joints, shafts and points have in the scatter of a figure, as bars.
 
-    Args:
-        found: the tolerances of a single driveline, from ``Driveline.tolerances``.
-        of: the figure; by default the first.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ValueError: a batch, a figure that was not asked for.
+    Arguments and errors are those of ``plot_tolerances``.
     """
     known = _shares(found, _checked(found, of), _MOST_BARS)
     with drawing(ax, height_mm=_height(len(known))) as axes:

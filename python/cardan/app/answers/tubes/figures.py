@@ -91,14 +91,13 @@ def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:
 
 def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | None:
     """The largest torques of the tubes over a turn, ``(tubes, places, steps)``, if any."""
-    if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
+    if load is None:
+        return None
+    turns = np.any(load.speed) or np.any(load.acceleration)
+    if not (np.any(load.torque) or (load.inertias is not None and turns)):
         return None
     assert scene.tubes
     return largest_torques(scene, line, load, scene.tubes.shafts)
-
-
-def _turns(load: Load) -> bool:
-    return bool(np.any(load.speed) or np.any(load.acceleration))
 
 
 def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
