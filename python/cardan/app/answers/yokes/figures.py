@@ -162,11 +162,7 @@ class YokeFigures(Advice):
 
 
 def yoke_settings(scene: Scene) -> YokeFigures:
-    """Return the best yoke settings of a scene; one setting for all of its states.
-
-    Raises:
-        ValueError: one joint alone, bends that were recorded, states that set the phases.
-    """
+    """Return the best yoke settings of a scene; one setting for all of its states."""
     line, states = scene.line, scene.states
     if line.n_joints == 1:
         raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
