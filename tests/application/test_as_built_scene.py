@@ -14,8 +14,7 @@ from click.testing import CliRunner, Result
 
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.as_built.figures import ORDERS, OrderFigures
-from cardan.app.answers.as_built.text import BY_DRAWING
+from cardan.app.answers.as_built.figures import BY_DRAWING, ORDERS, OrderFigures
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.data import run_data

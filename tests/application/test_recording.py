@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan.app.files import plain
+from cardan.app.files import delimited
 from cardan.app.files.recording import place_of, read_chunks, read_columns
 
 ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
@@ -22,8 +22,8 @@ ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
 def csv_reader(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both readers of CSV files; the one for large files from the first byte on."""
     if request.param == "plain":
-        monkeypatch.setattr(plain, "_LARGE", 0)
-        monkeypatch.setattr(plain, "_BLOCK", 4096)
+        monkeypatch.setattr(delimited, "_LARGE", 0)
+        monkeypatch.setattr(delimited, "_BYTES", 4096)
 
 
 @pytest.mark.usefixtures("csv_reader")
@@ -197,8 +197,8 @@ def test_plain_numbers_have_the_same_bits(
     path = tmp_path / "a.csv"
     lines = [mark.join(('"a"', "words", " b ")), *map(mark.join, texts)]
     path.write_bytes(f"{end.join(lines)}{end}".encode())
-    monkeypatch.setattr(plain, "_LARGE", 0)
-    monkeypatch.setattr(plain, "_BLOCK", 4096)
+    monkeypatch.setattr(delimited, "_LARGE", 0)
+    monkeypatch.setattr(delimited, "_BYTES", 4096)
     found = [chunk.columns for chunk in read_chunks(path, ["b", "a", "b"], rows)]
     b, a, again = map(np.concatenate, zip(*found, strict=True))
     np.testing.assert_array_equal(a, [float(text[0]) for text in texts])
@@ -209,7 +209,7 @@ def test_plain_numbers_have_the_same_bits(
 
     def count() -> Generator[Any]:
         nonlocal done, whole
-        done, whole = yield from plain.plain_blocks(path, ["a"], rows)
+        done, whole = yield from delimited._plain_blocks(path, ["a"], rows)
 
     assert len(list(count())) > 1
     assert (done, whole) == (4000, True)
@@ -221,9 +221,9 @@ def test_what_pyarrow_reads_otherwise_is_not_plain(
 ) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(b"a,b\n" + b"1,2\n" * 5000 + odd.encode() + b"\n" + b"3,4\n" * 5000)
-    monkeypatch.setattr(plain, "_LARGE", 0)
-    monkeypatch.setattr(plain, "_BLOCK", 4096)
-    blocks = list(plain.plain_blocks(path, ["a", "b"], None))
+    monkeypatch.setattr(delimited, "_LARGE", 0)
+    monkeypatch.setattr(delimited, "_BYTES", 4096)
+    blocks = list(delimited._plain_blocks(path, ["a", "b"], None))
     assert 0 < sum(len(block[0]) for block in blocks) <= 5000
 
 

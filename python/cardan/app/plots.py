@@ -49,15 +49,16 @@ from cardan.app.pictures.curves import plot_curves, plot_double_joint, plot_harm
 from cardan.app.pictures.driveline import plot_driveline, yoke_pins
 from cardan.app.pictures.sources import (
     plot_angle_error,
+    plot_bend_vectors,
     plot_bending_moments,
     plot_driven_angle,
+    plot_hodograph,
     plot_largest_angle_error,
     plot_non_uniformity,
     plot_small_angle,
     plot_torque_ratio,
 )
 from cardan.app.pictures.style import STYLE, save
-from cardan.app.pictures.vectors import plot_bend_vectors, plot_hodograph
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentValueError, nearest
 

@@ -36,10 +36,12 @@ class Part:
     said: bool = False  # whether an answer about more than it only has its sentences
     alone: bool = False  # whether a ball joint alone has it
 
-    def _own(self, function: str, module: str) -> Any:  # noqa: ANN401 - of any signature
-        """The part's own function of a name in one of its modules, if it has one."""
-        path = f"cardan.app.answers.{self.name}.{module}"
-        return getattr(import_module(path), function, None) if find_spec(path) else None
+    def _own(self, function: str, *modules: str) -> Any:  # noqa: ANN401 - of any signature
+        """The part's own function of a name in the first of its modules that has one."""
+        for path in (f"cardan.app.answers.{self.name}.{module}" for module in modules):
+            if find_spec(path) and (own := getattr(import_module(path), function, None)):
+                return own
+        return None
 
     def find(self, answer: Answer) -> Any:  # noqa: ANN401 - any part
         """Return the figures of a scene, ``None`` or nothing without them."""
@@ -111,14 +113,14 @@ class Part:
 
     def heading(self, found: Any) -> str:  # noqa: ANN401 - any part
         """Return what stands above the figures: ``"Spline of shaft 1"``."""
-        if own := self._own("heading", "text"):
+        if own := self._own("heading", "text", "figures"):
             return str(own(found))
         about = "" if isinstance(found, tuple) else item_of(found)
         return f"{self.title} of {about}" if about else self.title
 
     def sentences(self, found: Any) -> list[str]:  # noqa: ANN401 - any part
         """Return what follows from the figures, in words."""
-        own = self._own("sentences", "text")
+        own = self._own("sentences", "text", "figures")
         return list(own(found)) if own else []
 
 

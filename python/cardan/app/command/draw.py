@@ -31,8 +31,7 @@ _EPILOG = "\b\nNAME is one of\n" + "\n".join(
 @click.command(epilog=_EPILOG)
 @scene_argument
 @file_option(
-    "--output",
-    f"Picture to write; it ends in {_ENDINGS}. Default: the scene's name with .svg.",
+    "--output", f"Picture to write; it ends in {_ENDINGS}. Default: the scene's name with .svg."
 )
 @click.option(
     "--what",

@@ -1,7 +1,8 @@
-"""The commands that answer with one part alone: ``life``, ``tolerances`` and ``torsion``."""
+"""The commands that answer one question: ``life``, ``tolerances``, ``torsion``, ``phase``, …"""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,30 @@ import click
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
+from cardan.app.answers.identification.figures import identified, sentences
 from cardan.app.answers.json_schema import Kind
 from cardan.app.answers.json_schema import answer as answer_of
 from cardan.app.answers.life.figures import needed
+from cardan.app.answers.optimise.figures import optimised
+from cardan.app.answers.optimise.picture import plot_optimise
+from cardan.app.answers.printed import part_text
 from cardan.app.answers.table import PARTS
-from cardan.app.command.options import check_output, json_option, picture_as_well, scene_argument
+from cardan.app.answers.yokes.figures import yoke_settings
+from cardan.app.answers.yokes.text import yoke_text
+from cardan.app.command.options import (
+    check_output,
+    file_argument,
+    file_option,
+    json_option,
+    picture_as_well,
+    scene_argument,
+)
 from cardan.app.command.terminal import as_json_text, say
+from cardan.app.files.whole_file import check_writable, whole_file
 from cardan.app.pictures.style import save
+from cardan.app.scene.language.document import read_text
+from cardan.app.scene.language.edit import with_values
+from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.scene import Scene
 
 
@@ -134,14 +152,163 @@ def _say(
     as_json: bool,
 ) -> None:
     """Write the picture of a part, and print the answer as JSON or as text under its title."""
-    title = answer.scene.title
+    title, wrote = answer.scene.title, ""
     if output is not None:
         save(PARTS[name].pictures()[name](answer), output)
-    if as_json:
-        say(as_json_text(answer_of(name, title, **data)))
-        return
-    if title:
-        say(f"{title}\n")
-    say(text())
-    if output is not None:
-        say(f"\nwrote {output}")
+        wrote = f"wrote {output}"
+    _print(
+        name,
+        title,
+        lambda: "\n\n".join(filter(None, (title, text(), wrote))),
+        data,
+        as_json=as_json,
+    )
+
+
+def _print(
+    name: Kind, title: str, text: Callable[[], str], data: Mapping[str, Any], *, as_json: bool
+) -> None:
+    say(as_json_text(answer_of(name, title, **data)) if as_json else text())
+
+
+@click.command()
+@scene_argument
+@json_option
+def phase(scene: Path, as_json: bool) -> None:
+    """Say how to set the yokes so that the last shaft turns as evenly as possible.
+
+    Each setting is an angle and a sense, looking from the drive towards the output. If the scene
+    gives the teeth of the splines, the best teeth are found as well. The answer names the
+    arrangement, what is left at the best setting and what would bring it within the limit. It
+    compares the exact figure with the catalogues' root rule.
+
+    \b
+    Examples:
+      cardan phase shaft.toml
+      cardan phase shaft.toml --json
+    """
+    loaded = Scene.load(scene)
+    title, found = loaded.title, yoke_settings(loaded)
+    _print("phase", title, lambda: yoke_text(title, found), data_of(found), as_json=as_json)
+
+
+@click.command()
+@file_argument
+@click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
+@click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
+@click.option("--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's.")
+@click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
+@click.option(
+    "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
+)
+@json_option
+def identify(
+    file: Path,
+    drive: str,
+    driven: str | None,
+    speed_ratio: str | None,
+    intermediate: str | None,
+    radians: bool,
+    as_json: bool,
+) -> None:
+    """Find the bend that a recording of a driveline shows.
+
+    FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
+    driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each
+    turn. With the angle of the shaft between two joints, both bends and the phase are found.
+
+    \b
+    Examples:
+      cardan identify run.csv --drive crank --driven axle
+      cardan identify run.csv --drive crank --speed-ratio ratio
+      cardan identify run.csv --drive crank --intermediate mid --driven axle
+    """
+    if (driven is None) == (speed_ratio is None):
+        raise click.UsageError("give one of --driven and --speed-ratio")
+    if intermediate is not None and driven is None:
+        raise click.UsageError("--intermediate needs --driven")
+    found = identified(
+        file,
+        drive,
+        driven=driven,
+        speed_ratio=speed_ratio,
+        intermediate=intermediate,
+        radians=radians,
+    )
+    _print(
+        "identify",
+        found.path,
+        lambda: part_text(found.path, found, sentences(found), radians=radians),
+        data_of(found, radians=radians),
+        as_json=as_json,
+    )
+
+
+@click.command()
+@scene_argument
+@file_option("--to", "Scene to write; default: NAME.optimised.toml in the folder of the scene.")
+@file_option(
+    "--picture", "Also draw the quantity over each variable and each state, before and after."
+)
+@json_option
+def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
+    """Find the best values of what a scene lets change, over all its states.
+
+    The section [optimise] names the keys that may change, how far, what to minimise and which
+    limits other quantities must keep. The answer says what to change, the figures of each state
+    before and after, and what limits the result. The values found go into a new scene in the same
+    folder, NAME.optimised.toml. The scene itself is never overwritten.
+
+    \b
+    Examples:
+      cardan optimise shaft.toml
+      cardan optimise shaft.toml --to better.toml
+      cardan optimise shaft.toml --json
+
+    It needs SciPy: pip install 'cardan[optimise]'.
+    """
+    text = read_text(scene)
+    loaded = Scene.parse(text, str(scene), scene.parent)
+    if loaded.optimisation is None:
+        raise ValueError(f"{scene}: section [optimise] is missing; it says what may change")
+    target = scene.with_suffix(".optimised.toml") if to is None else to
+    _check_target(text, scene, target)
+    if picture:
+        check_output(loaded, picture)
+    found = optimised(loaded)
+    assert found
+    try:
+        written = with_values(text, loaded.optimisation.values_after(found.best.x))
+    except ValueError as error:
+        raise SceneError(error, str(scene), "driveline") from None
+    files = [str(target)]
+    with whole_file(target) as file:
+        file.write(written.encode())
+    if picture:
+        save(plot_optimise(found), picture)
+        files.append(str(picture))
+    texts = (loaded.title, PARTS["optimise"].text(found), "\n".join(map("wrote {}".format, files)))
+    _print(
+        "optimise",
+        loaded.title,
+        lambda: "\n\n".join(filter(None, texts)),
+        data_of(found) | {"files": files},
+        as_json=as_json,
+    )
+
+
+def _check_target(text: str, path: Path, target: Path) -> None:
+    """Refuse to overwrite the scene, or to write one that does not find the files it names."""
+    if target.resolve() == path.resolve() or (target.exists() and target.samefile(path)):
+        raise ValueError(f"--to {target} is the scene itself; it is never overwritten")
+    if target.suffix != ".toml":
+        raise ValueError(f"--to {target} must end in .toml")
+    if target.resolve().parent != path.resolve().parent:
+        given = tomllib.loads(text)
+        for section, key in (("angles", "file"), ("joints", "sizes")):
+            if key in given.get(section, {}):
+                raise ValueError(
+                    f"--to {target} must be in the folder of the scene, from which [{section}] "
+                    "names its file"
+                )
+    check_writable(target)

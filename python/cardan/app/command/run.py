@@ -1,7 +1,8 @@
-"""The command ``cardan run``."""
+"""The commands that evaluate a scene: ``run``, and ``stream`` for long recordings."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
@@ -16,8 +17,8 @@ from cardan.app.answers.states.text import OF_DRIVELINE, states_text
 from cardan.app.answers.study.figures import StudyTable, study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
-from cardan.app.answers.turn.figures import DriveAngles, turn_figures
-from cardan.app.answers.turn.text import few_samples_text, signals_text, summary_text
+from cardan.app.answers.turn.figures import DriveAngles, recorded_angles, turn_figures
+from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_text, summary_text
 from cardan.app.command.options import (
     check_output,
     check_picture,
@@ -27,18 +28,13 @@ from cardan.app.command.options import (
     scene_argument,
     units_option,
 )
-from cardan.app.command.terminal import (
-    as_json_text,
-    progress_bar,
-    say,
-    say_before_files,
-)
+from cardan.app.command.terminal import as_json_text, progress_bar, say, say_before_files
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
 from cardan.app.scene.scene import FORMAT, BallJointScene, Scene, SceneResult
 from cardan.app.scene.sections.ball_joint import BallJointCase
-from cardan.app.scene.study import cluster
+from cardan.app.scene.study import cluster, curves
 from cardan.app.scene.study.cluster import StudyFolder
 from cardan.app.scene.study.curves import write_curves, write_study
 from cardan.app.scene.study.states import StatesResult
@@ -61,20 +57,11 @@ SCENE is a TOML file with these sections and keys:
 @click.option(
     "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
 )
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Evaluate the study on this dask cluster.",
-)
+@click.option("--scheduler", metavar="ADDRESS", help="Evaluate the study on this dask cluster.")
 @units_option
 @json_option
 def run(
-    scene: Path,
-    into: Path,
-    local: int | None,
-    scheduler: str | None,
-    radians: bool,
-    as_json: bool,
+    scene: Path, into: Path, local: int | None, scheduler: str | None, radians: bool, as_json: bool
 ) -> None:
     """Evaluate a scene: print the main results, write curves, study and picture.
 
@@ -101,7 +88,9 @@ def run(
     if on_cluster:
         _check_for_cluster(whole, local, scheduler)
         loaded = replace(whole, study=None, table_file=None)
-        _check_folder(into / str(whole.table_file))
+        path = into / str(whole.table_file)
+        if path.exists() and not path.is_dir():
+            raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
     seat = loaded.ball_joint and loaded.ball_joint.picture_file
     for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
         if name:
@@ -132,8 +121,9 @@ def run(
     say_before_files(summary_text(turn, radians=radians))
     if whole.states:
         say_before_files(f"\n{OF_DRIVELINE}")
-    if whole.missing:
-        say_before_files(f"\n{_missing_of(whole)}")
+    if whole.missing and whole.recording:
+        count, where = len(whole.drive_angle), whole.recording.name
+        say_before_files(f"\n{missing_samples(whole.missing, count, where)}")
     for part, found in answer.parts("run"):
         say_before_files(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
@@ -201,12 +191,6 @@ def _write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[d
         yield {"file": str(path)}
 
 
-def _missing_of(scene: Scene) -> str:
-    """Return the line that says how many recorded samples of a scene are missing."""
-    assert scene.recording
-    return missing_samples(scene.missing, len(scene.drive_angle), scene.recording.name)
-
-
 def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     """Return the line that says which file was written."""
     if not rows:
@@ -239,12 +223,6 @@ def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -
     import_optional("pyarrow", "table")
 
 
-def _check_folder(path: Path) -> None:
-    """Refuse a file in the place of the folder of a study, before the work is done."""
-    if path.exists() and not path.is_dir():
-        raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
-
-
 def _write_on_cluster(
     scene: Scene, into: Path, radians: bool, local: int | None, scheduler: str | None
 ) -> Iterator[dict[str, Any]]:
@@ -260,3 +238,39 @@ def _write_on_cluster(
         except ValueError as error:
             raise SceneError(error, scene.name, "study") from None
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
+
+
+@click.command()
+@scene_argument
+@into_option
+@units_option
+def stream(scene: Path, into: Path, radians: bool) -> None:
+    """Evaluate a recording of any length, in chunks that fit in memory.
+
+    The scene needs a section [angles], and curves that end in .parquet. Only the curves are
+    written.
+
+    \b
+    Example:
+      cardan stream long.toml
+    """
+    begun = time.perf_counter()
+    try:
+        with progress_bar("rows") as progress:
+            done = curves.stream(scene, into, radians=radians, progress=progress)
+    except MemoryError:
+        # It takes the angles by chunks already.
+        hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
+        raise click.ClickException(hint) from None
+    rate = done.rows / (time.perf_counter() - begun) / 1e6
+    say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
+    angles = recorded_angles(
+        done.rows, done.missing, done.ends_deg, done.turns, done.signals, done.extent_deg
+    )
+    say(f"drive angles {angles_text(angles, radians=radians)}")
+    if done.signals:
+        say(signals_text(angles))
+    if warning := few_samples_text(angles):
+        say(f"cardan: {warning}", on_error=True)
+    if done.missing:
+        say(missing_samples(done.missing, done.rows, "the recording"))

@@ -15,9 +15,7 @@ from cardan.arrays import FloatArray
 
 
 def write_columns(
-    path: str | PathLike[str],
-    table: Mapping[str, FloatArray],
-    progress: Progress | None = None,
+    path: str | PathLike[str], table: Mapping[str, FloatArray], progress: Progress | None = None
 ) -> int:
     """Write arrays of equal size in the format of the path's suffix; return the number of rows.
 

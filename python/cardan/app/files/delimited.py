@@ -1,12 +1,14 @@
-"""Columns of numbers from CSV files, of which every row must fit the header."""
+"""Columns of numbers from CSV files, of which every row must fit the header; the headings."""
 
 from __future__ import annotations
 
 import csv
+import difflib
 import math
+import os
 import re
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from os import PathLike
@@ -14,9 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.files.headings import place_of_column
-from cardan.app.files.plain import plain_blocks
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, import_optional
 
 # Rows that are read at a time: what takes Python long is to look at each number by itself.
 _BLOCK = 4096
@@ -50,7 +50,7 @@ def _of_both(
     path: str | PathLike[str], names: Sequence[str], size: int, rows: int | None
 ) -> Iterator[list[FloatArray]]:
     """Blocks of plain numbers, then those that are looked at cell by cell."""
-    done, whole = yield from plain_blocks(path, names, rows)
+    done, whole = yield from _plain_blocks(path, names, rows)
     if whole:
         return
     for cells in _blocks(path, names, size, done):
@@ -226,3 +226,123 @@ def _is_number(cell: str) -> bool:
         return not math.isnan(_number(cell))
     except ValueError:
         return bool(_hint(cell))
+
+
+# --- large files of plain numbers, which PyArrow reads without the interpreter -------------------
+
+# Bytes of lines that are read together.
+_BYTES = 1 << 23
+
+# To import PyArrow takes as long as to read so many bytes without it.
+_LARGE = 1 << 22
+
+
+def _plain_blocks(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None
+) -> Generator[list[FloatArray], None, tuple[int, bool]]:
+    """Yield columns of some lines at a time, up to the first lines that are not plain numbers.
+
+    Numbers are plain if PyArrow reads them as Python does: digits, a decimal point, an exponent,
+    ``nan`` or nothing, without quotes and one per column of the header. What is left is for whoever
+    knows what is wrong with it. Without PyArrow, and of small files, nothing is plain. At most
+    ``rows`` come at a time, or as many as are read together. Return how many rows were read, and
+    whether that is all.
+    """
+    done = 0
+    if os.path.getsize(path) < _LARGE:
+        return done, False
+    try:
+        arrow: Any = import_optional("pyarrow.csv", "table")
+        pyarrow: Any = import_optional("pyarrow", "table")
+    except ModuleNotFoundError:
+        return done, False
+    with open(path, "rb") as file:
+        header = file.readline().removeprefix(b"\xef\xbb\xbf")
+        # Names may be in quotes, but on one line.
+        if header.count(b'"') % 2 or not _is_plain(header.replace(b'"', b"")):
+            return done, False
+        text = header.decode()
+        delimiter = max(",;\t", key=text.count)
+        known = [name.strip() for name in next(csv.reader([text], delimiter=delimiter))]
+        if any(known.count(name) != 1 for name in names):
+            return done, False
+        places = {name: str(known.index(name)) for name in names}
+        wanted = {
+            "parse_options": arrow.ParseOptions(delimiter=delimiter, quote_char=False),
+            "read_options": arrow.ReadOptions(column_names=[*map(str, range(len(known)))]),
+            "convert_options": arrow.ConvertOptions(
+                column_types=dict.fromkeys(places.values(), pyarrow.float64()),
+                include_columns=[*dict.fromkeys(places.values())],
+                null_values=[""],
+            ),
+        }
+        while lines := file.read(_BYTES) + file.readline():
+            if not _is_plain(lines):
+                return done, False
+            try:
+                table = arrow.read_csv(pyarrow.BufferReader(lines), **wanted)
+            except pyarrow.ArrowInvalid:
+                return done, False
+            found = {place: table[place].to_numpy() for place in places.values()}
+            if not table.num_rows or any(np.isinf(column).any() for column in found.values()):
+                return done, False
+            for first in range(0, table.num_rows, rows or table.num_rows):
+                part = slice(first, first + (rows or table.num_rows))
+                yield [np.asarray(found[places[name]][part], np.float64) for name in names]
+            done += table.num_rows
+    return done, True
+
+
+def _is_plain(lines: bytes) -> bool:
+    """Whether quotes, letters of other scripts and unusual line ends are absent.
+
+    A parenthesis may follow ``nan`` for PyArrow, but not for Python.
+    """
+    return (
+        lines.isascii()
+        and not any(mark in lines for mark in (b'"', b"(", b"\0"))
+        and (b"\r" not in lines or lines.count(b"\r") == lines.count(b"\r\n"))
+    )
+
+
+# --- headings: which column is wanted, and which was meant ----------------------------------------
+
+_MOST = 300
+
+
+def place_of_column(name: str, columns: Sequence[str]) -> int:
+    """Return the place of a column.
+
+    A ``ValueError`` names the nearest of a name that is missing or not the only one.
+    """
+    if name not in columns:
+        raise ValueError(f"no column {name!r}{_meant(name, columns)}; {_listed(name, columns)}")
+    if columns.count(name) > 1:
+        raise ValueError(f"column {name!r} appears {columns.count(name)} times")
+    return columns.index(name)
+
+
+def _meant(name: str, columns: Sequence[str]) -> str:
+    if name.lower() in map(str.lower, columns):
+        close = [column for column in columns if column.lower() == name.lower()]
+    else:
+        close = difflib.get_close_matches(name, columns, n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def _listed(name: str, columns: Sequence[str]) -> str:
+    if not columns:
+        return "the file has none"
+    listed = f"the columns are {', '.join(columns)}"
+    if len(listed) <= _MOST:
+        return short(listed)
+    # Of a logger's thousands the first say nothing.
+    nearest = difflib.get_close_matches(name, columns, n=5, cutoff=0.0)
+    return short(f"the nearest of {len(columns)} columns are {', '.join(nearest)}")
+
+
+def short(text: str) -> str:
+    """Return a text on one line and not long."""
+    # A quoted heading may go over several lines.
+    text = " ".join(text.splitlines())
+    return text if len(text) <= _MOST else f"{text[: _MOST - 3]}..."

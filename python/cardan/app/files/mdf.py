@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from cardan.app.files.headings import place_of_column, short
+from cardan.app.files.delimited import place_of_column, short
 from cardan.arrays import FloatArray, import_optional
 
 # What an MDF file begins with; the second is of a file whose logger was switched off.
@@ -154,11 +154,7 @@ def _numbers(
     _check_place(file.groups[group], places[0], f"column {name!r}")
     try:
         samples, invalid = file.get(
-            group=group,
-            index=places[0],
-            samples_only=True,
-            ignore_invalidation_bits=True,
-            **part,
+            group=group, index=places[0], samples_only=True, ignore_invalidation_bits=True, **part
         )
     except Exception as error:
         raise _unreadable(f"column {name!r}", error) from None

@@ -14,8 +14,7 @@ from typing import IO, Any, NamedTuple
 
 import numpy as np
 
-from cardan.app.files.delimited import line_of, read_csv
-from cardan.app.files.headings import place_of_column, short
+from cardan.app.files.delimited import line_of, place_of_column, read_csv, short
 from cardan.arrays import FloatArray, import_optional
 
 _Columns = list[FloatArray]
@@ -36,19 +35,9 @@ def read_columns(
 
     A CSV file has its names in the first line and commas, semicolons or tabs between the columns;
     of an NPZ file each array of one dimension is a column; of an MDF file each channel of one
-    channel group, the time among them.
-
-    Args:
-        path: the file; its suffix names the format.
-        names: the columns wanted.
-        raster_s: of an MDF file: interpolate channels of any groups at steps of so many seconds.
-
-    Raises:
-        ImportError: Parquet without pyarrow, MDF without asammdf.
-        OSError: the file cannot be read.
-        ValueError: a column that is missing, not of numbers, infinite somewhere or without any
-            number, columns of different lengths, a damaged file; one line with file, line or row,
-            column and value.
+    channel group, the time among them, or with ``raster_s`` channels of any groups, interpolated at
+    steps of so many seconds. A ``ValueError`` says in one line which file, line or row, column and
+    value is wrong.
     """
     chunks = [chunk.columns for chunk in read_chunks(path, names, None, raster_s)]
     return chunks[0] if len(chunks) == 1 else list(map(np.concatenate, zip(*chunks, strict=True)))
@@ -63,10 +52,7 @@ class Chunk(NamedTuple):
 
 
 def read_chunks(
-    path: str | PathLike[str],
-    names: Sequence[str],
-    rows: int | None,
-    raster_s: float | None = None,
+    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None = None
 ) -> Generator[Chunk]:
     """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 

@@ -138,7 +138,7 @@ def plot_harmonics(
     names = panel.names(line, labels)
     with drawing(ax, height_mm=45.0) as axes:
         curves = list(zip(names, amplitudes, strict=True))
-        width = 0.8 * _least_step(found.orders)
+        width = 0.8 * float(np.min(np.diff(np.unique(found.orders)), initial=2))
         panel.draw_stems(axes, np.asarray(found.orders, np.float64), curves, width)
         if np.any(amplitudes > 0.0):
             least = float(np.min(amplitudes[amplitudes > 0.0]))
@@ -151,10 +151,6 @@ def plot_harmonics(
         if any(names):
             legend_above(axes)
     return axes
-
-
-def _least_step(orders: NDArray[np.int64]) -> float:
-    return float(np.min(np.diff(np.unique(orders)), initial=2))
 
 
 _PANEL, _FRAME = 32.0 * MM, 10.0 * MM
@@ -277,7 +273,6 @@ def plot_double_joint(
             line = Driveline.from_double_joint(drawn, length, pivot, degrees=True)
             bend = np.degrees(line.equivalent().bend)
             axes.plot(drawn, bend, label=label, **line_style(i))
-        axes.set_xlim(0.0, largest_deg)
-        axes.set_ylim(0.0, None)
-        finish(axes, "total bend [deg]", "equivalent bend [deg]")
+        ends = (0.0, largest_deg), (0.0, None)
+        finish(axes, "total bend [deg]", "equivalent bend [deg]", *ends)
     return axes

@@ -21,7 +21,7 @@ from cardan.app.pictures.space import (
     wedge,
     yoke,
 )
-from cardan.app.pictures.style import THIN, check_single, drawing, legend_above, number
+from cardan.app.pictures.style import THIN, arrow, check_single, drawing, legend_above, number
 from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
@@ -317,20 +317,10 @@ class _Sketch:
         labels.at(65.0, 6.0, "looking from the drive towards the output", "left")
 
     def _arrow(self, tail: FloatArray, head: FloatArray, colour: str, width: float) -> None:
-        style = {"arrowstyle": "-|>,head_width=0.18,head_length=0.36", "shrinkA": 0, "shrinkB": 0}
-        box = np.array(self.box)
-        self.axes.annotate(
-            "",
-            tuple(head / box),
-            tuple(tail / box),
-            xycoords="axes fraction",
-            textcoords="axes fraction",
-            annotation_clip=False,
-            arrowprops={**style, "color": colour, "linewidth": width},
-        )
-        self._clear(tail, head)
-
-    def _clear(self, tail: FloatArray, head: FloatArray) -> None:
+        ends, where = (tuple(tail / self.box), tuple(head / self.box)), "axes fraction"
+        options: dict[str, Any] = {"xycoords": where, "textcoords": where, "annotation_clip": False}
+        shape = "-|>,head_width=0.18,head_length=0.36"
+        arrow(self.axes, *ends, shape, colour, width, **options)
         self.drawn.append(tail + np.linspace(0.0, 1.0, 9)[:, np.newaxis] * (head - tail))
 
 

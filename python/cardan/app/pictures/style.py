@@ -16,6 +16,7 @@ import numpy as np
 
 from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.files.whole_file import whole_file
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
@@ -203,6 +204,34 @@ def text_width(text: str, size: float) -> float:
     return 1.06 * float(np.max(path.vertices[:, 0]))
 
 
+def arrow(
+    axes: Axes,
+    tail: tuple[float, float],
+    head: tuple[float, float],
+    shape: str,
+    colour: str,
+    width: float,
+    **options: Any,  # noqa: ANN401 - what Axes.annotate takes
+) -> None:
+    """Draw an arrow of a shape of matplotlib; further options are those of ``annotate``."""
+    look = {"arrowstyle": shape, "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", head, tail, arrowprops=look, **options)
+
+
+def write_angle(axes: Axes, degrees: float, point: FloatArray, away: FloatArray) -> None:
+    """Write a drive angle so many points away from its mark on a path."""
+    axes.annotate(
+        f"{degrees:g}°",
+        (point[0], point[1]),
+        xytext=tuple(away),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        fontsize="small",
+        bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.0},
+    )
+
+
 def draw_bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> BarContainer:
     """Draw bars of labels, sizes and texts at their ends, from the top down; return them."""
     rows = range(len(bars))
@@ -225,19 +254,32 @@ def draw_bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> BarContaine
     return drawn
 
 
-def finish(axes: Axes, x: str, y: str, *, grid: Any = "both", **legend: Any) -> None:  # noqa: ANN401
+_Limits = tuple[float | None, float | None]
+
+
+def finish(
+    axes: Axes,
+    x: str,
+    y: str,
+    xlim: _Limits | None = None,
+    ylim: _Limits | None = None,
+    **legend: Any,  # noqa: ANN401 - what Axes.legend takes
+) -> None:
     """Label the axes of a picture, with round ticks, a grid and a legend above of what has a name.
 
     An angle along x has ticks at round degrees; other options are those of the legend.
     """
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
+    axes.set(xlabel=x, ylabel=y)
+    if xlim:
+        axes.set_xlim(*xlim)
+    if ylim:
+        axes.set_ylim(*ylim)
     if x.endswith("[deg]"):
         degree_ticks(axes.xaxis, *axes.get_xlim())
     else:
         value_ticks(axes.xaxis)
     value_ticks(axes.yaxis)
-    axes.grid(visible=True, axis=grid)
+    axes.grid(visible=True)
     if axes.get_legend_handles_labels()[1]:
         legend_above(axes, **legend)
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.drive_speed.text import heading, sentences
-from cardan.app.answers.forces.text import largest_text
-from cardan.app.answers.forces.text import sentences as missing_forces
+from cardan.app.answers.drive_speed.figures import heading, sentences
+from cardan.app.answers.forces.figures import largest_text
+from cardan.app.answers.forces.figures import sentences as missing_forces
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.limits.text import verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines

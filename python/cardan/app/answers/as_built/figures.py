@@ -97,3 +97,19 @@ def _amplitudes(scene: Scene, shaft: int, halves: FloatArray | None) -> FloatArr
         errors.append(np.array(worst))
     found = np.stack(errors)
     return np.where(found <= _LEAST, 0.0, found)
+
+
+BY_DRAWING = (
+    "Curves, extremes, forces and play are those as built. Equivalent bend, closed forms, limits, "
+    "slides, life, torsional vibration and steering are those of the drawing."
+)
+
+
+def heading(_: tuple[OrderFigures, ...]) -> str:
+    """Say what the figures are."""
+    return "Joints as built: amplitudes by order of the drive"
+
+
+def sentences(_: tuple[OrderFigures, ...]) -> list[str]:
+    """Say which figures of the answer have the deviations."""
+    return [BY_DRAWING]

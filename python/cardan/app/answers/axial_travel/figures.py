@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,3 +63,25 @@ def drawn_slides(scene: Scene) -> Slides:
         raise ValueError(f"{scene.name}: slides need a section [offsets]")
     lines = scene.drivelines()
     return offsets.slides(lines[int(np.argmax(offsets.slides(lines).travel().max(axis=0)))])
+
+
+# A tenth of a micrometre is less than any measurement of a driveline shows.
+_SHOWN = 0.5e-7
+
+
+def sentences(found: AxialTravel) -> Iterator[str]:
+    """Say what the figures are, and which offsets cause which orders."""
+    yield (
+        "The travel is from peak to peak, the orders are amplitudes, with the driving shaft of the "
+        "joint held in place. The angles, speeds and torques do not change."
+    )
+    if any(max(each.order_1, each.order_3) > _SHOWN for each in found.shafts):
+        yield (
+            "In the travel of a shaft, orders 1 and 3 come from pins that miss the axes of their "
+            "shafts."
+        )
+    if any(max(each.order_2, each.order_4) > _SHOWN for each in found.shafts):
+        yield (
+            "In the travel of a shaft, orders 2 and 4 come from shafts that miss each other, and "
+            "from pins of a cross that miss each other."
+        )

@@ -8,14 +8,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
-from cardan.app.pictures.style import (
-    THIN,
-    drawing,
-    finish,
-    line_style,
-    stacked,
-    value_ticks,
-)
+from cardan.app.pictures.style import THIN, drawing, finish, line_style, stacked, value_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,9 +63,8 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
         if np.any(found.wind_up):
             label = f"from {found.torque:.4g} to \N{MINUS SIGN}{found.torque:.4g} N m"
             axes.plot(turn, np.degrees(both), label=label, **line_style(1))
-        axes.set_xlim(0.0, 360.0)
-        axes.set_ylim(0.0, 1.1 * np.degrees(np.max(both)))
-        finish(axes, "drive angle [deg]", "angle of the last shaft [deg]")
+        ends = (0.0, 360.0), (0.0, 1.1 * float(np.degrees(np.max(both))))
+        finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)
     return axes
 
 

@@ -14,13 +14,7 @@ from cardan.app.answers.ball_joint.figures import (
 )
 from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import Curve, Panel, chart
-from cardan.app.pictures.style import (
-    THIN,
-    drawing,
-    finish,
-    line_style,
-    page,
-)
+from cardan.app.pictures.style import THIN, arrow, drawing, finish, line_style, page
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
@@ -162,11 +156,11 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         axes.fill(*shapes.pressure.T, facecolor=blue, alpha=0.25)
         axes.plot(*shapes.pressure[len(shapes.pressure) // 2 :].T, color=blue)
         for foot, head in shapes.arrows:
-            _arrow(axes, foot, head, "-|>,head_length=0.25,head_width=0.12", blue, 0.7)
+            arrow(axes, tuple(foot), tuple(head), "-|>,head_length=0.25,head_width=0.12", blue, 0.7)
         for side in (-1.0, 1.0):
             edge = np.full(2, side * found.contact_angle)
             axes.plot(*_section(edge, np.array([-1.0, _SEAT])).T, **THIN)
-        _arrow(axes, (0.0, 0.75), (0.0, -0.15), "-|>", "black", 1.2)
+        arrow(axes, (0.0, 0.75), (0.0, -0.15), "-|>", "black", 1.2)
         axes.text(0.07, 0.35, quantity(case.load, "N"), parse_math=False)
         peak = quantity(found.peak, "MPa")
         axes.text(0.0, -1.04 - _SEAT, peak, ha="center", va="top", parse_math=False)
@@ -176,30 +170,17 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def _arrow(axes: Axes, foot: Any, head: Any, style: str, colour: str, width: float) -> None:  # noqa: ANN401
-    look = {
-        "arrowstyle": style,
-        "color": colour,
-        "linewidth": width,
-        "shrinkA": 0.0,
-        "shrinkB": 0.0,
-    }
-    axes.annotate("", head, foot, arrowprops=look)
-
-
 def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     """Draw the pressure on the seat over the angle from the load, beside what is allowable.
 
-    Args:
-        case: the ball joint of a scene.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+    Arguments are those of ``plot_seat_section``.
     """
     found = ball_joint_figures(case)
     degrees, curves = _curves(case, found)
     with drawing(ax, height_mm=60.0) as axes:
         for (label, values), style in zip(curves.items(), (0, 1, 3), strict=False):
             axes.plot(degrees, values, label=label, **line_style(style))
-        axes.set_xlim(degrees[0], degrees[-1])
-        axes.set_ylim(0.0, 1.05 * max(float(np.max(values)) for values in curves.values()))
-        finish(axes, _ANGLE, "pressure [MPa]", ncols=2)
+        top = 1.05 * max(float(np.max(values)) for values in curves.values())
+        ends = (degrees[0], degrees[-1]), (0.0, top)
+        finish(axes, _ANGLE, "pressure [MPa]", *ends, ncols=2)
     return axes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
+from cardan.app.answers.printed import place_of, quantity
 from cardan.app.answers.rows import Judged, count, figure, item, parts
 from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.app.answers.turn.figures import first_place, noise
@@ -160,7 +161,11 @@ def _over_turn(scene: Scene, name: str, why: str, limit: dict[str, Any]) -> list
     each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
     try:
         if not why and items:
-            found = [force_figures(one.line_as_built, _load(one), [name]) for one in each]
+            found = [
+                force_figures(one.line_as_built, one.load_case, [name])
+                for one in each
+                if one.load_case is not None
+            ]
             sizes = _sizes(scene, name)
     except ArgumentValueError as error:
         # What the output is comes first; the reason follows.
@@ -172,14 +177,14 @@ def _over_turn(scene: Scene, name: str, why: str, limit: dict[str, Any]) -> list
         own = [of_state[i].largest for of_state in found]
         worst = int(np.argmax(own))
         one, of_one = each[worst], found[worst][i]
-        least = noise(one, "N")
+        least, first_at = noise(one, "N"), first_place(one, of_one.places)
         values = np.array(own) if sizes is None else sizes[i]
         shown = (of_one.mean, of_one.order_1, of_one.order_2, of_one.order_4)
-        mean, first, second, fourth = (_rounded(size, least) for size in shown)
+        mean, first, second, fourth = (0.0 if size <= least else size for size in shown)
         rows.append(
             (
                 over(scene, np.where(values > least, values, 0.0), **limit),
-                _place(one, of_one.places) if own[worst] > least else None,
+                None if first_at is None or own[worst] <= least else math.radians(first_at),
                 mean,
                 first if scene.deviations is not None else None,
                 second,
@@ -201,16 +206,6 @@ def _sizes(scene: Scene, name: str) -> FloatArray | None:
     return np.concatenate(found, axis=-1)
 
 
-def _load(scene: Scene) -> Load:
-    assert scene.load_case is not None
-    return scene.load_case
-
-
-def _place(scene: Scene, places: Sequence[float]) -> float | None:
-    degrees = first_place(scene, places)
-    return None if degrees is None else math.radians(degrees)
-
-
 def unknown(scene: Scene) -> str:
     """Return why a scene has no forces over a turn; "" if it has."""
     line, load = scene.line, scene.load_case
@@ -225,5 +220,22 @@ def unknown(scene: Scene) -> str:
     return ""
 
 
-def _rounded(size: float, least: float) -> float:
-    return 0.0 if size <= least else size
+def sentences(found: Forces) -> Iterator[str]:
+    """Say why forces are missing."""
+    each: tuple[tuple[str, tuple[OverTurn, ...]], ...]
+    each = (("joints", found.joints), ("bearings", found.bearings))
+    for name, forces in each:
+        if forces and (why := forces[0].largest.why):
+            yield f"The forces of the {name} are not known: {why}."
+
+
+def largest_text(found: Forces) -> str:
+    """Say which bearing bears the largest force; nothing without bearings."""
+    force = max(found.bearings, key=lambda force: force.largest.value or 0.0, default=None)
+    if force is None or not force.largest.value:
+        return ""
+    at = "" if force.at is None else f", at {quantity(force.at, 'deg')} of drive angle"
+    return (
+        f"Largest bearing force: bearing {force.number}, shaft {force.shaft}, "
+        f"{quantity(force.largest.value, 'N')}{place_of(force.largest)}{at}."
+    )

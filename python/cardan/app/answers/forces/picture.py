@@ -17,7 +17,17 @@ from cardan.app.answers.rounding import first_peak
 from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.figures import noise
 from cardan.app.charts.charts import number, ticks
-from cardan.app.pictures.style import LINES, THIN, check_single, drawing, finish, page, value_ticks
+from cardan.app.pictures.style import (
+    LINES,
+    THIN,
+    arrow,
+    check_single,
+    drawing,
+    finish,
+    page,
+    value_ticks,
+    write_angle,
+)
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -245,21 +255,10 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.axhline(0.0, zorder=1.0, **THIN)
     axes.axvline(0.0, zorder=1.0, **THIN)
     axes.plot(x, y, **style)
-    largest = path.largest
     size = path.size
     if size > 0.0:
-        axes.annotate(
-            "",
-            (x[largest], y[largest]),
-            (0.0, 0.0),
-            arrowprops={
-                "arrowstyle": "-|>,head_width=0.18,head_length=0.4",
-                "shrinkA": 0,
-                "shrinkB": 0,
-                "color": "0.1",
-                "linewidth": 0.9,
-            },
-        )
+        head = "-|>,head_width=0.18,head_length=0.4"
+        arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
     span = max(float(np.ptp(x)), float(np.ptp(y)))
     if span > _SMALL * size:
         axes.plot(x[_MARKS], y[_MARKS], "o", color=style["color"])
@@ -285,16 +284,7 @@ def _name_angles(axes: Axes, path: ForcePath) -> None:
         outwards /= max(float(np.linalg.norm(outwards)), 1e-300)
         # Above the horizontal axis and the arrow, beside the vertical one.
         aside = np.where(np.abs(outwards) < _ON_AXIS, _ASIDE, 0.0)
-        axes.annotate(
-            f"{path.angle_deg[mark]:g}°",
-            points[mark],
-            xytext=tuple(_AWAY * outwards + aside),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontsize="small",
-            bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.0},
-        )
+        write_angle(axes, path.angle_deg[mark], points[mark], _AWAY * outwards + aside)
 
 
 # --- the page ------------------------------------------------------------------------------------

@@ -94,11 +94,6 @@ def identified(
     """Find the joints that the columns of a file show, as ``cardan identify`` names them.
 
     The angles of the file and of the answer are in degrees unless ``radians`` says otherwise.
-
-    Raises:
-        ImportError: Parquet without pyarrow, MDF without asammdf.
-        OSError: the file cannot be read.
-        ValueError: columns that are missing or do not fit, less than a turn, too few samples.
     """
     names = [name for name in (drive, driven, speed_ratio, intermediate) if name is not None]
     columns = dict(zip(names, read_columns(path, names), strict=True))

@@ -111,9 +111,7 @@ def plot_heat(
     with drawing(ax) as axes:
         for joint, watts in enumerate(heat):
             axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **line_style(joint))
-        axes.set_xlim(0.0, rpm[-1])
-        axes.set_ylim(0.0, None)
-        finish(axes, "speed of the drive [rpm]", "heat [W]")
+        finish(axes, "speed of the drive [rpm]", "heat [W]", (0.0, rpm[-1]), (0.0, None))
     return axes
 
 

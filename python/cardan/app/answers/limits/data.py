@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from cardan.app.answers.answer import Answer
@@ -16,26 +16,19 @@ def check_data(found: Answer, advice: Sequence[str] = ()) -> dict[str, Any]:
     return answer(
         "check",
         found.of.title,
-        **verdict_data(found),
-        advice=list(advice),
-        moves=PARTS["moves"].data(found["moves"] or ()),
-        **{part.name: part.data(each) for part, each in found.parts("check")},
-    )
-
-
-def verdict_data(found: Answer) -> dict[str, Any]:
-    """Return the one verdict as plain data, and what makes it."""
-    return {
-        "verdict": found.verdict,
-        "passes": found.passes,
+        verdict=found.verdict,
+        passes=found.passes,
         **{
             verdict: [
                 {"figure": each.entry.path, "name": each.name} for each in found.of_verdict(verdict)
             ]
             for verdict in ("beyond", "tolerable")
         },
-        "not_judged": list(not_judged(found)),
-    }
+        not_judged=list(not_judged(found)),
+        advice=list(advice),
+        moves=PARTS["moves"].data(found["moves"] or ()),
+        **{part.name: part.data(each) for part, each in found.parts("check")},
+    )
 
 
 def _figures(description: str) -> dict[str, Any]:
@@ -44,30 +37,24 @@ def _figures(description: str) -> dict[str, Any]:
     return {"type": "array", "description": description, "items": items}
 
 
-VERDICT_KEYS: Mapping[str, Any] = {
-    "verdict": {
-        "enum": ["beyond", "not judged", "tolerable", "within"],
-        "description": "on everything that has a limit",
-    },
-    "passes": {"type": "boolean", "description": "whether nothing is beyond its limits"},
-    "beyond": _figures("what is beyond its limit, or its maximum where it has one"),
-    "tolerable": _figures("what is above its limit but not above its maximum"),
-    "not_judged": {
-        "type": "array",
-        "description": "what is not judged, and why",
-        "items": {"type": "string"},
-    },
-}
-"""JSON Schemas of the keys of ``verdict_data``."""
-
-
 def check_schema() -> dict[str, Any]:
     """Return the JSON Schema of ``check_data``."""
     return answer_schema(
         "check",
         "what cardan check prints with --json",
         {
-            **VERDICT_KEYS,
+            "verdict": {
+                "enum": ["beyond", "not judged", "tolerable", "within"],
+                "description": "on everything that has a limit",
+            },
+            "passes": {"type": "boolean", "description": "whether nothing is beyond its limits"},
+            "beyond": _figures("what is beyond its limit, or its maximum where it has one"),
+            "tolerable": _figures("what is above its limit but not above its maximum"),
+            "not_judged": {
+                "type": "array",
+                "description": "what is not judged, and why",
+                "items": {"type": "string"},
+            },
             "advice": {"type": "array", "items": {"type": "string"}},
             "moves": PARTS["moves"].schema(),
         },

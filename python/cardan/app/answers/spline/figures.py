@@ -10,12 +10,12 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, largest_torques, over
+from cardan.app.answers.printed import place_of, quantity
 from cardan.app.answers.rows import Judged, count, figure, item, parts, word
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.slip import Slip
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.evaluation.load import Load
 
 # A shaft without a spline may change its length by this much, in m: less than any play.
 _FIXED = 1e-5
@@ -174,7 +174,8 @@ def _places(scene: Scene, slip: Slip) -> Iterator[tuple[FloatArray, ...]]:
     """Lengths, torque of the shaft, bends and forces of bearings, a row per driveline."""
     for lines, load, _ in drivelines(scene):
         torques = np.full(lines.shape[0], np.nan)
-        if load is not None and _is_loaded(slip, load):
+        loaded = load and (load.inertias is not None or np.any(load.torque != 0.0))
+        if load and loaded and slip.friction is not None:
             torques = np.max(largest_torques(scene, lines, load, [slip.shaft])[0], axis=-1)
         drawn = lines[:, 0]
         yield drawn.lengths().each, torques, drawn.bends, _radial(slip, drawn, torques)
@@ -192,21 +193,12 @@ def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(forces, axis=-1).T)
 
 
-def _is_loaded(slip: Slip, load: Load) -> bool:
-    has_torque = load.inertias is not None or bool(np.any(load.torque != 0.0))
-    return slip.friction is not None and has_torque
-
-
 def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Support, ...]:
     """Largest parts over the states: cosine and sine of the bend at that end of the shaft."""
     last = bends.shape[-1]
     sides: tuple[tuple[Literal["upstream", "downstream"], int, int | None], ...] = (
         ("upstream", max(slip.shaft - 1, 0), slip.shaft - 1 if slip.shaft else None),
-        (
-            "downstream",
-            min(slip.shaft + 1, last),
-            slip.shaft if slip.shaft < last else None,
-        ),
+        ("downstream", min(slip.shaft + 1, last), slip.shaft if slip.shaft < last else None),
     )
     found = []
     for side, shaft, joint in sides:
@@ -214,3 +206,70 @@ def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Suppor
         parts = (float(np.max(forces * part(bend))) for part in (np.cos, np.sin))
         found.append(Support(shaft, side, *parts))
     return tuple(found)
+
+
+def sentences(found: SplineFigures) -> Iterator[str]:
+    """Say whether the spline suffices, what to change if not, and what the force loads."""
+    yield from _verdict(found)
+    for other in found.others:
+        yield (
+            f"Shaft {other.shaft} changes its length by {_mm(other.travel)} as well, but the "
+            f"spline is in shaft {found.shaft}. Move both ends of shaft {other.shaft} together, or "
+            "give it a spline."
+        )
+    if found.no_force:
+        yield f"The axial force is not computed: {found.no_force}."
+    if found.supports:
+        first, last = (support.shaft for support in found.supports)
+        yield (
+            "The axial force acts while the spline slides under torque: it pulls when the shaft "
+            "becomes longer and pushes when it becomes shorter. The part along shafts "
+            f"{first} and {last} loads their thrust bearings."
+        )
+    if found.supports and not found.bearings:
+        yield (
+            "The part across acts at the joint: with the distance a from the joint to the nearer "
+            "bearing and b between the bearings, it adds (a + b)/b of itself to the nearer bearing "
+            "and a/b to the other."
+        )
+
+
+def _verdict(found: SplineFigures) -> Iterator[str]:
+    faults = [*_faults(found)]
+    judged = [each for each in (found.travel, found.engaged, found.push_in) if each]
+    if faults:
+        yield f"The spline does not suffice: {'; '.join(faults)}."
+    elif any(each.verdict == "within" for each in judged):
+        yield "The spline is within the limits that the scene gives."
+    else:
+        yield (
+            "The spline is not judged: "
+            "the scene gives no travel_mm, least_engaged_mm or push_in_mm."
+        )
+    if found.drivelines == 1:
+        yield "These are figures of one position; [states] or a [study] of points find the travel."
+    elif found.longest and not (found.longest.at or found.longest.state):
+        yield (
+            f"The study does not change the length of shaft {found.shaft}; a [study] of "
+            "points finds the travel."
+        )
+
+
+def _faults(found: SplineFigures) -> Iterator[str]:
+    """What is beyond its limit, by how much and where."""
+    travel, engaged, left = (
+        each if each and each.verdict == "beyond" else None
+        for each in (found.travel, found.engaged, found.push_in)
+    )
+    if travel:
+        yield f"its travel exceeds the permitted one by {_mm(travel.excess)}"
+    if engaged:
+        assert engaged.value is not None
+        missing = f"{_mm(engaged.excess)} of engaged length are missing"
+        yield f"{'it comes apart' if engaged.value <= 0.0 else missing}{place_of(engaged)}"
+    if left:
+        yield f"it bottoms {_mm(left.excess)} too early{place_of(left)}"
+
+
+def _mm(value: float) -> str:
+    return quantity(value, "mm")

@@ -21,14 +21,7 @@ from cardan.app.answers.tolerances.figures import (
 )
 from cardan.app.answers.tolerances.text import by_state, percent
 from cardan.app.charts.charts import Curve, Panel, Table, bars, chart
-from cardan.app.pictures.style import (
-    LINES,
-    draw_bars,
-    drawing,
-    legend_above,
-    stacked,
-    value_ticks,
-)
+from cardan.app.pictures.style import LINES, draw_bars, drawing, legend_above, stacked, value_ticks
 from cardan.arrays.errors import ArgumentValueError
 from cardan.tolerances import Tolerances
 
@@ -155,13 +148,7 @@ def plot_tolerance_shares(
 ) -> Axes:
     """Draw the shares that joints, shafts and points have in the scatter of a figure, as bars.
 
-    Args:
-        found: the tolerances of a single driveline, from ``Driveline.tolerances``.
-        of: the figure; by default the first.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ValueError: a batch, a figure that was not asked for.
+    Arguments and errors are those of ``plot_tolerances``.
     """
     known = _shares(found, _checked(found, of), _MOST_BARS)
     with drawing(ax, height_mm=_height(len(known))) as axes:

@@ -37,12 +37,12 @@ def words(found: ToleranceFigures, *, radians: bool = False) -> str:
 def by_state(found: ToleranceFigures) -> Iterator[tuple[str, list[list[str]]]]:
     """Yield caption and rows of texts of each figure that is known by state."""
     for each in found.figures:
-        if rows := state_rows(each):
+        if rows := _state_rows(each):
             yield f"{each.label.capitalize()} in each state", rows
 
 
-def state_rows(figure: ToleranceFigure) -> list[list[str]]:
-    """Return the figure in each state as rows of texts, the heads first; none without states."""
+def _state_rows(figure: ToleranceFigure) -> list[list[str]]:
+    """The figure in each state as rows of texts, the heads first; none without states."""
     columns: dict[str, Judged | None] = {
         "as measured" if figure.measured else "as drawn": figure.nominal,
         "worst": figure.worst,

@@ -105,8 +105,7 @@ def plot_torsion_response(
         axes.axhline(0.0, **{**THIN, "linewidth": 0.5})
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
-        axes.set_xlim(rpm[0], rpm[-1])
-        finish(axes, _SPEED, f"torque of shaft {chosen} [N m]")
+        finish(axes, _SPEED, f"torque of shaft {chosen} [N m]", (rpm[0], rpm[-1]))
         axes.set_axisbelow(True)
     return axes
 
@@ -172,7 +171,6 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         axes.axvspan(low, high, color="0.93", linewidth=0.0, label="speed range")
         frequencies = [mode.frequency / (2.0 * np.pi) for mode in found.modes]
-        top = 1.25 * max(frequencies)
         for number, (mode, frequency) in enumerate(zip(found.modes, frequencies, strict=True)):
             axes.axhline(frequency, label="natural frequency" if number == 0 else None, **_CRITICAL)
             axes.annotate(
@@ -194,9 +192,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         ]
         points = np.array(crossings).reshape(-1, 2)
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
-        axes.set_xlim(0.0, right)
-        axes.set_ylim(0.0, top)
-        finish(axes, _SPEED, "frequency [Hz]")
+        finish(axes, _SPEED, "frequency [Hz]", (0.0, right), (0.0, 1.25 * max(frequencies)))
         axes.set_axisbelow(True)
     return axes
 

@@ -15,7 +15,6 @@ from cardan.app.answers.printed import (
     short,
 )
 from cardan.app.answers.torsion.figures import (
-    BendRule,
     CriticalSpeed,
     SpeedRange,
     TorsionBasics,
@@ -95,15 +94,12 @@ def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
     if not rules:
         return text
     rule = max(rules, key=lambda rule: rule.factor - rule.damping_ratio)
+    permitted = rounded_down(2.0 * math.atan(math.sqrt(rule.damping_ratio)), "deg", 4)
     return (
         f"{text} To leading order a damping ratio of at least {rounded_up(rule.factor)} prevents "
         f"this, or an equivalent bend behind shaft {rule.shaft} of at most "
-        f"{_permitted_bend(rule)} instead of {given(rule.bend, 'deg')}."
+        f"{permitted} instead of {given(rule.bend, 'deg')}."
     )
-
-
-def _permitted_bend(rule: BendRule) -> str:
-    return rounded_down(2.0 * math.atan(math.sqrt(rule.damping_ratio)), "deg", 4)
 
 
 def _resonance(found: TorsionFigures) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, largest_torques
-from cardan.app.answers.rows import Judged, figure, item
+from cardan.app.answers.printed import figure_text, place_of, quantity
+from cardan.app.answers.rows import Judged, figure, item, worst_of
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -90,11 +91,36 @@ def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:
 
 def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | None:
     """The largest torques of the tubes over a turn, ``(tubes, places, steps)``, if any."""
-    if load is None or not (np.any(load.torque) or (load.inertias is not None and _turns(load))):
+    if load is None:
+        return None
+    turns = np.any(load.speed) or np.any(load.acceleration)
+    if not (np.any(load.torque) or (load.inertias is not None and turns)):
         return None
     assert scene.tubes
     return largest_torques(scene, line, load, scene.tubes.shafts)
 
 
-def _turns(load: Load) -> bool:
-    return bool(np.any(load.speed) or np.any(load.acceleration))
+def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
+    """Say whether the tubes are within the limits of the scene, what is not judged and why."""
+    judged = [each for tube in tubes for each in (tube.stress, tube.margin) if each]
+    for tube in tubes:
+        stress, margin = tube.stress, tube.margin
+        if stress and stress.verdict == "beyond" and stress.value and stress.limit:
+            yield (
+                f"The shear stress in the tube of shaft {tube.shaft} is "
+                f"{quantity(stress.value, 'MPa')}{place_of(stress)}, beyond the permitted "
+                f"{quantity(stress.limit, 'MPa')}."
+            )
+        if margin and margin.verdict == "beyond" and margin.value and margin.limit:
+            yield (
+                f"The critical bending speed of shaft {tube.shaft} is {figure_text(margin.value)} "
+                f"times its speed{place_of(margin)}; the scene requires "
+                f"{figure_text(margin.limit)} times."
+            )
+    verdict = worst_of(each.verdict for each in judged)
+    if verdict == "within":
+        yield "The tubes are within the limits that the scene gives."
+    for why in dict.fromkeys(each.why for each in judged if each.why):
+        yield f"The tubes are not judged by every limit: {why}."
+    if not any(each.limit for each in judged):
+        yield "The tubes are not judged: the scene gives no permitted_stress_MPa or least_margin."

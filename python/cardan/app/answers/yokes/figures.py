@@ -162,11 +162,7 @@ class YokeFigures(Advice):
 
 
 def yoke_settings(scene: Scene) -> YokeFigures:
-    """Return the best yoke settings of a scene; one setting for all of its states.
-
-    Raises:
-        ValueError: one joint alone, bends that were recorded, states that set the phases.
-    """
+    """Return the best yoke settings of a scene; one setting for all of its states."""
     line, states = scene.line, scene.states
     if line.n_joints == 1:
         raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
@@ -191,10 +187,7 @@ def yoke_settings(scene: Scene) -> YokeFigures:
     }
     above = [str(finding) for finding in check.findings if not np.all(finding.passes)]
     return YokeFigures(
-        **vars(found),
-        view=VIEW,
-        catalogue=_by_setting(RootRules, rules),
-        above_limits=tuple(above),
+        **vars(found), view=VIEW, catalogue=_by_setting(RootRules, rules), above_limits=tuple(above)
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan._core import Integral, derivatives_at
-from cardan.app.files.headings import short
+from cardan.app.files.delimited import short
 from cardan.app.files.recording import Chunk, place_of, read_chunks
 from cardan.app.files.tables import read_ahead
 from cardan.app.scene.language.units import ENDINGS, RPM, split
