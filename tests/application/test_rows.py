@@ -6,8 +6,11 @@ program, writes the record anew.
 
 from __future__ import annotations
 
+import ast
 import math
+import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -59,6 +62,26 @@ def test_units_are_what_they_are_called() -> None:
     expected |= {"Hz": 1.0 / turn, "rpm_deg": 60.0 / turn * 360.0 / turn}
     for name, unit in UNITS.items():
         assert unit.factor == pytest.approx(expected.get(name, 1.0), rel=1e-14), name
+
+
+def written_units(path: Path) -> Iterator[str]:
+    """Yield what follows a figure in the texts of a module and begins with the name of a unit."""
+    symbols = sorted((unit.symbol for unit in UNITS.values()), key=len, reverse=True)
+    names = "|".join(
+        re.escape(symbol) for symbol in symbols if symbol[:1] not in ("", "°", "%", "s")
+    )
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for figure, text in pairwise(node.values if isinstance(node, ast.JoinedStr) else ()):
+            if isinstance(figure, ast.FormattedValue) and isinstance(text, ast.Constant):
+                yield from re.findall(rf"^ ({names})(?!\w)", str(text.value))
+
+
+def test_units_are_written_from_the_rows_alone() -> None:
+    rooms = [RECORD.parents[2] / "python/cardan/app" / room for room in ("answers", "report")]
+    found = {path: [*written_units(path)] for room in rooms for path in room.rglob("*.py")}
+    assert len(found) > 50
+    # Where numbers are formatted, a radian is written beside the degree.
+    assert {path.name: units for path, units in found.items() if units} == {"printed.py": ["rad"]}
 
 
 def test_every_figure_is_called_as_recorded() -> None:

@@ -13,7 +13,7 @@ from cardan.app.answers.forces.figures import sentences as missing_forces
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.limits.text import verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines
-from cardan.app.answers.printed import figure_text, range_ends
+from cardan.app.answers.printed import figure_text, quantity, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
@@ -74,7 +74,7 @@ def first_answer(answer: Answer, samples: Samples, yokes: YokeFigures | None) ->
         "spline": ""
         if spline is None or spline.force is None
         else f"The spline of shaft {spline.shaft} adds an axial force of up to "
-        f"{figure_text(spline.force)} N while it slides.",
+        f"{quantity(spline.force, 'N')} while it slides.",
         "toleranced": list(tolerance_sentences(tolerances)) if tolerances else [],
     }
 

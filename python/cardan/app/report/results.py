@@ -9,6 +9,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import figure_text, range_ends
 from cardan.app.answers.rounding import is_cancelled
+from cardan.app.answers.rows import UNITS
 from cardan.app.answers.turn.figures import within_turn
 from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.charts.charts import Table
@@ -84,12 +85,12 @@ def _by_shaft(line: Driveline, values: FloatArray) -> list[str]:
 def _drive(scene: Scene, load: Load | None) -> list[tuple[str, str]]:
     given = []
     if load is not None:
-        given += [(f"Torque at the {load.end}", f"{_span(_known(load.torque))} N m")]
+        given += [(f"Torque at the {load.end}", _span(_known(load.torque), "Nm"))]
         speed = _known(load.speed)
-        given += [("Speed of the drive", f"{_span(speed)} rad/s, {_span(speed / RPM)} rpm")]
+        given += [("Speed of the drive", f"{_span(speed, 'rad_s')}, {_span(speed, 'rpm')}")]
         if scene.accelerates:
-            acceleration = _span(_known(load.acceleration))
-            given += [("Acceleration of the drive", f"{acceleration} rad/s²")]
+            acceleration = _span(_known(load.acceleration), "rad_s2")
+            given += [("Acceleration of the drive", acceleration)]
     known = scene.without_missing().drive_angle_deg
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
     given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
@@ -265,14 +266,15 @@ def _known(values: FloatArray) -> FloatArray:
     return values[~np.isnan(values)]
 
 
-def _span(values: FloatArray | float) -> str:
-    """A figure, or the least and the largest of several."""
-    low, high = float(np.min(values)), float(np.max(values))
+def _span(values: FloatArray | float, unit: str = "") -> str:
+    """A figure, or the least and the largest of several, in a unit of ``UNITS``."""
+    symbol, factor = UNITS[unit]
+    low, high = float(factor * np.min(values)), float(factor * np.max(values))
     if abs(low) < _NEGLIGIBLE * abs(high):
         low = 0.0
     if high - low <= 1e-9 * max(abs(low), abs(high)):
-        return _figure(high)
-    return f"{_figure(low)} to {_figure(high)}"
+        return f"{_figure(high)} {symbol}".rstrip()
+    return f"{_figure(low)} to {_figure(high)} {symbol}".rstrip()
 
 
 def _ends(first: FloatArray, second: FloatArray) -> str:

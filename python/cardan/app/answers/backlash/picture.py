@@ -8,6 +8,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
+from cardan.app.answers.printed import given, short
 from cardan.app.pictures.style import THIN, drawing, finish, line_style, stacked, value_ticks
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
         axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))
         both = found.lash + 2.0 * found.wind_up
         if np.any(found.wind_up):
-            label = f"from {found.torque:.4g} to \N{MINUS SIGN}{found.torque:.4g} N m"
+            label = f"from {short(found.torque)} to \N{MINUS SIGN}{given(found.torque, 'Nm')}"
             axes.plot(turn, np.degrees(both), label=label, **line_style(1))
         ends = (0.0, 360.0), (0.0, 1.1 * float(np.degrees(np.max(both))))
         finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)

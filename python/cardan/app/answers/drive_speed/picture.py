@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import given
 from cardan.app.pictures.style import drawing, finish, stacked
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
@@ -39,7 +40,7 @@ def plot_drive_speed(
             ``Driveline.free_running``.
     """
     rows = np.atleast_2d(np.asarray(inertias, dtype=np.float64))
-    names = [f"{row[0]:g} kg m²" for row in rows] if labels is None else list(labels)
+    names = [given(float(row[0]), "kgm2") for row in rows] if labels is None else list(labels)
     if len(names) != len(rows):
         raise ArgumentValueError(
             "labels", f"has {len(names)} entries; there are {len(rows)} curves"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cardan.app.answers.rows import UNITS
 from cardan.app.answers.states.picture import height_mm, plot_states
 from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.figures import SummaryRow, summary
@@ -152,13 +153,13 @@ def _title(figure: Figure, scene: Scene) -> float:
     said = [f"{shaft} angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
     if scene.speed:
-        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)} rpm"]
+        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)}"]
     _text(figure, _MARGIN, y - 0.5, ", ".join(said))
     return y - 5.0
 
 
 def _rpm(speed: float) -> str:
-    return number(float(f"{speed / RPM:.6g}"))
+    return f"{number(float(f'{speed / RPM:.6g}'))} {UNITS['rpm'].symbol}"
 
 
 def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
