@@ -1,0 +1,1 @@
+"""How a scene file is read: its text, the rules of its values, places of errors, and the schema."""

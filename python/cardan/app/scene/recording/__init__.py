@@ -1,0 +1,1 @@
+"""Recorded angles, times, speeds and torques as a scene reads them."""

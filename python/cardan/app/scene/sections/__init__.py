@@ -1,0 +1,1 @@
+"""The sections of a scene, one in each file: keys, rules, and what is made of them."""

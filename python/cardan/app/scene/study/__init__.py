@@ -1,0 +1,1 @@
+"""What a scene varies: studies, states, and their tables and curves."""
