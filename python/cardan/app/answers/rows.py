@@ -59,8 +59,8 @@ class Row:
     source: str = ""  # formula and source
     limit: str = ""  # the key of the scene that gives its limit: "[slip] travel_mm"
     is_detail: bool = False  # whether it is left out of printed text
-    # "own" if the unit is what the field "unit" beside it says, "each" if keys end in it as well;
-    # of an item, if it is what the field "per" says
+    # "own": the field "unit" of the same part holds the unit; "each": the keys end in it as well.
+    # Of an item, "own": the field "per" holds what it is.
     own: str = ""
     is_optional: bool = False  # whether JSON leaves it out where it is None or empty
     is_shown: bool = False  # whether it is held in the unit in which it is shown, as a scene has it
@@ -97,8 +97,8 @@ def figure(
 ) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
     """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``.
 
-    The unit is a key of ``UNITS``; or if the field ``unit`` beside it has the key, ``"own"``, and
-    ``"each"`` for keys that end in it.
+    The unit is a key of ``UNITS``. It is ``"own"`` if the field ``unit`` of the same part holds
+    that key, and ``"each"`` if the keys of the JSON end in it as well.
     """
     return _declared(Row("figure", label, unit, meaning, source, limit, is_detail))
 
@@ -132,7 +132,7 @@ def place(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
 def item(of: str) -> Any:  # noqa: ANN401 - as of figure
     """Declare the number of what the other fields are about: the shaft, joint or bearing.
 
-    It is ``"own"`` if the field ``per`` beside it says which of these.
+    It is ``"own"`` if the field ``per`` of the same part holds which of these it is.
     """
     return _declared(Row("item", "", of) if of == "own" else Row("item", of))
 

@@ -31,7 +31,7 @@ class Panel:
     unit: str  # of its values, "" for a ratio
     curves: tuple[Curve, ...]  # the lines
     scale: float = 1.0  # a size beside which a billionth is rounding
-    left_out: int = 0  # how many smaller curves there would be beside them
+    left_out: int = 0  # the number of smaller curves that are not drawn
 
 
 class Table(NamedTuple):

@@ -40,7 +40,7 @@ Statistic = Literal["value", "min", "max", "peak"]
 Of = Literal["driveline", "turn", "samples"]
 Per = Literal["shaft", "joint", "bearing"]
 
-# What a turn repeats, and what has rows of its own.
+# Outputs whose extremes are not searched: they have rows of their own.
 _NOT_SEARCHED = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 
 # Quantity, the output that it is, statistic, unit, and the power of the drive's speed in it.

@@ -49,7 +49,7 @@ _OF_JOINTS = tuple(key for pair in IN_DEGREES_OR_MM.values() for key in pair)
 
 @dataclass(frozen=True, eq=False)
 class Toleranced:
-    """Tolerances, arms in m of the groups that are lengths, and the share to keep the limit."""
+    """Tolerances, the arms in m of groups given as lengths, and the share that must pass."""
 
     tolerances: Tolerances | None
     arms: Mapping[str, FloatArray]
