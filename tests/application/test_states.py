@@ -6,6 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cardan import Driveline
 from cardan.app.scene import Scene, SceneError
@@ -47,6 +48,107 @@ def test_each_state_is_the_driveline_that_its_values_describe() -> None:
     )
     assert [float(states.load(i).torque) for i in range(3)] == [100.0, 300.0, 200.0]  # type: ignore[union-attr]
     assert np.array_equal(states.points(0), points[0])  # type: ignore[arg-type]
+
+
+CHANGES = """\
+[states]
+names = ["low", "rest", "high"]
+"points_mm.2-3.y" = {add = [-60, 0, 40]}
+"points_mm.3.z" = [45, 50, 55]
+"points_mm.3" = {turn_deg = [-20, 0, 35], about_mm = [1650, -46, 10], axis = [1, 2, 2]}
+"phases_deg" = {add = {from = -5, to = 5, steps = 3}}
+"""
+
+
+def changed_points(points: np.ndarray) -> np.ndarray:
+    """The points of CHANGES: values first, then what is added, then the turn by a quaternion."""
+    found = np.array([points] * 3)
+    found[:, 3, 2] = [45, 50, 55]
+    found[:, 2:, 1] += np.array([[-60], [0], [40]])
+    about = np.array([1650.0, -46.0, 10.0])
+    for i, angle in enumerate(np.radians([-20.0, 0.0, 35.0])):
+        turn = Rotation.from_rotvec(angle * np.array([1.0, 2.0, 2.0]) / 3.0)
+        found[i, 3] = about + turn.apply(found[i, 3] - about)
+    return found
+
+
+def test_states_are_changes_of_the_drawing() -> None:
+    scene = Scene.parse(BASE + CHANGES)
+    assert scene.states
+    exact = Driveline.from_points(changed_points(POINTS), [[-5], [0], [5]], degrees=True)
+    lines = scene.states.drivelines()
+    np.testing.assert_allclose(lines.bends, exact.bends, rtol=1e-13)
+    np.testing.assert_allclose(lines.twists, exact.twists, rtol=1e-12)
+    np.testing.assert_allclose(lines.phases, exact.phases, rtol=1e-14)
+    assert [axis.key for axis in scene.states.axes] == [
+        "points_mm.2-3.y.add",
+        "points_mm.3.z",
+        "points_mm.3.turn_deg",
+        "phases_deg.add",
+    ]
+    study = """\
+[study.points_mm]
+2-3.y = {add = [-60, 0, 40]}
+3 = {z = [45, 50, 55], turn_deg = [-20, 0, 35], about_mm = [1650, -46, 10], axis = [1, 2, 2]}
+"""
+    grid = Scene.parse(BASE + study).study
+    assert grid
+    _, lines, _ = next(grid.blocks())
+    diagonal = [0, 13, 26]
+    np.testing.assert_allclose(lines.bends[diagonal, 0], exact.bends, rtol=1e-13)
+
+
+def test_a_change_of_the_drawing_is_made_before_the_changes_of_the_states() -> None:
+    scene = Scene.parse(BASE + CHANGES)
+    moved = POINTS.copy()
+    moved[3, 0] += 25.0
+    lines = scene.drivelines({"points_mm.3.x": 3175.0})
+    exact = Driveline.from_points(changed_points(moved))
+    np.testing.assert_allclose(lines.bends, exact.bends, rtol=1e-13)
+    optimise = '[optimise]\nminimise = "equivalent_bend"\nvary = {"points_mm.3.x" = [-50, 50]}\n'
+    found = Scene.parse(BASE + CHANGES + optimise).optimisation
+    assert found
+    np.testing.assert_allclose(found.drivelines(np.array([25.0])).bends, exact.bends, rtol=1e-13)
+    # The derivatives are those of points that nothing turns.
+    assert found._parameters is None
+    assert "states.points_mm.2-3.y.add" not in found.values_after(np.array([25.0]))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "{add = [-60, 0, 40]}",
+            "{add = [-60, 0, 40], by = 2}",
+            "points_mm.2-3.y has an unknown key 'by'; add stands alone",
+        ),
+        ("add = [-60, 0, 40]", "add = []", "points_mm.2-3.y.add is []; a study needs at least one"),
+        ("add = [-60, 0, 40]", "add = [-60, 40]", "has 3 values and points_mm.2-3.y.add 2"),
+        ("about_mm", "about_m", "points_mm.3 has about_m; the point is in the unit of points_mm"),
+        ("about_mm = [1650, -46, 10], ", "", "points_mm.3 must have turn_deg, about_mm or about_m"),
+        (
+            "axis = [1, 2, 2]",
+            "axis = [0, 0, 0]",
+            "points_mm.3.axis is [0, 0, 0]; an axis needs a dir",
+        ),
+        (
+            "axis = [1, 2, 2]",
+            'axis = "w"',
+            'points_mm.3.axis is \'w\'; it is "x", "y", "z" or three',
+        ),
+        ("turn_deg", "turn", "points_mm.3 has no 'turn'; did you mean 'turn_deg'?"),
+        (
+            '"points_mm.3.z" = [45',
+            '"points_mm.3.y" = {add = [1, 1, 1]}\n"points_mm.3.z" = [45',
+            "varies points_mm[3], which varies already",
+        ),
+    ],
+)
+def test_changes_that_are_refused(old: str, new: str, message: str) -> None:
+    assert old in CHANGES
+    with pytest.raises(SceneError) as error:
+        Scene.parse(BASE + CHANGES.replace(old, new))
+    assert message in str(error.value)
 
 
 def test_bare_and_quoted_paths_mean_the_same() -> None:

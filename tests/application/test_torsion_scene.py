@@ -36,6 +36,7 @@ JOINT = """\
 [driveline]
 bends_deg = [20]
 [torsion]
+drive = "held"
 inertias_kgm2 = [0, [0, 0.05]]
 stiffnesses_Nm_per_rad = [8000, "rigid"]
 speed_rpm = {from = 3000, to = 4500, steps = 40}

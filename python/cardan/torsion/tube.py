@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,6 +43,10 @@ class Tube:
         return scalar_or_array(np.asarray(self._shear_per_torque * torques))
 
 
+WIDEST = 2.0
+"""Diameter in m above which a shaft is probably given in another unit."""
+
+
 def tube(
     outer_diameter: ArrayLike,
     wall: ArrayLike | None = None,
@@ -53,7 +58,8 @@ def tube(
 ) -> Tube:
     """Return the figures of a round shaft, by the textbook formulas for slender bars.
 
-    Arguments broadcast against each other. The defaults are those of steel.
+    Arguments broadcast against each other. The defaults are those of steel. A shaft wider than 2 m
+    gives a warning, because its sizes are probably not in metres.
 
     Args:
         outer_diameter: in m.
@@ -74,6 +80,9 @@ def tube(
     (82123.4, 57.937)
     """
     diameter = positive("outer_diameter", outer_diameter)
+    if np.any(diameter > WIDEST):
+        text = f"outer_diameter reaches {np.max(diameter):g}; sizes are in metres"
+        warnings.warn(text, stacklevel=2)
     given = {
         "outer_diameter": diameter,
         "wall": 0.5 * diameter if wall is None else wall,

@@ -87,7 +87,7 @@ class Part:
             return str(own(found))
         if brief and self.said:
             return "\n".join([self.heading(found), *filled(self.sentences(found))])
-        if own := self._own("words", "text"):
+        if own := self._own("words", "text", "figures"):
             return str(own(found, radians=radians))
         return part_text(self.heading(found), found, self.sentences(found), radians=radians)
 
@@ -129,6 +129,7 @@ _LIFE = ("check", "life", "report")
 
 _PARTS = (
     Part("moves", "What would help", "", (), ()),
+    Part("remarks", "Worth a look", "", (), _ALL),
     Part("limits", "Motion", "", ("load", "limits"), ("check",)),
     Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),

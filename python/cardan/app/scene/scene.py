@@ -195,6 +195,7 @@ class Scene:
         tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
         tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
+        decimal_commas: line and text of lists that may have decimal commas.
     """
 
     name: str
@@ -236,6 +237,7 @@ class Scene:
     curves_file: str | None = made_of(OUTPUT, "curves")
     table_file: str | None = made_of(OUTPUT, "table")
     picture_file: str | None = made_of(OUTPUT, "picture")
+    decimal_commas: tuple[tuple[int, str], ...] = ()
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -340,6 +342,7 @@ class Scene:
             if section := own.metadata.get("section"):
                 whole, attribute = reading[section], own.metadata["attribute"]
                 made[own.name] = getattr(whole, attribute, None) if attribute else whole
+        made["decimal_commas"] = document.decimal_commas()
         return cls(document.name, reading.layout, **made)
 
     @property

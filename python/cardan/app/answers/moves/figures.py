@@ -57,11 +57,14 @@ def find(answer: Answer) -> tuple[Move, ...]:
         if each.value.limit is not None
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
     ]
-    set_by_states = bool(scene.states and scene.states.set_phases)
+    # A change of the drawing turns with what a state turns.
+    set_by_states = scene.states.turned if scene.states else set()
+    if scene.states and scene.states.set_phases:
+        set_by_states |= {("phase", shaft) for shaft in range(scene.line.n_joints)}
     return tuple(
         _move(change, scene.line.n_joints, ", ".join(untried))
         for change in found
-        if not (set_by_states and change.variable == "phase")
+        if (change.variable, change.item) not in set_by_states
     )
 
 

@@ -184,6 +184,9 @@ class TorsionBasics:
         source="D. Thoma, 1920: joints bring new critical speeds",
         limit="[torsion] resonance_margin",
     )
+    without_effect: float | None = figure(
+        "inertia without effect", "kgm2", "at the drive, which is held at constant speed"
+    )
     speed_range: SpeedRange = parts("Speed range", "of the scene")
     modes: tuple[Mode, ...] = parts("Natural frequencies")
     critical_speeds: tuple[CriticalSpeed, ...] = parts("Critical speeds")
@@ -266,7 +269,10 @@ def find(answer: Answer) -> TorsionBasics | None:
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    return TorsionBasics(given, margin, SpeedRange(low, high), modes, critical_speeds, rules)
+    speeds = SpeedRange(low, high)
+    return TorsionBasics(
+        given, margin, given.without_effect or None, speeds, modes, critical_speeds, rules
+    )
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:

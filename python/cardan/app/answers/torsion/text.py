@@ -60,6 +60,19 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
                 f"{short(rule.factor)} exceeds the damping ratio of "
                 f"{short(round(rule.damping_ratio, 9))} ({_RULE_SOURCE})"
             )
+    if held := _held(found):
+        yield held
+
+
+def _held(found: TorsionBasics) -> str:
+    """Say that the drive turns evenly, unless the scene says so itself."""
+    if found.torsion.drive:
+        return ""
+    text = "the drive is held at constant speed"
+    if found.without_effect:
+        inertia = quantity(found.without_effect, "kgm2")
+        text += f", so the inertia of {inertia} at the input end of shaft 0 has no effect"
+    return f'{text}; drive = "held" in [torsion] says that this is meant'
 
 
 def sentences(found: TorsionFigures) -> Iterator[str]:
@@ -82,6 +95,8 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
     yield from _side_by_side(found)
     for missing in found.missing:
         yield f"{capital(_where(missing))} the torques are not known: {missing.reason}."
+    if held := _held(found):
+        yield f"{capital(held)}."
 
 
 def _unstable(found: TorsionFigures, region: SpeedRange) -> str:

@@ -17,6 +17,8 @@ from cardan.app.scene.language.section import Section
 from cardan.app.scene.language.units import units_of
 from cardan.arrays.errors import ArgumentValueError, nearest
 
+_LIST_OF_NUMBERS = re.compile(r"\[[-+.,\d \t]*\]")
+
 
 class Document:
     """A scene file being read: its sections, and the first or all of what is wrong with them.
@@ -90,6 +92,16 @@ class Document:
             with self.within(name):
                 raise problem
         return checked
+
+    def decimal_commas(self) -> tuple[tuple[int, str], ...]:
+        """Return line and text of lists in which commas with and without a blank are mixed."""
+        return tuple(
+            (self._text.count("\n", 0, found.start()) + 1, found[0])
+            for found in _LIST_OF_NUMBERS.finditer(self._text)
+            if re.search(r"\d,\d", found[0])
+            and re.search(r",[ \t]", found[0])
+            and "#" not in self._text[: found.start()].rpartition("\n")[2]
+        )
 
     @contextmanager
     def within(self, section: str, key: str = "") -> Iterator[None]:

@@ -10,7 +10,7 @@ from cardan.app.scene.language.section import Key, Section
 from cardan.app.scene.recording.recorded import BEND_COLUMNS
 from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH, only
 from cardan.app.scene.sections.sweep import DRIVE_ANGLES
-from cardan.app.scene.study.axes import DEFINITION, ENTRIES, AxisValues, NestedAxes
+from cardan.app.scene.study.axes import DEFINITIONS, ENTRIES, AxisValues, NestedAxes
 
 
 def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
         "title": "Scene of a driveline or a ball joint",
         **_section_schema(top),
         "properties": {**_properties(top), **described},
-        "$defs": {"values": DEFINITION},
+        "$defs": DEFINITIONS,
         "allOf": [
             _not_both(*DRIVE_ANGLES),
             {
@@ -96,7 +96,8 @@ def _pattern_schemas(section: Section[Any]) -> dict[str, Any]:
 
 def _by_depth(name: str, key: Key, of_entries: Mapping[str, Any]) -> dict[str, Any]:
     described = {"description": key.meaning}
-    components = of_entries.get("properties")
+    # Of several ways to vary an entry the first has its components alone.
+    components = of_entries.get("oneOf", [of_entries])[0].get("properties")
     if components is None:
         return {f"^{name}{_PATH_ENTRY}$": {**described, **of_entries}}
     values = next(iter(components.values()))

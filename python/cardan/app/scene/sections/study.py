@@ -99,8 +99,9 @@ STUDY: Section[Study | None] = Section(
     help_on_paths="Give a key of [driveline], [load] or a [[bearing]] the value "
     "{from = …, to = …, steps = …} (both ends included) or a list of numbers. bends_deg varies all "
     "entries of a list alike, bends_deg.0 the first, and bends_deg.0-1 the first two. "
-    "points_mm.2.y varies one coordinate of a point. The key bearing moves bearings: "
-    "bearing.0.position_mm.",
+    "points_mm.2.y varies one coordinate of a point. {add = …} adds to the value of [driveline], "
+    'and {turn_deg = …, about_mm = [0, 0, 0], axis = "y"} turns points. The key bearing moves '
+    "bearings: bearing.0.position_mm.",
 )
 
 
@@ -156,5 +157,6 @@ STATES: Section[States | None] = Section(
     paths=True,
     recorded_bends=False,
     help_on_paths="Give keys of [driveline] or [load] their values in each state, as in [study]; "
-    "all lists have one entry per state. Paths may be in quotes.",
+    "all lists have one entry per state. A list holds values; {add = [-60, 0, 60]} is for changes. "
+    "Paths may be in quotes.",
 )

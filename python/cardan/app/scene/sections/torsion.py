@@ -16,6 +16,7 @@ from cardan.app.scene.language.rules import (
     START,
     ListOf,
     Number,
+    OneOf,
     OneOrMore,
     Rule,
     Schema,
@@ -102,13 +103,21 @@ class SpeedValues(Rule):
 class TorsionCase:
     """The torsional system, drive speeds in rad/s and orders, both rising, and the least margin.
 
-    The margin of a critical speed is its distance from the speeds in shares of it.
+    The margin of a critical speed is its distance from the speeds in shares of it. The drive is
+    held at constant speed; whether the scene says so itself is ``drive``.
     """
 
     system: TorsionalSystem
     speed: FloatArray
     orders: tuple[int, ...]
     margin: float | None
+    drive: Literal["held", ""] = ""
+
+    @property
+    def without_effect(self) -> float:
+        """The inertia in kg m² that turns with the drive at constant speed."""
+        ends = self.system.inertias[..., 0, :]
+        return float(np.sum(ends) if 0 not in self.system.compliant else ends[..., 0])
 
 
 def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
@@ -137,7 +146,8 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
             'stiffer than the others is "rigid"'
         )
     orders = tuple(sorted(values.get("orders", ORDERS)))
-    return TorsionCase(system, RPM * values["speed_rpm"], orders, values.get("resonance_margin"))
+    speed, margin = RPM * values["speed_rpm"], values.get("resonance_margin")
+    return TorsionCase(system, speed, orders, margin, values.get("drive", ""))
 
 
 def _stiffnesses(
@@ -202,6 +212,11 @@ TORSION: Section[TorsionCase | None] = Section(
         ),
         "load_damping_Nms_per_rad": Key(
             _DAMPING, "viscous load on the last shaft", "load_damping", default=0
+        ),
+        "drive": Key(
+            OneOf(("held",)),
+            "what the input end of shaft 0 does: it is held at constant speed, and an inertia "
+            "there has no effect; the key says that this is meant",
         ),
         "speed_rpm": Key(
             SpeedValues(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -36,7 +37,14 @@ class Tubes:
         if "length" in self.given or not has_lengths(line):
             return np.broadcast_to(self.tube.critical_speed, (*line.shape, len(self.shafts)))
         lengths = line.lengths().each[..., list(self.shafts)]
-        return np.asarray(tube(**self.given, length=lengths).critical_speed)
+        return np.asarray(_made({**self.given, "length": lengths}).critical_speed)
+
+
+def _made(given: Mapping[str, FloatArray]) -> Tube:
+    """Return tubes without a warning of wide ones, on which the answer remarks."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return tube(**given)
 
 
 def _tubes(values: Mapping[str, Any], scene: Reading) -> Tubes:
@@ -59,7 +67,7 @@ def _tubes(values: Mapping[str, Any], scene: Reading) -> Tubes:
             raise ArgumentValueError("length_mm", "is missing; recorded bends have no lengths")
         lengths = {"length": line.lengths().each[..., list(shafts)]}
     try:
-        found = tube(**given, **lengths)
+        found = _made(given | lengths)
     except ArgumentValueError as error:
         # In millimetres, as the file has it.
         place = tuple(map(int, error.place))

@@ -1,6 +1,8 @@
 """The axes of a study: which of a scene's keys it varies, their values, and the rules for these.
 
-A schema cannot say that a spread of one step needs equal ends; only the reader checks that.
+An axis gives a key values, or changes what the key has: it adds to entries, or turns points. Values
+come first, then what is added, then turns. A schema cannot say that a spread of one step needs
+equal ends; only the reader checks that.
 """
 
 from __future__ import annotations
@@ -42,13 +44,38 @@ class Spread(NamedTuple):
     steps: int
 
 
-Varied: TypeAlias = Mapping[str, Mapping[str, Spread | list[float]]]
-"""Values by key and place, as a section has them."""
+Steps: TypeAlias = Spread | list[float]
+"""The values of an axis, or how much it changes what is there."""
+
+
+class Added(NamedTuple):
+    """What a study adds to the values of entries."""
+
+    steps: Steps
+
+
+class Turned(NamedTuple):
+    """By what a study turns points, about a point of the file's unit and an axis through it."""
+
+    steps: Steps
+    about: list[float]
+    axis: list[float]
+    unit: str
+
+
+Varied: TypeAlias = Mapping[str, Mapping[str, Steps | Added | Turned]]
+"""What varies by key and place, as a section has it."""
 
 _SPREAD = Table(
     {"from": Number(), "to": Number(), "steps": COUNT}, f"{SPREAD} or a list of numbers"
 )
 _LISTED = ListOf(Number(), "numbers")
+_VECTOR = ListOf(Number(), "three numbers", count=3)
+_ADD = "add"
+_TURN, _ABOUT, _AXIS = "turn_deg", ("about_mm", "about_m"), "axis"
+_OF_TURN = (_TURN, *_ABOUT, _AXIS)
+_AXES = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
+_ABOUT_AXIS: Schema = {"oneOf": [{"enum": list(_AXES)}, _VECTOR.schema]}
 
 
 @dataclass(frozen=True)
@@ -57,24 +84,68 @@ class AxisValues(Rule):
 
     name = "values"
 
-    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
         """Return the values by their place, which is empty."""
         return {"": _values(where, value)}
 
     @property
     def schema(self) -> Schema:
         """A reference to the definition."""
-        return {"$ref": "#/$defs/values"}
+        return _VALUES
 
 
-DEFINITION = {
-    "description": "what a study gives a key: a list, or values evenly spread",
-    "oneOf": [{**_LISTED.schema, "minItems": 1}, _SPREAD.schema],
+_VALUES, _CHANGED = ({"$ref": f"#/$defs/{name}"} for name in ("values", "changed"))
+
+DEFINITIONS = {
+    "values": {
+        "description": "what a study gives a key: a list, or values evenly spread",
+        "oneOf": [{**_LISTED.schema, "minItems": 1}, _SPREAD.schema],
+    },
+    "changed": {
+        "description": "values, or what is added to those of the drawing",
+        "oneOf": [
+            _VALUES,
+            {
+                "type": "object",
+                "properties": {_ADD: _VALUES},
+                "required": [_ADD],
+                "additionalProperties": False,
+            },
+        ],
+    },
 }
-"""JSON Schema of the values of an axis, for the schema to define once."""
+"""JSON Schemas of the values of an axis, for the schema to define once."""
 
 
-def _values(where: Location, value: object) -> Spread | list[float]:
+def _changed(where: Location, value: object) -> Steps | Added:
+    """Values, or with ``add`` changes."""
+    if isinstance(value, dict) and _ADD in value:
+        for key in value:
+            if key != _ADD:
+                raise where.error(f"has an unknown key {shown(key)}; {_ADD} stands alone")
+        return Added(_values(where.at(_ADD), value[_ADD]))
+    return _values(where, value)
+
+
+def _turned(where: Location, value: Mapping[str, object]) -> Turned:
+    """By what points turn, about which point and axis."""
+    about = [key for key in _ABOUT if key in value]
+    if len(about) != 1 or _AXIS not in value or _TURN not in value:
+        raise where.error(f"must have {_TURN}, {' or '.join(_ABOUT)}, and {_AXIS}")
+    axis = value[_AXIS]
+    if isinstance(axis, str):
+        if axis not in _AXES:
+            raise where.at(_AXIS).error(f'is {shown(axis)}; it is "x", "y", "z" or three numbers')
+        axis = _AXES[axis]
+    axis = _VECTOR.read(where.at(_AXIS), axis)
+    if not any(axis):
+        raise where.at(_AXIS).error("is [0, 0, 0]; an axis needs a direction")
+    steps = _values(where.at(_TURN), value[_TURN])
+    point = _VECTOR.read(where.at(about[0]), value[about[0]])
+    return Turned(steps, point, axis, about[0].rpartition("_")[2])
+
+
+def _values(where: Location, value: object) -> Steps:
     if isinstance(value, list):
         if not value:
             raise where.error("is []; a study needs at least one value")
@@ -105,20 +176,19 @@ _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
 class ListAxes(AxisValues):
     """What varies a list of numbers: values for all entries, or for some by their place."""
 
-    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
-        if not _is_table(value) or value.keys() & _SPREAD.keys.keys():
-            return super().read(where, value)
+        if not _is_table(value) or value.keys() & {*_SPREAD.keys, _ADD}:
+            return {"": _changed(where, value)}
         for index in value:
             if not re.fullmatch(ENTRIES, index):
                 raise where.at(index).error(_NO_ENTRY)
-        return {index: _values(where.at(index), entry) for index, entry in value.items()}
+        return {index: _changed(where.at(index), entry) for index, entry in value.items()}
 
     @property
     def schema(self) -> Schema:
         """The values, or an object of them."""
-        values = AxisValues().schema
-        return {"anyOf": [values, _tables(f"^{ENTRIES}$", values)]}
+        return {"anyOf": [_CHANGED, _tables(f"^{ENTRIES}$", _CHANGED)]}
 
 
 @dataclass(frozen=True)
@@ -126,40 +196,55 @@ class NestedAxes(Rule):
     """What varies a part of an entry, as a component of a vector: values by entry and part.
 
     ``what`` is entry and part in words with an example; ``no_entry`` says what names no entry.
+    Parts that change can be added to, and all of them be turned together.
     """
 
     what: tuple[str, str]
     entry: str
     no_entry: str
     parts: tuple[str, ...]
+    changes: bool = False
     name = "values"
 
-    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Steps | Added | Turned]:
         """Return the values by entry and part: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
         if not _is_table(value) or not all(map(_is_table, value.values())):
             words, example = self.what
             raise where.error(f"is {shown(value)}; name {words}, as in {where}.{example}")
-        axes = {}
+        axes: dict[str, Steps | Added | Turned] = {}
+        read = _changed if self.changes else _values
         for index, parts in value.items():
             at = where.at(index)
             if not re.fullmatch(self.entry, index):
                 raise at.error(self.no_entry)
+            turn = {key: parts[key] for key in _OF_TURN if self.changes and key in parts}
+            known = (*self.parts, *(_OF_TURN if self.changes else ()))
             for part, entry in parts.items():
-                if part not in self.parts:
-                    raise at.error(f"has no {shown(part)}; {nearest(part, self.parts)}")
-                axes[f"{index}.{part}"] = _values(at.at(part), entry)
+                if part not in known:
+                    raise at.error(f"has no {shown(part)}; {nearest(part, known)}")
+                if part not in turn:
+                    axes[f"{index}.{part}"] = read(at.at(part), entry)
+            if turn:
+                axes[index] = _turned(at, turn)
         return axes
 
     @property
     def schema(self) -> Schema:
         """An object of objects."""
-        parts = {
-            "type": "object",
-            "properties": dict.fromkeys(self.parts, AxisValues().schema),
-            "additionalProperties": False,
-            "minProperties": 1,
-        }
-        return _tables(f"^{self.entry}$", parts)
+        values = dict.fromkeys(self.parts, _CHANGED if self.changes else _VALUES)
+        parts: dict[str, Any] = {"type": "object", "additionalProperties": False}
+        alone = {**parts, "properties": values, "minProperties": 1}
+        if not self.changes:
+            return _tables(f"^{self.entry}$", alone)
+        turns = [
+            {
+                **parts,
+                "properties": {**values, _TURN: _VALUES, about: _VECTOR.schema, _AXIS: _ABOUT_AXIS},
+                "required": [_TURN, about, _AXIS],
+            }
+            for about in _ABOUT
+        ]
+        return _tables(f"^{self.entry}$", {"oneOf": [alone, *turns]})
 
 
 def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
@@ -168,7 +253,7 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 NUMBER_AXIS = AxisValues()
 LIST_AXES = ListAxes()
-VECTOR_AXES = NestedAxes(("place and axis", "2.y"), ENTRIES, _NO_ENTRY, ("x", "y", "z"))
+VECTOR_AXES = NestedAxes(("place and axis", "2.y"), ENTRIES, _NO_ENTRY, ("x", "y", "z"), True)
 BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
@@ -177,17 +262,35 @@ BEARING_AXES = NestedAxes(
 )
 
 
+class Rotation(NamedTuple):
+    """A turn about a point of the file and a direction of length 1."""
+
+    about: FloatArray
+    axis: FloatArray
+
+    def of(self, points: FloatArray, angle: FloatArray) -> FloatArray:
+        """Return points ``(rows, ..., 3)`` turned by angles ``(rows, ...)`` in rad (Rodrigues)."""
+        arms, (sine, cosine) = points - self.about, (np.sin(angle), np.cos(angle))
+        along = (arms @ self.axis)[..., np.newaxis] * self.axis
+        turned = cosine * (arms - along) + sine * np.cross(self.axis, arms)
+        return np.asarray(self.about + along + turned)
+
+
 @dataclass(frozen=True, eq=False)
 class Axis:
     """One key of a scene and the values that it takes in a study.
 
     Attributes:
-        key: as the file says it: ``bends_deg.0``, ``points_mm.2-3.y``, ``speed_rpm``.
+        key: as the file says it: ``bends_deg.0``, ``points_mm.2-3.y``, ``points_mm.2.y.add``,
+            ``points_mm.2.turn_deg``, ``speed_rpm``.
         section: where the key belongs.
         name: the key without place and component.
         place: which entries of a list it varies; ``None`` where the value is one number.
         component: which component of a vector.
-        values: the values, ``(steps,)``, in the key's own unit.
+        values: the values, ``(steps,)``, in the key's own unit; how much is added; or the angles in
+            degrees by which points turn.
+        is_added: whether the values are added to those of the drawing.
+        rotation: about what points turn.
     """
 
     key: str
@@ -196,11 +299,41 @@ class Axis:
     place: slice | None
     component: int | None
     values: FloatArray
+    is_added: bool = False
+    rotation: Rotation | None = None
 
     @property
     def location(self) -> Location:
         """Where the file gives the values, for errors."""
         return _location(*self.key.partition(".")[::2])
+
+    @property
+    def where(self) -> tuple[Any, ...]:
+        """The index of its entries in an array of the key."""
+        place = slice(None) if self.place is None else self.place
+        if self.rotation:
+            return (..., place, slice(None))
+        return (..., place) if self.component is None else (..., place, self.component)
+
+    @property
+    def turn(self) -> int:
+        """Its turn among the axes of a key: values, what is added, rotations."""
+        return 2 if self.rotation else int(self.is_added)
+
+    def change(self, entries: FloatArray, column: FloatArray) -> None:
+        """Give entries ``(rows, ..., n[, 3])`` these values of the axis, one per row, in place."""
+        own = entries[self.where]
+        rows = column.reshape(-1, *[1] * (own.ndim - 1))
+        if self.rotation:
+            rows = self.rotation.of(own, np.radians(rows))
+        elif self.is_added:
+            rows = own + rows
+        entries[self.where] = rows
+
+    def entries(self, count: int) -> set[tuple[int, int | None]]:
+        """Return which entries of a list of so many it varies, and which of their components."""
+        places = range(*(self.place or slice(None)).indices(count))
+        return {(place, self.component) for place in places}
 
 
 def grid_of(
@@ -211,9 +344,10 @@ def grid_of(
 ) -> tuple[Axis, ...]:
     """Return the axes of the grid that the section [study] describes; it has not too many rows."""
     sizes = {
-        _location(name, place): values.steps if isinstance(values, Spread) else len(values)
+        _location(name, place): steps.steps if isinstance(steps, Spread) else len(steps)
         for name, places in given.items()
         for place, values in places.items()
+        for steps in [_steps(values)]
     }
     rows = math.prod(sizes.values())
     if rows > MOST_ROWS:
@@ -238,27 +372,54 @@ def axes_of(
     axes = []
     for name, places in given.items():
         if name == "bearing":
-            axes += [_of_bearing(place, values, bearings) for place, values in places.items()]
+            axes += [_of_bearing(place, _steps(own), bearings) for place, own in places.items()]
             continue
         section = "driveline" if name in DRIVELINE.keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section, varying)
-        taken: set[tuple[int, str]] = set()
         for place, values in places.items():
             index, _, component = place.partition(".")
-            location = _location(name, place)
-            entries = _entries(location, index, base)
-            for entry in range(*entries.indices(len(base))) if base and entries else ():
-                if (entry, component) in taken:
-                    raise location.error(f"varies {name}[{entry}], which varies already")
-                taken.add((entry, component))
+            entries = _entries(_location(name, place), index, base)
             number = "xyz".index(component) if component else None
-            axes.append(Axis(str(location), section, name, entries, number, _listed(values)))
+            how: dict[str, Any] = {}
+            key = str(_location(name, place))
+            if isinstance(values, Added):
+                key, how = f"{key}.{_ADD}", {"is_added": True}
+            elif isinstance(values, Turned):
+                key, how = f"{key}.{_TURN}", {"rotation": _rotation(name, place, values)}
+            steps = _listed(_steps(values))
+            axes.append(Axis(key, section, name, entries, number, steps, **how))
+    check_apart(axes, {**driveline, **(load or {})})
     return tuple(axes)
 
 
-def _of_bearing(
-    place: str, values: Spread | list[float], bearings: Sequence[Mapping[str, Any]]
-) -> Axis:
+def check_apart(axes: Sequence[Axis], values: Mapping[str, Any]) -> None:
+    """Refuse axes that vary the same entries of lists in the same way."""
+    taken: set[tuple[Any, ...]] = set()
+    for axis in axes:
+        if axis.place is None or axis.section == "bearing":
+            continue
+        for entry, component in sorted(axis.entries(len(values[axis.name]))):
+            if (own := (axis.name, axis.turn, entry, component)) in taken:
+                raise axis.location.error(f"varies {axis.name}[{entry}], which varies already")
+            taken.add(own)
+
+
+def _steps(values: Steps | Added | Turned) -> Steps:
+    return values.steps if isinstance(values, Added | Turned) else values
+
+
+def _rotation(name: str, place: str, values: Turned) -> Rotation:
+    """About what points turn, in their unit."""
+    location = _location(name, place)
+    if not name.startswith("points"):
+        raise location.error(f"turns; only points can turn, and {name} are none")
+    if name != f"points_{values.unit}":
+        raise location.error(f"has about_{values.unit}; the point is in the unit of {name}")
+    axis = np.array(values.axis)
+    return Rotation(np.array(values.about), axis / np.linalg.norm(axis))
+
+
+def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]) -> Axis:
     index, _, key = place.partition(".")
     location, number = _location("bearing", place), int(index)
     if number >= len(bearings):
@@ -309,7 +470,7 @@ def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | N
     return slice(first, last + 1)
 
 
-def _listed(values: Spread | list[float]) -> FloatArray:
+def _listed(values: Steps) -> FloatArray:
     if isinstance(values, list):
         return np.array(values, dtype=np.float64)
     start, stop, steps = values
@@ -331,14 +492,10 @@ def put(values: dict[str, Any], axis: Axis, column: FloatArray) -> None:
         values[axis.name] = rows
         return
     array = np.asarray(values[axis.name], dtype=np.float64)
-    core = 1 if axis.component is None else 2
-    if array.ndim == core:
+    if array.ndim == (1 if axis.component is None and axis.rotation is None else 2):
         array = per_row(array, len(rows))
         values[axis.name] = array
-    if axis.component is None:
-        array[..., axis.place] = rows[..., None]
-    else:
-        array[..., axis.place, axis.component] = rows[..., None]
+    axis.change(array, column)
 
 
 def per_row(value: ArrayLike, rows: int) -> FloatArray:

@@ -106,19 +106,26 @@ class Optimisation:
 
     @functools.cached_property
     def _unchanged(self) -> dict[str, FloatArray]:
-        axes = self.states.axes if self.states else ()
+        axes = [axis for axis in self._of_states if not axis.rotation]
         return self.layout.values(axes, len(self.names))
+
+    @property
+    def _of_states(self) -> tuple[Axis, ...]:
+        return self.states.axes if self.states else ()
 
     def drivelines(self, changes: FloatArray) -> Driveline:
         """Return the drivelines, ``(..., states)``, after changes in units of the keys."""
         values = dict(self._unchanged)
-        for name in {variable.axis.name for variable in self.variables}:
+        turns = [axis for axis in self._of_states if axis.rotation]
+        for name in {axis.name for axis in (*turns, *(each.axis for each in self.variables))}:
             shape = changes.shape[:-1] + values[name].shape
             values[name] = np.array(np.broadcast_to(values[name], shape))
         for i, variable in enumerate(self.variables):
-            own = values[variable.axis.name][_place(variable.axis)]
+            own = values[variable.axis.name][variable.axis.where]
             # A view of the copy above.
             own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
+        for axis in turns:
+            axis.change(np.moveaxis(values[axis.name], -3, 0), axis.values)
         return self.layout.of(values)
 
     def values_at(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
@@ -167,10 +174,10 @@ class Optimisation:
             axis = variable.axis
             path = f"driveline.{axis.name}"
             values = np.array(found.get(path, self.layout.driveline[axis.name]), dtype=np.float64)
-            values[_place(axis)] += change
+            values[axis.where] += change
             found[path] = values.tolist()
-            for other in self.states.axes if self.states else ():
-                if other.name == axis.name and _entries(other) <= _entries(axis):
+            for other in self._of_states:
+                if other.turn == 0 and _overlap(axis, other, len(values)):
                     found[f"states.{other.key}"] = (other.values + change).tolist()
         return found
 
@@ -211,18 +218,15 @@ class Optimisation:
     @property
     def _parameters(self) -> list[tuple[Any, ...]] | None:
         """What each variable changes of the driveline; ``None`` if one changes anything else."""
-        if any(variable.axis.name not in _DERIVATIVES for variable in self.variables):
-            return None
         found = []
         for variable in self.variables:
-            kind, factor = _DERIVATIVES[variable.axis.name]
-            found.append((kind, _place(variable.axis)[1:], factor))
+            axis, count = variable.axis, variable.last_entry + 1
+            turned = (each for each in self._of_states if each.rotation)
+            if axis.name not in _DERIVATIVES or any(_overlap(axis, one, count) for one in turned):
+                return None
+            kind, factor = _DERIVATIVES[axis.name]
+            found.append((kind, axis.where[1:], factor))
         return found
-
-
-def _place(axis: Axis) -> tuple[Any, ...]:
-    place = slice(None) if axis.place is None else axis.place
-    return (..., place) if axis.component is None else (..., place, axis.component)
 
 
 def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
@@ -237,7 +241,7 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
     if states:
         load = states.loads(load)
         for axis in axes:
-            _check_states(axis, states.axes)
+            _check_states(axis, states.axes, len(layout.driveline[axis.name]))
     found = Optimisation(
         variables,
         values["minimise"],
@@ -274,7 +278,7 @@ def _variable(
 ) -> Variable:
     low, high = (-math.inf, math.inf) if ends is None else ends
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
-    base = float(np.ravel(values[_place(axis)[1:]])[0])
+    base = float(np.ravel(values[axis.where])[0])
     own = 0
     if axis.name == "phases_deg" and teeth:
         counts = set(teeth[axis.place or slice(None)])
@@ -286,21 +290,27 @@ def _variable(
     return Variable(axis, base, low, high, own, len(values) - 1)
 
 
-def _check_states(axis: Axis, varied: Sequence[Axis]) -> None:
+def _check_states(axis: Axis, varied: Sequence[Axis], count: int) -> None:
     """Refuse a variable that moves only a part of what one value of a state sets."""
-    own = _entries(axis)
     for other in varied:
-        theirs = _entries(other) if other.name == axis.name else set()
-        if own & theirs and not theirs <= own:
+        if (
+            other.turn == 0
+            and _overlap(axis, other, count)
+            and not other.entries(count) <= axis.entries(count)
+        ):
             raise Location("vary", (axis.key,)).error(
                 f"changes only a part of {other.key}, which [states] sets; vary all of it"
             )
 
 
-def _entries(axis: Axis) -> set[tuple[int, int | None]]:
-    # More entries than any list of a file has.
-    entries = range(*(axis.place or slice(None)).indices(1 << 20))
-    return {(entry, axis.component) for entry in entries}
+def _overlap(axis: Axis, other: Axis, count: int) -> bool:
+    """Whether two axes vary the same entries of a list of so many; a turn varies all components."""
+    if other.name != axis.name:
+        return False
+    own, theirs = axis.entries(count), other.entries(count)
+    if other.rotation:
+        own = {(place, None) for place, _ in own}
+    return bool(own & theirs)
 
 
 def _check_ranges(found: Optimisation) -> None:

@@ -14,7 +14,7 @@ from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.sections.bearing import Mounting
 from cardan.app.scene.sections.driveline import Form, make_driveline
 from cardan.app.scene.sections.load import make_load
-from cardan.app.scene.study.axes import Axis, axes_of, put
+from cardan.app.scene.study.axes import Axis, axes_of, check_apart, put
 from cardan.app.scene.study.study import Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -59,14 +59,16 @@ class SceneLayout:
             if path.partition(".")[0] not in self.driveline:
                 there = ", ".join(self.driveline)
                 raise ArgumentValueError(path, f"is not in [driveline]; what can be set is {there}")
-        columns = {axis.key: axis.values for axis in axes if axis.section == "driveline"}
-        values: dict[str, Any] = dict(self.driveline)
         given: dict[str, dict[str, list[float]]] = {}
-        for path, column in {**columns, **(changes or {})}.items():
+        for path, column in (changes or {}).items():
             name, _, place = path.partition(".")
             whole = np.broadcast_to(np.asarray(column, dtype=np.float64), (count,))
             given.setdefault(name, {})[place] = whole.tolist()
-        for axis in axes_of(given, self.driveline, None, "a layout"):
+        changed = axes_of(given, self.driveline, None, "a layout")
+        varied = [*(axis for axis in axes if axis.section == "driveline"), *changed]
+        check_apart(varied, self.driveline)
+        values: dict[str, Any] = dict(self.driveline)
+        for axis in sorted(varied, key=lambda axis: axis.turn):
             put(values, axis, axis.values)
         return {
             key: _rows(value, count, 2 if key.startswith(("points", "directions")) else 1)
@@ -107,6 +109,16 @@ class States:
     def set_phases(self) -> bool:
         """Whether the states set phases themselves, so that no one setting serves all."""
         return any(axis.name == "phases_deg" for axis in self.axes)
+
+    @property
+    def turned(self) -> set[tuple[str, int]]:
+        """The points, by ``"point"`` and number, that states turn."""
+        found = [axis for axis in self.axes if axis.rotation]
+        return {
+            ("point", entry)
+            for axis in found
+            for entry, _ in axis.entries(len(self.layout.driveline[axis.name]))
+        }
 
     def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
         """Return the driveline in every state: a batch ``(count,)`` in the order of ``names``.
@@ -174,9 +186,9 @@ class States:
             if axis.section == "load" and axis.place is None:
                 values[axis.name] = float(axis.values[state])
             elif axis.section == "load":
-                entries = np.array(values[axis.name], dtype=np.float64)
-                entries[axis.place] = axis.values[state]
-                values[axis.name] = entries
+                entries = np.array([values[axis.name]], dtype=np.float64)
+                axis.change(entries, axis.values[[state]])
+                values[axis.name] = entries[0]
         return values
 
     def _one(self, values: Mapping[str, FloatArray], state: int) -> Driveline:

@@ -235,7 +235,8 @@ class Study:
         columns = values_at(self.axes, rows)
         driveline, load, mounting = dict(self.driveline), dict(self.load or {}), self.mounting
         try:
-            for axis, column in zip(self.axes, columns, strict=True):
+            of_axes = zip(self.axes, columns, strict=True)
+            for axis, column in sorted(of_axes, key=lambda each: each[0].turn):
                 if axis.section == "bearing" or axis.name in LENGTHS:
                     mounting = mounting.varied(axis, column)
                     continue

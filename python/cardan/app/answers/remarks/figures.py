@@ -1,0 +1,177 @@
+"""What a reader of a scene would ask about: inputs in a wrong unit, torques that reverse.
+
+Remarks are no verdict. Each is a line about a section or about a shaft.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.over import varies
+from cardan.app.answers.printed import quantity
+from cardan.app.answers.rows import item, word
+from cardan.app.answers.turn.extremes import signed_ends
+from cardan.app.answers.turn.figures import noise
+from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.driveline import has_lengths
+from cardan.design.wrapping import wrap
+from cardan.evaluation.load import Load
+from cardan.torsion.tube import WIDEST
+
+_LONGEST, _SHORTEST = 50.0, 1e-3
+"""Lengths in m beyond which no shaft of a machine lies."""
+
+_LEAST_BEND = 0.5
+"""In degrees: where all bends are below, they are probably in radians."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """A remark on an input or a result."""
+
+    about: str = item("about")
+    remark: str = word("remark")
+
+
+def find(answer: Answer) -> tuple[Remark, ...]:
+    """Return the remarks on a scene."""
+    scene = answer.scene
+    found = (_commas, _lengths, _angles, _tubes, _states, _torques)
+    return tuple(remark for own in found for remark in own(scene))
+
+
+def words(found: tuple[Remark, ...], *, radians: bool = False) -> str:
+    """Return the remarks as plain text, 79 wide."""
+    lines = [
+        line
+        for each in found
+        for line in wrap(f"- {each.about}: {each.remark}", 79, subsequent_indent="  ")
+    ]
+    return "\n".join([heading(found), *lines])
+
+
+def heading(_: tuple[Remark, ...]) -> str:
+    """Return what stands above the remarks."""
+    return "Worth a look"
+
+
+# --- inputs --------------------------------------------------------------------------------------
+
+
+def _commas(scene: Scene) -> Iterator[Remark]:
+    for line, text in scene.decimal_commas:
+        yield Remark(
+            f"line {line}",
+            f"{text} separates some entries by a comma without a blank; a decimal comma is two "
+            "entries, and decimals take a point",
+        )
+
+
+def _lengths(scene: Scene) -> Iterator[Remark]:
+    line, layout = scene.line, scene.layout
+    if layout is None or not has_lengths(line):
+        return
+    unit = scene.length_unit
+    key = f"{'lengths' if scene.points is None else 'points'}_{unit}"
+    lengths = line.lengths().each
+    odd = (lengths > _LONGEST) | ((lengths > 0.0) & (lengths < _SHORTEST))
+    for shaft in np.flatnonzero(odd):
+        yield Remark(
+            f"[driveline] {key}",
+            f"shaft {shaft} is {quantity(float(lengths[shaft]), 'm')} long; the key takes "
+            f"{ENDINGS[unit].name}",
+        )
+
+
+def _angles(scene: Scene) -> Iterator[Remark]:
+    layout = scene.layout
+    if layout is None:
+        return
+    first = layout.form.keys[0]
+    largest = math.degrees(float(np.max(scene.line.bends)))
+    if split(first)[1] == "deg" and 0.0 < largest < _LEAST_BEND:
+        yield Remark(
+            f"[driveline] {first}",
+            f"every bend is below {_LEAST_BEND:g}°; the key takes degrees, not radians",
+        )
+    for key in layout.form.optional:
+        values = np.ravel(np.asarray(layout.driveline[key], dtype=np.float64))
+        found = [value for value in values if split(key)[1] == "deg" and _is_share_of_pi(value)]
+        if found:
+            yield Remark(
+                f"[driveline] {key}",
+                f"{found[0]:g} is {found[0] / math.pi:.4g} pi; the key takes degrees, not radians",
+            )
+
+
+def _is_share_of_pi(value: float) -> bool:
+    """Whether a number is a multiple of pi/12, rounded to three digits or more."""
+    steps = round(12.0 * value / math.pi)
+    apart = abs(value - steps * math.pi / 12.0)
+    return 0 < abs(steps) <= 48 and apart < 5.1e-4 and abs(value - round(value, 2)) > 1e-9
+
+
+def _tubes(scene: Scene) -> Iterator[Remark]:
+    if scene.tubes is None:
+        return
+    outer = float(np.max(scene.tubes.given["outer_diameter"]))
+    if outer > WIDEST:
+        yield Remark(
+            "[tubes] outer_diameter_mm",
+            f"a shaft is {quantity(outer, 'm')} wide; the key takes millimetres",
+        )
+
+
+def _states(scene: Scene) -> Iterator[Remark]:
+    states, layout = scene.states, scene.layout
+    if states is None or layout is None:
+        return
+    drawn, own = layout.values(), layout.values(states.axes, states.count)
+    is_drawn = [
+        all(np.allclose(value[i], drawn[key], atol=1e-9) for key, value in own.items())
+        for i in range(states.count)
+    ]
+    if not any(is_drawn):
+        yield Remark(
+            "[states]",
+            "no state has the values of [driveline]. Lists of a state are values, not changes: "
+            "{add = [...]} changes the value of the drawing",
+        )
+
+
+# --- results -------------------------------------------------------------------------------------
+
+
+def _torques(scene: Scene) -> Iterator[Remark]:
+    """Torques that change their sign within a turn although the load has a mean."""
+    each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
+    shafts = range(scene.line.n_joints + 1)
+    for shaft in shafts:
+        found = []
+        for name, one in zip(scene.states.names if scene.states else ("",), each, strict=True):
+            load = one.load_case
+            if load is None or load.inertias is None or one.line.shape or _is_recorded(load):
+                continue
+            low, high = signed_ends(one.line_as_built, "torque", shaft, load)
+            least = noise(one)
+            if load.torque and low < -least and high > least:
+                found.append((high - low, name, low, high))
+        if found:
+            _, name, low, high = max(found)
+            where = f" in {name}" if name else " as drawn" if varies(scene) else ""
+            yield Remark(
+                f"shaft {shaft}",
+                f"its torque reverses in every turn, from {quantity(low, 'Nm')} to "
+                f"{quantity(high, 'Nm')}{where}: splines and gears change their flanks and may "
+                "rattle",
+            )
+
+
+def _is_recorded(load: Load) -> bool:
+    return any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration))

@@ -1,0 +1,135 @@
+"""Remarks: inputs in a wrong unit, states that are no changes, torques that reverse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cardan
+from cardan.app.answers.answer import Answer
+from cardan.app.scene import Scene
+
+RIGHT = """\
+[driveline]
+bends_deg = [10, 10]
+phases_deg = [30]
+lengths_mm = [300, 1200, 300]
+"""
+POINTS = "points_mm = [[0, 0, 0], [300, 0, 0], [1200, -200, 0], [1500, -200, 0]]\n"
+TUBES = "[tubes]\nouter_diameter_mm = 70\nwall_mm = 2\n"
+
+
+def remarks(text: str) -> dict[str, str]:
+    return {each.about: each.remark for each in Answer(Scene.parse(text))["remarks"]}
+
+
+def test_ordinary_scenes_have_none() -> None:
+    assert remarks(RIGHT + TUBES) == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "about", "says"),
+    [
+        ("[300, 1200, 300]", "[300, 1200,5, 300]", "line 4", "[300, 1200,5, 300] separates some"),
+        ("[10, 10]", "[0.1745, 0.1745]", "[driveline] bends_deg", "every bend is below 0.5°"),
+        ("[30]", "[1.5708]", "[driveline] phases_deg", "1.5708 is 0.5 pi; the key takes degrees"),
+        ("[30]", "[-0.262]", "[driveline] phases_deg", "-0.262 is -0.0834 pi"),
+        ("300, 1200, 300", "300, 50001, 300", "[driveline] lengths_mm", "shaft 1 is 50.00 m long"),
+        ("300, 1200, 300", "0.3, 1.2, 3", "[driveline] lengths_mm", "0.0003000 m long; the key ta"),
+        ("= 70", "= 2001", "[tubes] outer_diameter_mm", "2.001 m wide; the key takes millimetres"),
+        ("mm = [300, 1200, 300]", "m = [0.3, 1.2, 99]", "[driveline] lengths_m", "takes metres"),
+    ],
+)
+def test_a_wrong_unit_is_remarked_on(old: str, new: str, about: str, says: str) -> None:
+    text = RIGHT + TUBES
+    assert old in text
+    text = text.replace(old, new)
+    if "1200,5" in new:
+        text = text.replace("[10, 10]", "[10, 10, 10]").replace("[30]", "[30, 30]")
+    found = remarks(text)
+    assert list(found) == [about]
+    assert says in found[about]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("[10, 10]", "[10,10]"),
+        ("[10, 10]", "[10,\n10,5]"),
+        ("[10, 10]", "[10, 10] # [10,5, 9]"),
+        ("[10, 10]", "[0, 0]"),
+        ("[10, 10]", "[0.5, 0.1]"),
+        ("[30]", "[1.57]"),
+        ("[30]", "[90]"),
+        ("300, 1200, 300", "1, 50000, 300"),
+        ("= 70", "= 2000"),
+    ],
+)
+def test_what_may_be_meant_is_not(old: str, new: str) -> None:
+    text = (RIGHT + TUBES).replace(old, new)
+    if "10,5]" in new:
+        text = text.replace("[30]", "[30, 30]").replace("300, 1200", "300, 1200, 500")
+    assert remarks(text) == {}
+
+
+def test_points_in_another_unit() -> None:
+    found = remarks("[driveline]\n" + POINTS.replace("mm", "m"))
+    assert "shaft 2 is 300.0 m long; the key takes metres" in found["[driveline] points_m"]
+
+
+def test_a_tube_in_millimetres_warns() -> None:
+    with pytest.warns(UserWarning, match="outer_diameter reaches 60; sizes are in metres"):
+        cardan.tube(60, 2.5, length=1200)
+
+
+@pytest.mark.parametrize(("values", "remarked"), [("[-60, 0, 60]", True), ("[-260, -200]", False)])
+def test_states_without_the_drawing(values: str, remarked: bool) -> None:
+    text = f'[driveline]\n{POINTS}[states]\n"points_mm.2.y" = {values}\n'
+    found = remarks(text)
+    assert ("no state has the values of [driveline]" in found.get("[states]", "")) == remarked
+    assert remarks(text.replace(values, f"{{add = {values}}}")).keys() == (
+        set() if "0, 60" in values else {"[states]"}
+    )
+
+
+BALER = """\
+[driveline]
+bends_deg = [35]
+[load]
+speed_rpm = 1000
+output_torque_Nm = 600
+inertias_kgm2 = [0.1, 0.8]
+"""
+
+
+def test_a_torque_that_reverses_is_said_with_both_ends() -> None:
+    found = remarks(BALER)
+    assert list(found) == ["shaft 0", "shaft 1"]
+    # Of one joint in closed form: shaft 1 carries the load and its own inertia.
+    angle, bend, speed = np.linspace(0.0, np.pi, 1_000_001), np.radians(35.0), 1000.0 * np.pi / 30.0
+    ratio = np.cos(bend) / (1.0 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
+    slope = ratio**2 * np.sin(bend) ** 2 * np.sin(2.0 * angle) / np.cos(bend)
+    torque = 600.0 + 0.8 * slope * speed**2
+    for shaft, values in enumerate((torque * ratio, torque)):
+        assert values.min() < -600.0
+        ends = f"from {values.min():.0f} N m to {values.max():.0f} N m"
+        assert ends in found[f"shaft {shaft}"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("= 1000", "= 400"),  # The torque keeps its sign.
+        ("= 600", "= 0"),  # There is no torque to reverse.
+        ("inertias_kgm2 = [0.1, 0.8]", ""),
+    ],
+)
+def test_other_torques_are_not(old: str, new: str) -> None:
+    assert old in BALER
+    assert remarks(BALER.replace(old, new)) == {}
+
+
+def test_the_state_in_which_it_reverses_most_is_named() -> None:
+    text = BALER + '[states]\nnames = ["slow", "fast"]\nspeed_rpm = [900, 1000]\n'
+    found = remarks(text)
+    assert "N m in fast: splines" in found["shaft 1"]
