@@ -8,6 +8,23 @@ so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft
 >>> result = joint.evaluate([0.0, 0.5, 1.0], outputs=("angle_error", "speed_ratio"))
 >>> result.speed_ratio.round(6)
 array([1.154701, 1.072527, 0.934205])
+
+What there is, by what it is for:
+
+* Drivelines and their motion: ``Driveline`` with ``Load``, ``Sweep``, ``Plan``, ``Result``,
+  ``Output``, ``OUTPUTS``, ``Harmonics``, ``Derivatives`` and ``Gradient``.
+* One joint in place of several: ``EquivalentJoint``, ``Transmission``, ``Motion``, ``Steering``.
+* Limits: ``Limits``, ``Limit``, ``Check``, ``Finding``, and ``Machine`` for all states at once.
+* Wear and forces: ``Life``, ``Losses``, ``Lengths``, ``SplineForce``, ``Slides``, ``tube`` with
+  ``Tube``, ``BallJoint``.
+* Vibration: ``TorsionalSystem``, ``FreeRunning``.
+* Inexact drivelines: ``Tolerances``, ``OrderTolerances``.
+* From measurements: ``identify`` and ``identify_two_joints``, with ``Identification`` and
+  ``TwoJoints``.
+* Better layouts: ``optimise`` with ``Optimum`` and ``ActiveLimit``, ``workshop`` for yokes.
+* Scenes: ``Scene``, ``Answer``, and the modules ``scene``, ``plots`` and ``files``.
+* To compare with: ``reference`` and ``approximations``.
+* Errors: ``ArgumentError``, ``ArgumentTypeError``, ``ArgumentValueError``.
 """
 
 from typing import TYPE_CHECKING
@@ -19,6 +36,7 @@ if TYPE_CHECKING:
     from cardan.app import files as files
     from cardan.app import plots as plots
     from cardan.app import scene as scene
+    from cardan.app.answers.answer import Answer as Answer
     from cardan.app.scene import Scene as Scene
     from cardan.arrays.errors import ArgumentError as ArgumentError
     from cardan.arrays.errors import ArgumentTypeError as ArgumentTypeError
@@ -71,6 +89,7 @@ else:
 
     # All are imported when they are asked for: few programs need many of them.
     _NAMES = {
+        "app.answers.answer": "Answer",
         "app.scene": "Scene",
         "arrays.errors": "ArgumentError ArgumentTypeError ArgumentValueError",
         "ball_joint": "BallJoint",

@@ -526,3 +526,29 @@ def test_a_moved_bearing_is_another_study_on_a_cluster() -> None:
             prints.append(_fingerprint(found, radians=False))
         assert [key for key in prints[0] if prints[0][key] != prints[1][key]] == [differ]
     assert prints[0]["bearings"] is None
+
+
+def test_a_place_counts_from_either_end() -> None:
+    given = "position_mm = 1050"
+    assert given in TEXT
+    length = 1e3 * float(LINE.lengths().each[1])
+    far = TEXT.replace(given, f"from_end_mm = {length - 1050!r}")
+    assert Scene.parse(far).line.bearings[2][1] == pytest.approx(1.05, rel=1e-14)
+    # It keeps its distance from that end in states and studies that move a point.
+    for section in ("states", "study"):
+        moved = Scene.parse(f"{far}[{section}]\npoints_mm.2.x = [1500, 1800]\n")
+        if moved.states:
+            line = moved.states.drivelines()
+        else:
+            assert moved.study
+            line = next(moved.study.blocks())[1].reshape(2)
+        ends = line.lengths().each[:, 1] - line.bearings[2][1]
+        np.testing.assert_allclose(ends, 1e-3 * (length - 1050), rtol=1e-12)
+    varied = Scene.parse(f"{far}[study]\nbearing.2.from_end_mm = [50, 100]\n").study
+    assert varied
+    line = next(varied.blocks())[1].reshape(2)
+    np.testing.assert_allclose(line.bearings[2][1], length / 1e3 - np.array([0.05, 0.1]))
+    with pytest.raises(SceneError, match=r"from_end_mm is 1000000 mm on shaft 1 of length"):
+        Scene.parse(TEXT.replace(given, "from_end_mm = 1e6"))
+    with pytest.raises(SceneError, match="position_mm and from_end_mm are both given"):
+        Scene.parse(TEXT.replace(given, f"{given}\nfrom_end_mm = 3"))

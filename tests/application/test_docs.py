@@ -119,6 +119,17 @@ def test_attributes_of_pictures_are_on_one_line() -> None:
         assert not re.search(r"\)\{[^}\n]*$", page.read_text("utf-8"), re.MULTILINE), page
 
 
+def test_snippets_use_what_is_public() -> None:
+    private = re.compile(r"\b(from|import) cardan\.(app|arrays|design|evaluation|motion)\b")
+    found = {
+        page.name
+        for page in PAGES
+        for block in blocks(page.read_text(encoding="utf-8"))
+        if block.language == "python" and private.search(block.text)
+    }
+    assert found == set()
+
+
 def test_there_is_something_to_run() -> None:
     languages = [block.language for page in PAGES for block in blocks(page.read_text("utf-8"))]
     assert languages.count("python") >= 30

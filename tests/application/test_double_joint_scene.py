@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan.app.scene import Scene
+from cardan.app.scene import Scene, SceneError
 
 TEXT = """\
 [driveline]
@@ -73,3 +73,30 @@ def test_what_is_refused(change: tuple[str, str], said: str) -> None:
     with pytest.raises(ValueError, match=re.escape(said)) as caught:
         Scene.parse(TEXT.replace(*change))
     assert re.match(r"scene, line \d: \[driveline\]", str(caught.value)), caught.value
+
+
+def test_a_single_joint_behind() -> None:
+    text = """\
+[driveline]
+double_joint_deg = 40
+joint_distance_mm = 70
+synchronous_deg = 50
+single_bend_deg = 12
+single_twist_deg = 25
+single_phase_deg = 90
+"""
+    line = Scene.parse(text).line
+    double = cardan.Driveline.from_double_joint(40.0, 0.07, synchronous=50.0, degrees=True)
+    expected = cardan.Driveline.from_bends(
+        [*np.degrees(double.bends), 12.0], [0.0, 25.0], [0.0, 90.0], degrees=True
+    )
+    assert line.approx_equal(expected, 1e-14)
+    varied = text + "[study]\nsingle_bend_deg = [0, 12]\ndouble_joint_deg = [20, 40, 60]\n"
+    study = Scene.parse(varied).study
+    assert study
+    _, lines, _ = next(study.blocks())
+    assert lines.shape == (6, 1)
+    assert lines[4, 0].approx_equal(expected, 1e-14)
+    assert np.all(lines.bends[:3, 0, 2] == 0.0)
+    with pytest.raises(SceneError, match="single_twist_deg needs single_bend_deg"):
+        Scene.parse(text.replace("single_bend_deg = 12\n", ""))

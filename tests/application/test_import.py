@@ -213,3 +213,9 @@ def test_the_examples_in_docstrings_are_right(name: str) -> None:
     # What users know as a class of the package is found where it is asked for.
     module = import_module(name)
     assert doctest.testmod(cardan if name == "cardan.arrays.errors" else module).failed == 0
+
+
+def test_the_help_begins_with_every_name_by_what_it_is_for() -> None:
+    named = set(re.findall(r"``(\w+)``", (cardan.__doc__ or "").partition("What there is")[2]))
+    assert {*vars(cardan)["__all__"], "scene", "files"} - {"__version__"} <= named
+    assert all(hasattr(cardan, name) for name in named)

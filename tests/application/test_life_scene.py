@@ -414,6 +414,11 @@ def test_life_is_judged_in_every_driveline_of_a_study() -> None:
     assert found.joints[1].hours is not None
     assert found.joints[1].hours.at == {"speed_rpm": 1000.0}
     assert verdict(found.joints[1].hours) == "within"
+    for speed in (350.0, 1000.0, 540.0):
+        one = cardan.Load(output_torque=400.0, speed_rpm=speed)
+        alone = line.life(one, rating=1200.0)
+        listed = found.joints[1].hours.each[f"speed_rpm = {speed:g}"]
+        assert listed == pytest.approx(float(alone.hours[1]), rel=1e-12)
     assert headline(found) == (
         f"L10 life {own.hours[1]:.0f} h at speed_rpm = 1000, at least the required {target} h; "
         "joint 1 fails first."

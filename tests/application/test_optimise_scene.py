@@ -530,3 +530,53 @@ def test_the_report_has_a_section(tmp_path: Path, answered: Answers) -> None:
     text = EXAMPLE.replace("inertia_excitation_rad_s2 = 300", "equivalent_bend_deg = 0.1")
     write_report(Scene.parse(text), tmp_path / "b.html")
     assert "no changes within the ranges keep it" in (tmp_path / "b.html").read_text("utf-8")
+
+
+def test_bearings_move(tmp_path: Path) -> None:
+    text = example("bearings.toml").read_text("utf-8")
+    text = text.replace("position_mm = 1050", "from_end_mm = 150 # before the joint")
+    asked = (
+        '[optimise]\nvary = {"bearing.2.from_end_mm" = [-100, 300]}\n'
+        'minimise = "joint_force_0_peak"\n'
+    )
+    done = run(tmp_path, text + asked)
+    assert done.exit_code == 0, done.output
+    written = (tmp_path / "a.optimised.toml").read_text("utf-8")
+    changed = [
+        (old, new)
+        for old, new in zip((text + asked).splitlines(), written.splitlines(), strict=True)
+        if old != new
+    ]
+    ((old, new),) = changed
+    assert old == "from_end_mm = 150 # before the joint"
+    place = float(new.split()[2])
+    assert new == f"from_end_mm = {place:.6g} # before the joint"
+
+    def force(at: float) -> float:
+        scene = Scene.parse(text.replace("from_end_mm = 150", f"from_end_mm = {at}"))
+        values = scene.line.evaluate(
+            np.linspace(0.0, np.pi, 721), "joint_force", load=scene.load_case
+        )
+        return float(np.max(np.linalg.norm(values.joint_force[0], axis=-1)))
+
+    tried = [force(at) for at in np.linspace(50.0, 450.0, 81)]
+    assert force(place) <= min(tried) * (1.0 + 1e-6)
+    sense = "up" if place > 150.0 else "down"
+    assert f"move bearing 2 by {abs(place - 150):.6g} mm {sense}stream" in done.output.replace(
+        "\n", " "
+    )
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("bearing.9.position_mm", "bearing.9.position_mm does not exist; there are 5 bearings"),
+        ("bearing.2.from_end_mm", "bearing.2.from_end_mm does not go with position_mm of that"),
+        ("bearing.2.shaft", "is no path of a key of [driveline] or of a [[bearing]]"),
+    ],
+)
+def test_bearings_that_cannot_move(path: str, message: str) -> None:
+    text = example("bearings.toml").read_text("utf-8")
+    asked = f'[optimise]\nvary = {{"{path}" = [-1, 1]}}\nminimise = "joint_force_0_peak"\n'
+    with pytest.raises(ValueError, match=re.escape(message)):
+        Scene.parse(text + asked)

@@ -41,6 +41,10 @@ class JudgedFigure(NamedTuple):
 class Answer:
     """The parts of a scene, each found once and only when something asks for it.
 
+    ``answer["life"]`` is what ``cardan check`` says of a part, and ``answer.needed("torsion")``
+    what the part's own command does. The parts are ``limits``, ``states``, ``forces``, ``spline``,
+    ``steering``, ``backlash``, ``life``, ``tubes``, ``torsion`` and others, the keys of the JSON.
+
     Attributes:
         of: the scene of a driveline or of a ball joint alone.
     """

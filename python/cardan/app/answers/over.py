@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any, Literal
 
 import numpy as np
 
+from cardan.app.answers.printed import place_text
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.rows import UNITS, Judged
 from cardan.app.answers.turn.extremes import peaks
@@ -19,6 +21,9 @@ from cardan.app.scene.study.axes import Axis
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+
+MOST_LISTED = 100
+"""Drivelines of a study up to which a figure has its value for each."""
 
 
 def over(
@@ -45,7 +50,16 @@ def over(
             state = names[place]
     elif scene.study and scene.study.axes and values.size > 1:
         at = at_keys(scene.study.axes, values, place)
+        if values.size <= MOST_LISTED:
+            each = dict(zip(_rows(scene.study.axes), map(float, values), strict=True))
     return replace(found, state=state, at=at, each=each)
+
+
+def _rows(axes: Sequence[Axis]) -> Iterator[str]:
+    """What the drivelines of a study are called: ``"speed_rpm = 540, bends_deg.0 = 10"``."""
+    for values in product(*(axis.values.tolist() for axis in axes)):
+        point = zip(axes, values, strict=True)
+        yield place_text({axis.key: value for axis, value in point if axis.values.size > 1})
 
 
 def limit_of(scene: Scene, key: str) -> dict[str, Any]:

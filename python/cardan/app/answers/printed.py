@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 from typing import Any
 
-from cardan.app.answers.rows import UNITS, Judged, Row, item_of, rows_of
+from cardan.app.answers.rows import UNITS, Entry, Judged, Row, item_of, rows_of
 from cardan.design.wrapping import fill
 
-_WIDTH = 79
+_WIDTH, _SHORT = 79, 16
 
 # What is less than this, in the unit in which it is shown, is rounding.
 _FINEST = {"deg": 1e-6, "rad": 1e-8, "mm": 1e-6, "rad_s2": 1e-9}
@@ -228,6 +228,45 @@ def table_of(
     if not any(head):
         head, *rows = zip(*rows, strict=True)
     return head, rows
+
+
+def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
+    """Return the judged figures in each place where they differ, as tables; "" without any.
+
+    The places are the states, the steps of a duty cycle or the drivelines of a study. If the scene
+    limits any figure, the others are left out.
+    """
+    judged = [each for each in entries if each.row.limit and isinstance(each.value, Judged)]
+    judged = [each for each in judged if each.value.limit is not None] or judged
+    tables: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
+    for entry in judged:
+        value, row = entry.value, entry.row
+        if len(set(value.each.values())) > 1:
+            label = ", ".join(filter(None, (row.label, entry.item)))
+            cells = (quantity(each, row.unit, radians=radians) for each in value.each.values())
+            tables.setdefault(tuple(value.each), []).append((label, *cells))
+    blocks: list[str] = []
+    for places, rows in tables.items():
+        columns = [("", *places), *rows]
+        # A name of a state is short; of a study it is that of all keys.
+        if len(places) <= len(rows) and max(map(len, places)) <= _SHORT:
+            columns = list(zip(*columns, strict=True))
+        blocks += _in_blocks(columns)
+    return "\n".join(["Where they differ", *blocks]) if blocks else ""
+
+
+def _in_blocks(columns: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    """A table of a first column and others, as many side by side as are 79 wide."""
+    first, *others = columns
+    while others:
+        count = next((n for n in range(len(others), 1, -1) if _is_narrow(first, others[:n])), 1)
+        yield indent(table_text([*zip(first, *others[:count], strict=True)]), "  ")
+        others = others[count:]
+
+
+def _is_narrow(first: Sequence[str], others: Sequence[Sequence[str]]) -> bool:
+    text = table_text([*zip(first, *others, strict=True)])
+    return max(map(len, text.splitlines())) <= _WIDTH - 2
 
 
 def part_text(

@@ -17,7 +17,7 @@ from cardan.app.answers.json_schema import answer as answer_of
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.picture import plot_optimise
-from cardan.app.answers.printed import part_text
+from cardan.app.answers.printed import part_text, wherever_text
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text
@@ -63,7 +63,15 @@ def life(scene: Path, output: Path | None, as_json: bool) -> None:
     _say(
         answer,
         "life",
-        lambda: "\n\n".join(part.text(each) for part, each in parts),
+        lambda: "\n\n".join(
+            filter(
+                None,
+                (
+                    *(part.text(each) for part, each in parts),
+                    wherever_text(entry for part, each in parts for entry in part.entries(each)),
+                ),
+            )
+        ),
         {part.name: part.data(each) for part, each in parts},
         output,
         as_json=as_json,

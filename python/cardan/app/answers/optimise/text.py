@@ -85,6 +85,9 @@ def _action(variable: Variable, change: float) -> str:
             return f"turn {what} by {turn} {sense}"
         teeth = abs(round(change * variable.teeth / 360.0))
         return f"turn {what} by {teeth} {'tooth' if teeth == 1 else 'teeth'} {sense} ({turn})"
+    if variable.axis.section == "bearing":
+        downstream = (change > 0.0) == variable.axis.name.startswith("position")
+        return f"move {what} by {size} {'down' if downstream else 'up'}stream"
     if variable.axis.component is not None and variable.axis.name.startswith("points"):
         axis = "xyz"[variable.axis.component]
         return f"move {what} by {size} along {'+' if change > 0.0 else '-'}{axis}"
@@ -94,6 +97,8 @@ def _action(variable: Variable, change: float) -> str:
 def _what(variable: Variable) -> str:
     """What a variable belongs to: ``joint 1``, ``the bends of joints 0 and 1``."""
     axis, numbers = variable.axis, _numbers(variable)
+    if axis.section == "bearing" and axis.place is not None:
+        return f"bearing {axis.place.start}"
     if axis.name.startswith("points"):
         names = [f"joint {i - 1}" if i else "the driving end" for i in numbers]
         if variable.last_entry in numbers:
@@ -113,6 +118,8 @@ def _what(variable: Variable) -> str:
 
 def _numbers(variable: Variable) -> range:
     """The numbers of the entries that a variable changes."""
+    if variable.axis.section == "bearing":
+        return range(1)
     return range(variable.last_entry + 1)[variable.axis.place or slice(None)]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -30,7 +31,10 @@ class Span:
 
 @dataclass
 class Map:
-    """Where values stand by dotted path, section first, and where sections with a heading end."""
+    """Where values stand by dotted path, section first, and where sections with a heading end.
+
+    Of repeated sections the path has their number: ``"bearing.0.position_mm"``.
+    """
 
     values: dict[str, Span] = field(default_factory=dict)
     ends: dict[str, int] = field(default_factory=dict)
@@ -39,10 +43,14 @@ class Map:
 def map_of(text: str) -> Map:
     """Return where the values of a TOML text stand; the text must be valid."""
     found, section, at = Map(), "", _SPACES.match(text).end()  # type: ignore[union-attr]
+    tables: Counter[str] = Counter()
     while at < len(text):
         if header := _HEADER.match(text, at):
             section, at = ".".join(_parts(header[2])), header.end()
-            if not header[1]:
+            if header[1]:
+                tables[section] += 1
+                section = f"{section}.{tables[section] - 1}"
+            else:
                 found.ends[section] = at
         else:
             names, at = _key(text, at)
@@ -116,6 +124,10 @@ def _check(text: str, values: Mapping[str, Any]) -> None:
         read: Any = document
         rest = path
         while rest:
+            if isinstance(read, list):
+                key, _, rest = rest.partition(".")
+                read = read[int(key)]
+                continue
             # Keys in quotes may contain dots.
             key = next(key for key in read if rest == key or rest.startswith(f"{key}."))
             read, rest = read[key], rest[len(key) + 1 :]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -17,6 +18,12 @@ from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
     from cardan.app.scene.study.axes import Axis
+
+
+_UPSTREAM = ("position_mm", "position_m")
+
+POSITIONS = (*_UPSTREAM, "from_end_mm", "from_end_m")
+"""The keys that say where on its shaft a bearing is; it has one of them."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +44,10 @@ class Bearing:
         """The unit in m."""
         return BEARING.keys[self.key].factor
 
-    @property
-    def position(self) -> float | FloatArray:
-        """The position in m."""
-        return self.value * self.factor
+    def position(self, lengths: FloatArray) -> float | FloatArray:
+        """The distance from the upstream end of its shaft, of lengths ``(..., n + 1)``, in m."""
+        own = self.value * self.factor
+        return own if self.key in _UPSTREAM else lengths[..., self.shaft] - own
 
 
 @dataclass(frozen=True)
@@ -50,15 +57,16 @@ class Mounting:
     bearings: tuple[Bearing, ...] = ()
     lengths: tuple[float, ...] | FloatArray | None = None
 
+    @property
+    def given(self) -> list[dict[str, Any]]:
+        """The values of each bearing by key."""
+        return [{"shaft": each.shaft, each.key: each.value} for each in self.bearings]
+
     def varied(self, axis: Axis, column: FloatArray) -> Self:
         """Return the mounting with the values of an axis of a study, ``(rows,)``."""
         assert axis.place is not None
         if axis.section == "bearing":
-            number = axis.place.start
-            moved = replace(self.bearings[number], value=column[:, np.newaxis])
-            return replace(
-                self, bearings=(*self.bearings[:number], moved, *self.bearings[number + 1 :])
-            )
+            return self.moved(axis, column[:, np.newaxis])
         own = np.asarray(self.lengths, np.float64)
         lengths = np.array(np.broadcast_to(own, (len(column), 1, own.shape[-1])))
         lengths[..., axis.place] = DRIVELINE.keys[axis.name].factor * column[:, None, None]
@@ -70,10 +78,17 @@ class Mounting:
         check_exists("shaft", shaft, line.n_joints + 1)
         if self.lengths is None and not has_lengths(line):
             raise ArgumentValueError("shaft", f"has no length; a bearing needs {LENGTHS_NEEDED}")
-        key = next(key for key in values if key.startswith("position"))
+        key = next(key for key in values if key in POSITIONS)
         found = replace(self, bearings=(*self.bearings, Bearing(shaft, key, values[key])))
         found.on(line)
         return found
+
+    def moved(self, axis: Axis, column: FloatArray) -> Self:
+        """Return the mounting with other values of the position of one bearing, in its unit."""
+        assert axis.place is not None
+        number = axis.place.start
+        own = replace(self.bearings[number], value=column)
+        return replace(self, bearings=(*self.bearings[:number], own, *self.bearings[number + 1 :]))
 
     def on(self, line: Driveline) -> Driveline:
         """Return drivelines with these lengths and bearings.
@@ -82,7 +97,8 @@ class Mounting:
         """
         if not self.bearings and self.lengths is None:
             return line
-        pairs = [(bearing.shaft, bearing.position) for bearing in self.bearings]
+        lengths = line.lengths().each if self.lengths is None else np.array(self.lengths)
+        pairs = [(bearing.shaft, bearing.position(lengths)) for bearing in self.bearings]
         try:
             return line.with_bearings(pairs, self.lengths)
         except ArgumentValueError as error:
@@ -102,7 +118,6 @@ class Mounting:
                 )
                 problem = f"{at}, the place of bearing {other}"
             else:
-                lengths = line.lengths().each if self.lengths is None else np.array(self.lengths)
                 # Behind the numbers of the bearing and of its position is that of the driveline.
                 shape = np.broadcast_shapes(line.shape, lengths.shape[:-1], values.shape)
                 length = np.broadcast_to(lengths, (*shape, lengths.shape[-1]))
@@ -144,10 +159,17 @@ BEARING: Section[Mounted] = Section(
             factor=1e-3,
         ),
         "position_m": Key(NOT_NEGATIVE, "or: the same in metres"),
+        "from_end_mm": Key(
+            NOT_NEGATIVE,
+            "or: distance from the downstream end of the shaft, that is from its output-side "
+            "joint, on the last shaft from the driven end",
+            factor=1e-3,
+        ),
+        "from_end_m": Key(NOT_NEGATIVE, "or: the same in metres"),
     },
     _mounted,
-    together=(("position_mm", "position_m"),),
-    needed=(("shaft",), ("position_mm", "position_m")),
+    together=(*combinations(POSITIONS, 2),),
+    needed=(("shaft",), POSITIONS),
     repeated=True,
     always=True,
 )

@@ -42,7 +42,8 @@ class Form:
     """One way to describe a driveline: keys of one length for a constructor, and optional ones.
 
     The keys have one entry per joint and ``ends`` more, or are for so many joints only. Of two
-    views one suffices: in the other all is level.
+    views one suffices: in the other all is level. Of further keys the first needs none of the
+    others, which default to zeros; without it there is nothing of them.
     """
 
     make: Callable[..., Driveline]
@@ -51,6 +52,7 @@ class Form:
     ends: int
     joints: int | None = None
     views: bool = False
+    further: tuple[str, ...] = ()
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -59,15 +61,18 @@ class Form:
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
         lengths_too = () if self.keys[0].startswith("points") else LENGTHS
-        allowed = only(*self.keys, *self.optional, TEETH, *lengths_too)
+        allowed = only(*self.keys, *self.optional, *self.further, TEETH, *lengths_too)
         needed: dict[str, Any] = {"required": list(self.keys)}
         if self.views:
             needed = {"anyOf": [{"required": [key]} for key in self.keys]}
+        if self.further:
+            needed["dependentRequired"] = {key: [self.further[0]] for key in self.further[1:]}
         return {**needed, "properties": lengths, **allowed}
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
+_SINGLE = ("single_bend_deg", "single_twist_deg", "single_phase_deg")
 _DOUBLE_JOINT = ("double_joint_deg", "joint_distance_mm", "synchronous_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
@@ -84,10 +89,16 @@ def _from_double_joint(
     length: ArrayLike,
     synchronous: ArrayLike,
     wear: ArrayLike = 0.0,
+    single: ArrayLike | None = None,
+    twist: ArrayLike = 0.0,
+    phase: ArrayLike = 0.0,
     *,
     degrees: bool = False,
 ) -> Driveline:
-    """A centred double joint whose pivot is off by ``wear``; each value is a list of one."""
+    """A centred double joint whose pivot is off by ``wear``; each value is a list of one.
+
+    A single joint may follow behind a shaft, as in wide-angle shafts of tractors.
+    """
     bend, distance, even, off = (
         np.asarray(value, dtype=np.float64)[..., 0] for value in (total, length, synchronous, wear)
     )
@@ -95,7 +106,19 @@ def _from_double_joint(
     pivot = 0.5 * distance / np.cos(half) + off
     if np.any((pivot <= 0.0) | (pivot >= distance)):
         raise ArgumentValueError("wear", "puts the pivot beyond the joints, between which it lies")
-    return Driveline.from_double_joint(bend, distance, pivot, degrees=degrees)
+    double = Driveline.from_double_joint(bend, distance, pivot, degrees=degrees)
+    if single is None:
+        return double
+    factor = np.pi / 180.0 if degrees else 1.0
+    bends = [double.bends, *(factor * np.asarray(value, np.float64) for value in (single,))]
+    shape = np.broadcast_shapes(*(each.shape[:-1] for each in bends), np.shape(twist)[:-1])
+    shape = np.broadcast_shapes(shape, np.shape(phase)[:-1])
+    joints = [np.broadcast_to(each, (*shape, each.shape[-1])) for each in bends]
+    behind = [
+        np.stack([np.zeros(shape), factor * np.broadcast_to(value, (*shape, 1))[..., 0]], axis=-1)
+        for value in (twist, phase)
+    ]
+    return Driveline.from_bends(np.concatenate(joints, axis=-1), *behind)
 
 
 FORMS = (
@@ -106,7 +129,7 @@ FORMS = (
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
     Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
     # Values of a double joint are lists of one entry.
-    Form(_from_double_joint, _DOUBLE_JOINT, ("pivot_wear_mm",), -1, 2),
+    Form(_from_double_joint, _DOUBLE_JOINT, ("pivot_wear_mm",), -1, 2, further=_SINGLE),
 )
 """The ways to describe a driveline; a scene uses exactly one of them."""
 
@@ -142,6 +165,11 @@ def filled(values: Mapping[str, Any], bends: FloatArray | None) -> tuple[Form, d
     for key in form.optional:
         check_count(key, made.get(key), joints - 1, "one per shaft between two joints")
         made.setdefault(key, [0.0] * (joints - 1))
+    for key in form.further:
+        if form.further[0] in made:
+            made.setdefault(key, [0.0])
+        elif key in made:
+            raise ArgumentValueError(key, f"needs {form.further[0]}")
     if bends is not None:
         made[first] = bends
     return form, made
@@ -163,7 +191,7 @@ def _form_of(values: Mapping[str, Any]) -> Form:
         if key not in values:
             raise ArgumentValueError(key, f"is missing; {' and '.join(form.keys)} go together")
     for key in values:
-        if key not in form.keys + form.optional:
+        if key not in form.keys + form.optional + form.further:
             raise ArgumentValueError(key, f"does not go with {form.keys[0]}, which says it already")
     return form
 
@@ -322,6 +350,19 @@ DRIVELINE: Section[Described] = Section(
             numbers(),
             "of a double joint: how far its pivot is off, away from joint 0; default 0",
             "wear",
+        ),
+        "single_bend_deg": Key(
+            numbers(BEND, 1), "of a double joint: bend of a single joint behind it", "single"
+        ),
+        "single_twist_deg": Key(
+            numbers(None, 1),
+            "of that joint: angle from the plane of the double joint to its own; default 0",
+            "twist",
+        ),
+        "single_phase_deg": Key(
+            numbers(None, 1),
+            "of the shaft between double and single joint, as phases_deg; default 0",
+            "phase",
         ),
         "phases_deg": Key(
             numbers(),

@@ -57,8 +57,8 @@ class Vary(Rule):
                 )
             if not re.fullmatch(_PATH, path):
                 raise own.error(
-                    "is no path of a key of [driveline], as points_mm.2.y, phases_deg.0 or "
-                    "bends_deg.0-1"
+                    "is no path of a key of [driveline] or of a [[bearing]], as points_mm.2.y, "
+                    "phases_deg.0, bends_deg.0-1 or bearing.0.position_mm"
                 )
             found[path] = self._range(own, path, given)
         return found
@@ -98,12 +98,17 @@ class Vary(Rule):
                 f"^{_PHASES}$": {"anyOf": [phase, _tables(by_place, phase)]},
                 rf"^{_LISTS}\.{ENTRIES}$": ends,
                 f"^{_LISTS}$": {"anyOf": [ends, _tables(by_place, ends)]},
+                f"^{_OF_BEARING}$": ends,
+                rf"^bearing\.{_BEARING}$": _tables(f"^{_POSITION}$", ends),
+                "^bearing$": _tables(f"^{_BEARING}$", _tables(f"^{_POSITION}$", ends)),
             },
             "additionalProperties": False,
         }
 
 
-_PATH = rf"{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
+_BEARING, _POSITION = "[0-9]{1,9}", "(position|from_end)_mm?"
+_OF_BEARING = rf"bearing\.{_BEARING}\.{_POSITION}"
+_PATH = rf"{_OF_BEARING}|{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
 
 
 def _tables(pattern: str, entry: Schema) -> Schema:
@@ -139,8 +144,9 @@ OPTIMISE: Section[Optimisation | None] = Section(
     {
         "vary": Key(
             Vary(),
-            'keys of [driveline] and how far each may change from its value, as {"points_mm.2.y" = '
-            '[-40, 40], "phases_deg.0" = "free"}',
+            "keys of [driveline] and positions of bearings, and how far each may change from its "
+            'value, as {"points_mm.2.y" = [-40, 40], "phases_deg.0" = "free", '
+            '"bearing.0.position_mm" = [-50, 50]}',
         ),
         "minimise": Key(
             QuantityName(),

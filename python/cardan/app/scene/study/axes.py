@@ -258,7 +258,7 @@ BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
     "does not exist; write 0 for the first bearing",
-    ("position_mm", "position_m"),
+    ("position_mm", "position_m", "from_end_mm", "from_end_m"),
 )
 
 
@@ -425,7 +425,7 @@ def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]
     if number >= len(bearings):
         raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
     if key not in bearings[number]:
-        used = next(name for name in bearings[number] if name.startswith("position"))
+        used = next(name for name in bearings[number] if name != "shaft")
         raise location.error(f"does not go with {used} of that bearing; vary that")
     entries = slice(number, number + 1)
     return Axis(str(location), "bearing", key, entries, None, _listed(values))

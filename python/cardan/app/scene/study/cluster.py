@@ -225,9 +225,10 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
 
     fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},
+        "turns": {axis.key: axis.rotation for axis in study.axes if axis.rotation} or None,
         "driveline": study.driveline,
         # A key that a folder lacks counts as null.
-        "bearings": [(own.shaft, own.position) for own in study.mounting.bearings] or None,
+        "bearings": study.mounting.given or None,
         "lengths": study.mounting.lengths,
         "load": study.load,
         "drive angles": study.angle,

@@ -16,10 +16,11 @@ from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import kept_quantity
 from cardan.app.scene.language.section import Reading
 from cardan.app.scene.language.units import split
-from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.bearing import BEARING
+from cardan.app.scene.sections.driveline import DRIVELINE, make_driveline
 from cardan.app.scene.sections.load import largest_speed
 from cardan.app.scene.sections.study import STATES, STUDY
-from cardan.app.scene.study.axes import Axis, axes_of
+from cardan.app.scene.study.axes import BEARING_AXES, Axis, axes_of
 from cardan.app.scene.study.states import SceneLayout, States
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -117,16 +118,22 @@ class Optimisation:
         """Return the drivelines, ``(..., states)``, after changes in units of the keys."""
         values = dict(self._unchanged)
         turns = [axis for axis in self._of_states if axis.rotation]
-        for name in {axis.name for axis in (*turns, *(each.axis for each in self.variables))}:
+        own_axes = [each.axis for each in self.variables if each.axis.section == "driveline"]
+        for name in {axis.name for axis in (*turns, *own_axes)}:
             shape = changes.shape[:-1] + values[name].shape
             values[name] = np.array(np.broadcast_to(values[name], shape))
+        mounting = self.layout.mounting
         for i, variable in enumerate(self.variables):
+            if variable.axis.section == "bearing":
+                positions = (variable.base + changes[..., i])[..., np.newaxis]
+                mounting = mounting.moved(variable.axis, positions)
+                continue
             own = values[variable.axis.name][variable.axis.where]
             # A view of the copy above.
             own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
         for axis in turns:
             axis.change(np.moveaxis(values[axis.name], -3, 0), axis.values)
-        return self.layout.of(values)
+        return mounting.on(make_driveline(self.layout.form, values))
 
     def values_at(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Return the quantity to minimise over all states, and whether all limits are kept.
@@ -172,6 +179,9 @@ class Optimisation:
         found: dict[str, Any] = {}
         for variable, change in zip(self.variables, changes, strict=True):
             axis = variable.axis
+            if axis.section == "bearing":
+                found[axis.key] = variable.base + change
+                continue
             path = f"driveline.{axis.name}"
             values = np.array(found.get(path, self.layout.driveline[axis.name]), dtype=np.float64)
             values[axis.where] += change
@@ -241,7 +251,7 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
     if states:
         load = states.loads(load)
         for axis in axes:
-            _check_states(axis, states.axes, len(layout.driveline[axis.name]))
+            _check_states(axis, states.axes, len(layout.driveline.get(axis.name, ())))
     found = Optimisation(
         variables,
         values["minimise"],
@@ -258,15 +268,18 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
-    paths: dict[str, dict[str, list[float]]] = {}
+    paths: dict[str, Any] = {}
     for name, places in nested({path: [0.0] for path in ranges}).items():
         where = Location("vary", (name,))
+        if name == BEARING.name:
+            paths[name] = BEARING_AXES.read(Location(name), places)
+            continue
         if name not in STUDY.keys or name not in DRIVELINE.keys:
             raise where.error(f"is no key that can change; those of the scene are {_there(layout)}")
         if name not in layout.driveline:
             raise where.error(f"is not in [driveline]; what can change is {_there(layout)}")
         paths[name] = STUDY.keys[name].rule.read(Location(name), places)
-    return axes_of(paths, layout.driveline, None, "an optimisation")
+    return axes_of(paths, layout.driveline, None, "an optimisation", layout.mounting.given)
 
 
 def _there(layout: SceneLayout) -> str:
@@ -277,6 +290,8 @@ def _variable(
     axis: Axis, ends: tuple[float, float] | None, layout: SceneLayout, teeth: Sequence[int]
 ) -> Variable:
     low, high = (-math.inf, math.inf) if ends is None else ends
+    if axis.section == "bearing" and axis.place is not None:
+        return Variable(axis, float(layout.mounting.bearings[axis.place.start].value), low, high)
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
     base = float(np.ravel(values[axis.where])[0])
     own = 0
