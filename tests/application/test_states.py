@@ -9,7 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cardan import Driveline
+from cardan.app.answers.answer import Answer
 from cardan.app.scene import Scene, SceneError
+from cardan.app.scene.study.cluster import _fingerprint
 
 POINTS = np.array([[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45]], dtype=float)
 BASE = """\
@@ -257,3 +259,30 @@ def test_names_that_the_scene_leaves_out() -> None:
     assert one.names == ("points_mm.2.y = -40", "points_mm.2.y = 0")
     assert two
     assert two.names == ("state 0", "state 1")
+
+
+def test_another_turn_is_another_study_on_a_cluster() -> None:
+    text = """\
+[study.points_mm]
+3 = {turn_deg = [-20, 0], about_mm = [1650, -46, 10], axis = "x"}
+"""
+    prints = []
+    for changed in (text, text.replace("46", "47"), text.replace('"x"', '"y"')):
+        study = Scene.parse(BASE + changed).study
+        assert study
+        prints.append(_fingerprint(study, False))
+    assert prints[0] == _fingerprint(Scene.parse(BASE + text).study, False)  # type: ignore[arg-type]
+    assert prints[0] != prints[1] != prints[2] != prints[0]
+
+
+def test_no_move_is_proposed_for_a_point_that_states_turn() -> None:
+    turn = '[states]\n"points_mm.2" = {turn_deg = [0, 0.1], about_mm = [0, 0, 0], axis = "z"}\n'
+    moved = []
+    for states in ('[states]\n"points_mm.2.y" = {add = [0, 2]}\n', turn):
+        bend = np.degrees(Scene.parse(BASE + states).drivelines().equivalent().bend.max())
+        limits = f"[limits]\nequivalent_bend_deg = {0.99 * bend}\n"
+        moves = Answer(Scene.parse(BASE + limits + states))["moves"]
+        moved.append({move.number for move in moves if move.variable == "point"})
+    assert 2 in moved[0]
+    assert moved[1]
+    assert 2 not in moved[1]

@@ -24,7 +24,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import TorsionBasics, TorsionFigures, torsion_figures
 from cardan.app.answers.torsion.text import sentences, torsion_advice
 from cardan.app.command import commands
-from cardan.app.scene import Scene
+from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.sections.torsion import TorsionCase
 
 ROOT = Path(__file__).parents[2]
@@ -484,3 +484,22 @@ def test_a_resonance_near_the_speeds_is_judged(speeds: str, margin: str, verdict
     if speeds == "[1950, 2500]":
         critical = 200.0 / RPM
         assert judged.value.value == pytest.approx((1950.0 - critical) / critical, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("inertias", "first", "without"),
+    [("[[0.3, 0.1], [0, 0.05]]", 8000, "0.3000"), ("[[0.3, 0.1], [0, 0.05]]", "rigid", "0.4000")],
+)
+def test_an_inertia_at_the_drive_that_is_held(inertias: str, first: object, without: str) -> None:
+    text = JOINT.replace("[0, [0, 0.05]]", inertias).replace('drive = "held"\n', "")
+    second = '"rigid"' if first == 8000 else "8000"
+    text = text.replace('[8000, "rigid"]', f"[{json.dumps(first)}, {second}]")
+    found = basics(Scene.parse(text))
+    (said,) = [each for each in torsion_advice(found) if "held" in each]
+    assert "held at constant speed" in said
+    assert f"the inertia of {without} kg m² at the input end of shaft 0 has no effect" in said
+    assert found.without_effect == pytest.approx(float(without))
+    held = basics(Scene.parse(text.replace("[torsion]", '[torsion]\ndrive = "held"')))
+    assert not [each for each in torsion_advice(held) if "held" in each]
+    with pytest.raises(SceneError, match="drive is 'free'"):
+        Scene.parse(text.replace("[torsion]", '[torsion]\ndrive = "free"'))
