@@ -96,8 +96,9 @@ class Identification:
         mean_ratio: mean speed of the driven shaft over that of the drive: 1 but for a drift.
         parts: 2 to 6 parts of a recording of at least 8 turns, in the order of the drive's speed,
             or of the turns if no speed was given.
-        changes: whether the bends of the parts differ by more than the noise. The standard
-            deviations and the interval do not cover the cause, such as torsional vibration.
+        changes: whether ``q`` differs among the parts by more than the noise, in size or in phase.
+            The standard deviations and the interval do not cover the cause: torsional vibration, or
+            a drive angle that drifts.
     """
 
     q: complex
@@ -261,7 +262,12 @@ def identify(
 
 
 def identify_two_joints(
-    drive_angle: ArrayLike, intermediate: ArrayLike, driven: ArrayLike, *, degrees: bool = False
+    drive_angle: ArrayLike,
+    intermediate: ArrayLike,
+    driven: ArrayLike,
+    *,
+    drive_speed: ArrayLike | None = None,
+    degrees: bool = False,
 ) -> TwoJoints:
     """Find both bends and the phase of a shaft with two joints from encoders at its three parts.
 
@@ -269,10 +275,11 @@ def identify_two_joints(
         drive_angle: angles of the drive, ``(samples,)``, as of ``identify``.
         intermediate: angles of the shaft between the joints, ``(samples,)``.
         driven: angles of the last shaft, ``(samples,)``.
+        drive_speed: speed of the drive in any unit, ``(samples,)``, as of ``identify``.
         degrees: whether the angles are in degrees; errors are as of ``identify``.
     """
-    first = identify(drive_angle, angle=intermediate, degrees=degrees)
-    whole = identify(drive_angle, angle=driven, degrees=degrees)
+    first = identify(drive_angle, angle=intermediate, drive_speed=drive_speed, degrees=degrees)
+    whole = identify(drive_angle, angle=driven, drive_speed=drive_speed, degrees=degrees)
     # The second joint takes the intermediate shaft's motion out: z = -k exp(-2 i p) by the maps
     # w -> w - k conj(w) of both joints, with p = phase - twist + pi/2.
     inverse = 1.0 / (1.0 - whole.q * first.q.conjugate())

@@ -14,8 +14,8 @@ from cardan.arrays import FloatArray
 _ROWS = 1 << 14
 
 # Orders on each side of order 2, in steps of one per recording, and the whole ones above it.
-_NEAR = 6
-_WHOLE = range(4, 17)
+_NEAR = 12
+_WHOLE = range(4, 29)
 # Turns from which orders between the whole ones are told from them.
 _FEWEST_TURNS = 1.9
 
@@ -39,7 +39,7 @@ def spectral_noise(
     """Return the noise at order 2, and the inverse normal matrix of the fit.
 
     The noise near order 2 follows from what the fit leaves at the orders beside it. What repeats in
-    every turn lies at whole orders alone; it adds what orders 4 to 16 have more than those between
+    every turn lies at whole orders alone; it adds what orders 4 to 28 have more than those between
     them. A recording of less than two turns cannot tell these apart: its whole orders count. The
     degrees of freedom are those of Welch and Satterthwaite.
 
@@ -70,7 +70,7 @@ def spectral_noise(
 def beside_order_2(turns: float, steps: range) -> list[float]:
     """Orders that are so many steps of one per recording from order 2, and less than one."""
     apart = [step / turns for step in steps if step < 0.99 * turns]
-    return [2.0 + side * distance for distance in apart for side in (-1.0, 1.0)]
+    return [2.0 + distance for distance in (*(-each for each in reversed(apart)), *apart)]
 
 
 def noise_at(
@@ -85,26 +85,36 @@ def _energies(
     drive: FloatArray, rest: FloatArray, fitted: FloatArray, groups: Sequence[Sequence[float]]
 ) -> tuple[list[Noise], FloatArray]:
     """Energy of the rest per degree of freedom of each group of waves beyond the fit."""
-    count, orders = fitted.shape[1], np.concatenate([np.asarray(group, float) for group in groups])
-    normal, right = np.zeros((count + 2 * orders.size,) * 2), np.zeros(count + 2 * orders.size)
-    for begin in range(0, drive.size, _ROWS):
-        rows = slice(begin, begin + _ROWS)
-        angles = np.multiply.outer(drive[rows], orders)
-        columns = np.concatenate([fitted[rows], np.cos(angles), np.sin(angles)], axis=1)
-        normal += columns.T @ columns
-        right += columns.T @ rest[rows]
-    inverse = np.linalg.inv(normal[:count, :count])
-    beyond = normal[count:, count:] - normal[count:, :count] @ inverse @ normal[:count, count:]
-    found, first = [], 0
-    for group in groups:
-        places = np.arange(first, first + len(group))
-        places = np.concatenate([places, orders.size + places])
-        sizes, axes = np.linalg.eigh(beyond[np.ix_(places, places)])
+    count = fitted.shape[1]
+    inverse = np.asarray(np.linalg.inv(fitted.T @ fitted), np.float64)
+    found = []
+    for orders in groups:
+        waves = 2 * len(orders)
+        normal, right = np.zeros((count + waves, waves)), np.zeros(waves)
+        for begin in range(0, drive.size, _ROWS):
+            rows = slice(begin, begin + _ROWS)
+            columns = _waves(drive[rows], orders)
+            normal[:count] += (columns @ fitted[rows]).T
+            normal[count:] += columns @ columns.T
+            right += columns @ rest[rows]
+        sizes, axes = np.linalg.eigh(normal[count:] - normal[:count].T @ inverse @ normal[:count])
         known = sizes > 1e-6 * drive.size
-        energy = (axes[:, known].T @ right[count + places]) ** 2 / sizes[known]
+        energy = (axes[:, known].T @ right) ** 2 / sizes[known]
         found.append(Noise(float(np.sum(energy)) / max(1, energy.size), float(energy.size)))
-        first += len(group)
     return found, inverse
+
+
+def _waves(drive: FloatArray, orders: Sequence[float]) -> FloatArray:
+    """Cosines and sines of increasing orders, ``(2 orders, samples)``, each from that before."""
+    waves, turned = np.empty((2, len(orders), drive.size)), {}
+    wave, before = np.ones(drive.size, np.complex128), 0.0
+    for place, order in enumerate(orders):
+        step = round(order - before, 9)
+        if step not in turned:
+            turned[step] = np.exp(1j * step * drive)
+        wave, before = wave * turned[step], order
+        waves[:, place] = wave.real, wave.imag
+    return waves.reshape(-1, drive.size)
 
 
 def step_of(angles: FloatArray) -> float:
