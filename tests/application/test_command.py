@@ -163,9 +163,10 @@ def test_examples_of_the_help_work(
         Path("long.toml").write_text(LONG)
     if name == "identify":
         angles = np.linspace(0.0, 720.0, 200)
-        columns = [angles, angles + 1.0, angles + 2.0, np.ones_like(angles)]
+        one, time = np.ones_like(angles), angles / 360.0
+        columns = [angles, angles + 1.0, angles + 2.0, one, time, *(60.0 * one,) * 2, 60.01 * one]
         rows = [
-            "crank,mid,axle,ratio",
+            "crank,mid,axle,ratio,t,n,n1,n2",
             *(",".join(map(str, row)) for row in zip(*columns, strict=True)),
         ]
         Path("run.csv").write_text("\n".join(rows))

@@ -265,7 +265,7 @@ def test_without_asammdf(recording: Path, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setitem(sys.modules, "asammdf", None)
     with pytest.raises(ImportError, match=r"needs asammdf: pip install 'cardan\[mdf\]'"):
         read_columns(recording, ["n"])
-    options = ["--drive", "n", "--driven", "n"]
+    options = ["--drive", "n", "--driven", "m"]
     result = CliRunner().invoke(commands(), ["identify", str(recording), *options])
     assert result.exit_code == 2
     assert result.stderr == "cardan: this needs asammdf: pip install 'cardan[mdf]'\n"

@@ -402,6 +402,103 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
     assert "1.000 samples per second" in done.stdout
 
 
+def noisy(folder: Path, reach: int, noise_rpm: float, *, of_angle: bool = False) -> Path:
+    """A run-up of 220 rpm per second, 2000 samples of it per second, and a scene."""
+    time: Floats = np.asarray(0.0005 * np.arange(4000), np.float64)
+    noise = noise_rpm * np.random.default_rng(1).normal(size=time.size)
+    speed = 1000.0 + 220.0 * time
+    angle = 6.0 * (1000.0 * time + 110.0 * time**2) + 0.001 * noise
+    written(folder, t=time, n=speed + noise, a=angle)
+    angles = ANGLES.replace("speed_column_rpm = 'n'", "angle_column_deg = 'a'")
+    path = folder / "run.toml"
+    path.write_text(
+        f"{JOINTS}{angles if of_angle else ANGLES}filter_reach = {reach}\n"
+        "[load]\ndrive_torque_Nm = 300\ninertias_kgm2 = [0, 0.2, 0.1]\n"
+        "[output]\nquantities = ['torque']\n"
+    )
+    return path
+
+
+def acceleration(path: Path) -> dict[str, Any]:
+    answer = json.loads(command("run", path, "--json").stdout)
+    ANSWERS.validate(answer)
+    (found,) = [one for one in answer["drive_angles"]["signals"] if one["signal"] == "acceleration"]
+    return dict(found)
+
+
+def test_an_acceleration_that_is_mostly_noise_is_said(tmp_path: Path) -> None:
+    """The noise is that of the filtered samples, and the reach proposed ends the warning."""
+    path = noisy(tmp_path, 5, 3.0)
+    found = acceleration(path)
+    # By the sum of squares of the filter: 3 rpm over 0.5 ms and the root of 110.
+    assert found["noise"] == pytest.approx(3.0 * RPM / 0.0005 / np.sqrt(110.0), rel=0.05)
+    scene = Scene.load(path)
+    assert scene.load_case is not None
+    inner = np.asarray(scene.load_case.acceleration)[5:-5]
+    assert found["noise"] == pytest.approx(np.std(inner), rel=0.05)
+    reach = found["quiet_reach"]
+    assert 30 < reach < 80
+    said = command("run", path)
+    noise = f"{found['noise']:.4g}"
+    assert f"cardan: the acceleration is mostly noise, {noise} rad/s² rms" in said.stderr
+    assert f"try filter_reach = {reach} in [angles]" in said.stderr
+    path = noisy(tmp_path, reach, 3.0)
+    found = acceleration(path)
+    assert "quiet_reach" not in found
+    assert found["noise"] == pytest.approx(0.1 * 220.0 * RPM, rel=0.15)
+    assert command("run", path).stderr == ""
+
+
+def test_the_noise_of_an_acceleration_from_angles(tmp_path: Path) -> None:
+    path = noisy(tmp_path, 5, 3.0, of_angle=True)
+    found, scene = acceleration(path), Scene.load(path)
+    assert scene.load_case is not None
+    inner = np.asarray(scene.load_case.acceleration)[5:-5]
+    assert found["noise"] == pytest.approx(np.std(inner), rel=0.05)
+    assert "is mostly noise" in command("run", path).stderr
+
+
+@pytest.mark.parametrize("noise_rpm", [0.0, 0.001, 0.3])
+def test_little_noise_is_not_said(tmp_path: Path, noise_rpm: float) -> None:
+    path = noisy(tmp_path, 5, noise_rpm)
+    assert command("run", path).stderr == ""
+    assert "quiet_reach" not in acceleration(path)
+
+
+def test_vibration_is_no_noise(tmp_path: Path) -> None:
+    """An engine's order 1.5 of 20 rpm at constant speed, and a digit of rounding."""
+    time: Floats = np.asarray(0.001 * np.arange(3000), np.float64)
+    speed = 900.0 + 20.0 * np.sin(2.0 * np.pi * 22.5 * time)
+    written(tmp_path, t=time, n=np.round(speed, 1))
+    path = tmp_path / "run.toml"
+    path.write_text(JOINTS + ANGLES)
+    assert command("run", path).stderr == ""
+    written(tmp_path, t=time, n=np.full(time.size, 900.0))
+    assert command("run", path).stderr == ""
+
+
+def test_the_first_samples_do_not_set_the_axis(tmp_path: Path) -> None:
+    figure = pytest.importorskip("matplotlib.figure")
+    from cardan.app.answers.turn.panel import abscissa
+    from cardan.app.answers.turn.picture import quantities
+
+    scene = Scene.load(noisy(tmp_path, 5, 3.0))
+    assert scene.load_case is not None
+    values = np.asarray(scene.load_case.acceleration)
+    inner = values[5:-5]
+    assert np.ptp(values) > 1.5 * np.ptp(inner)
+    extents = {"drive acceleration [rad/s²]": np.ptp(inner)}
+    result = scene.run()
+    extents["torque, shaft 2 [N m]"] = np.ptp(result.values.torque[..., 5:-5])
+    for panel in quantities(result):
+        axes = figure.Figure().add_subplot()
+        panel.draw(axes, abscissa(scene), 10.0)
+        low, high = axes.get_ylim()
+        if extent := extents.pop(panel.heading, None):
+            assert high - low == pytest.approx(1.1 * extent, rel=0.02)
+    assert not extents
+
+
 @pytest.mark.parametrize(
     ("text", "table", "message"),
     [

@@ -10,22 +10,70 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError, check_shape
+from cardan.motion.uncertainty import (
+    Z_95,
+    beside_order_2,
+    noise_at,
+    of_steps,
+    size_interval,
+    spectral_noise,
+    step_of,
+    times_of,
+)
 
 _ORDERS = 8
 _STEPS = 20
-_FEWEST_PER_TURN = 2 * _ORDERS + 2
+_FEWEST_SAMPLES = 2 * _ORDERS + 2
 # Standard deviations of k at which a bend counts as detected.
 _DETECTED = 3.0
+
+# Samples must lie at so many angles of a turn, each so far from the others: beside the orders up to
+# 3 and the mean they then show what else repeats in every turn.
+_FEWEST_ANGLES = 12
+_APART = math.radians(5.0)
+# How much less certain than even samples the samples may make order 2.
+_LEAST_EVEN = 10.0
+
+# How far the mean speed ratio may be from 1: a slow drift, and no miscounted pulse of 200.
+_DRIFT = 0.005
+
+# Parts of a recording whose bends are compared, and the turns that each has at least. Noise alone
+# lets them differ by this quantile of a normal distribution once in 1000 recordings.
+_PARTS = 6
+_TURNS_OF_PART = 4
+_CHANGES = 3.3
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some turns of a recording.
+
+    Attributes:
+        speed: mean speed of the drive in them, in the unit given; NaN if none was given.
+        turn: mean turn of the drive, from its smallest angle on.
+        bend: their equivalent bend in rad.
+        std: its standard deviation in rad.
+    """
+
+    speed: float
+    turn: float
+    bend: float
+    std: float
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
     """The joint that a recording shows, with its uncertainty.
 
-    The standard deviations follow from what the fit leaves and take it for independent noise of
-    each sample. A bend cannot be told from an ovality of an encoder, which has order 2 as well; a
-    second recording with straight joints tells them apart. Orders 1 and 3 do not come from joints
-    but from eccentric encoders or yokes that are not square.
+    The standard deviations follow from what the fit leaves beside order 2 and at the whole orders
+    above it, so neighbouring samples may have related errors: resonant noise, slow drift, steps of
+    a counter. A recording of less than two turns cannot show such relations; its noise is taken for
+    independent.
+
+    A bend cannot be told from an ovality of an encoder, which has order 2 as well; a second
+    recording with straight joints tells them apart. Torsional vibration changes order 2 too; well
+    below the lowest natural frequency it does not. Orders 1 and 3 do not come from joints but from
+    eccentric encoders or yokes that are not square.
 
     Source: the angle error is ``arg(1 + q exp(-2 i a))`` with the drive angle ``a`` (from Thoma 4).
 
@@ -33,6 +81,9 @@ class Identification:
         q: complex number of the motion, as ``Transmission.q``.
         std_q: standard deviation of its real and of its imaginary part.
         std: standard deviation of ``bend`` in rad.
+        freedom: degrees of freedom from which the standard deviations follow.
+        interval: the least and the largest bend in rad of the 95 % interval. Near 0 it is not
+            symmetric, since noise enlarges the bend that is found.
         purity: ``|order 4| / |order 2|**2`` of the speed ratio, twice that of the angle error. It
             is 1 for a chain of joints and nothing else.
         std_purity: standard deviation of ``purity``. Above a third, the noise hides order 4.
@@ -42,17 +93,28 @@ class Identification:
         residual: root mean square of what remains of the recording, in the same unit.
         samples: number of samples used.
         turns: turns of the drive between the smallest and the largest drive angle.
+        mean_ratio: mean speed of the driven shaft over that of the drive: 1 but for a drift.
+        parts: 2 to 6 parts of a recording of at least 8 turns, in the order of the drive's speed,
+            or of the turns if no speed was given.
+        changes: whether ``q`` differs among the parts by more than the noise, in size or in phase.
+            The standard deviations and the interval do not cover the cause: torsional vibration, or
+            a drive angle that drifts.
     """
 
     q: complex
     std_q: float
     std: float
+    freedom: float
+    interval: tuple[float, float]
     purity: float
     std_purity: float
     orders: NDArray[np.complex128] = field(repr=False)
     residual: float
     samples: int
     turns: float
+    mean_ratio: float
+    parts: tuple[Part, ...] = field(repr=False)
+    changes: bool
 
     @property
     def k(self) -> float:
@@ -62,7 +124,7 @@ class Identification:
     @property
     def bend(self) -> float:
         """Equivalent bend in rad."""
-        return 2.0 * math.atan(math.sqrt(self.k))
+        return _bend(self.k)
 
     @property
     def bend_deg(self) -> float:
@@ -73,6 +135,11 @@ class Identification:
     def std_deg(self) -> float:
         """``std`` in degrees."""
         return math.degrees(self.std)
+
+    @property
+    def interval_deg(self) -> tuple[float, float]:
+        """``interval`` in degrees."""
+        return math.degrees(self.interval[0]), math.degrees(self.interval[1])
 
     @property
     def angle_offset(self) -> float:
@@ -86,8 +153,11 @@ class Identification:
 
     @property
     def detection_limit(self) -> float:
-        """Smallest bend in rad that the noise permits to be told from none, at 3 sigma of ``k``."""
-        return 2.0 * math.atan(math.sqrt(min(1.0, _DETECTED * self.std_q)))
+        """Smallest bend in rad that the noise permits to be told from none, at 3 sigma of ``k``.
+
+        Of few degrees of freedom it is larger, as Student's t is.
+        """
+        return _bend(_DETECTED * self.std_q * times_of(self.freedom) / Z_95)
 
     @property
     def detected(self) -> bool:
@@ -104,6 +174,7 @@ class TwoJoints:
         whole: the joint equivalent to both.
         bends: bends of both joints in rad, ``(2,)``.
         std: their standard deviations in rad, ``(2,)``.
+        intervals: the least and the largest bend of their 95 % intervals in rad, ``(2, 2)``.
         phase_less_twist: phase of the intermediate shaft less its twist in rad, within
             (-pi/2, pi/2]. The twist follows from the drawing; a yoke looks the same after pi.
     """
@@ -112,6 +183,7 @@ class TwoJoints:
     whole: Identification
     bends: FloatArray
     std: FloatArray
+    intervals: FloatArray
     phase_less_twist: float
 
     @property
@@ -130,53 +202,72 @@ def identify(
     *,
     angle: ArrayLike | None = None,
     speed_ratio: ArrayLike | None = None,
+    drive_speed: ArrayLike | None = None,
     degrees: bool = False,
 ) -> Identification:
     """Find the equivalent joint of a driveline in a recording of its motion.
 
-    The samples may lie anywhere: at unequal steps, over any part of a turn above the first, with
-    gaps. Samples that are not finite are left out. A constant offset between the encoders and a
-    linear drift of one against the other are fitted and do not matter.
+    The samples may lie at unequal steps, over any part of a turn above the first, with gaps, as
+    long as they are spread over the turn: at 12 or more angles of it. Samples that are not finite
+    are left out. A constant offset between the encoders and a slow drift of one against the other
+    are fitted and do not matter.
 
     Args:
         drive_angle: angles of the drive, ``(samples,)``, modulo a turn or not.
         angle: angles of the driven shaft, ``(samples,)``, modulo a turn or not. They count in the
             same sense as the drive's.
         speed_ratio: or: speed of the driven shaft over that of the drive, ``(samples,)``.
+        drive_speed: speed of the drive in any unit, ``(samples,)``, for the bend over the speed.
         degrees: whether the angles are in degrees.
 
     Raises:
         TypeError: values that are not real numbers.
         ValueError: neither or both of ``angle`` and ``speed_ratio``, arrays of other shapes, less
-            than a turn, too few samples, a driven shaft that turns against the drive.
+            than a turn, too few samples, samples that do not determine the bend, a driven shaft
+            that turns backwards, stands or does not keep the mean speed of the drive to 0.5 %.
     """
-    drive = _column("drive_angle", drive_angle)
-    given = {"angle": angle, "speed_ratio": speed_ratio}
-    columns = [(name, _column(name, x)) for name, x in given.items() if x is not None]
-    if len(columns) != 1:
+    if (angle is None) == (speed_ratio is None):
         raise ArgumentValueError("angle", "or speed_ratio must be given, and not both")
-    ((name, measured),) = columns
-    if measured.shape != drive.shape:
-        problem = f"has {measured.size} samples and drive_angle {drive.size}; they must be as many"
-        raise ArgumentValueError(name, problem)
-    known = np.isfinite(drive) & np.isfinite(measured)
-    drive, measured = drive[known], measured[known]
+    given = {
+        "drive_angle": drive_angle,
+        "angle": angle,
+        "speed_ratio": speed_ratio,
+        "drive_speed": drive_speed,
+    }
+    columns = {name: _column(name, x) for name, x in given.items() if x is not None}
+    count = columns["drive_angle"].size
+    for of, column in columns.items():
+        if column.size != count:
+            problem = f"has {column.size} samples and drive_angle {count}; they must be as many"
+            raise ArgumentValueError(of, problem)
+    known = np.all([np.isfinite(column) for column in columns.values()], axis=0)
+    drive, measured, *speeds = (column[known] for column in columns.values())
     if degrees:
         drive, measured = np.radians(drive), np.radians(measured) if angle is not None else measured
     drive = _continuous(drive)
     turns = float(np.ptp(drive)) / math.tau if drive.size else 0.0
-    if drive.size < _FEWEST_PER_TURN or turns < 1.0 - 1.5 / max(1, drive.size):
-        rule = f"it takes at least one turn and {_FEWEST_PER_TURN} samples"
+    if drive.size < _FEWEST_SAMPLES or turns < 1.0 - 1.5 / max(1, drive.size):
+        rule = f"it takes at least one turn and {_FEWEST_SAMPLES} samples"
         problem = f"has {drive.size} finite samples over {turns:.2f} turns; {rule}"
         raise ArgumentValueError("drive_angle", problem)
+    _check_spread(drive)
+    counter = 0.0
     if angle is not None:
+        counter = step_of(measured)
         # Whole turns aside, without steps.
         measured = np.unwrap(np.remainder(measured - drive, math.tau))
-    return _fitted(drive, measured, angle is not None, turns)
+    return _fitted(
+        drive, measured, angle is not None, turns, counter, speeds[0] if speeds else None
+    )
 
 
 def identify_two_joints(
-    drive_angle: ArrayLike, intermediate: ArrayLike, driven: ArrayLike, *, degrees: bool = False
+    drive_angle: ArrayLike,
+    intermediate: ArrayLike,
+    driven: ArrayLike,
+    *,
+    drive_speed: ArrayLike | None = None,
+    degrees: bool = False,
 ) -> TwoJoints:
     """Find both bends and the phase of a shaft with two joints from encoders at its three parts.
 
@@ -184,10 +275,11 @@ def identify_two_joints(
         drive_angle: angles of the drive, ``(samples,)``, as of ``identify``.
         intermediate: angles of the shaft between the joints, ``(samples,)``.
         driven: angles of the last shaft, ``(samples,)``.
+        drive_speed: speed of the drive in any unit, ``(samples,)``, as of ``identify``.
         degrees: whether the angles are in degrees; errors are as of ``identify``.
     """
-    first = identify(drive_angle, angle=intermediate, degrees=degrees)
-    whole = identify(drive_angle, angle=driven, degrees=degrees)
+    first = identify(drive_angle, angle=intermediate, drive_speed=drive_speed, degrees=degrees)
+    whole = identify(drive_angle, angle=driven, drive_speed=drive_speed, degrees=degrees)
     # The second joint takes the intermediate shaft's motion out: z = -k exp(-2 i p) by the maps
     # w -> w - k conj(w) of both joints, with p = phase - twist + pi/2.
     inverse = 1.0 / (1.0 - whole.q * first.q.conjugate())
@@ -195,9 +287,16 @@ def identify_two_joints(
     by_whole = inverse * (1.0 + z * first.q.conjugate())
     std_k = math.hypot(abs(by_whole) * whole.std_q, abs(inverse) * first.std_q)
     second = float(abs(z))
-    bends = np.array([first.bend, 2.0 * math.atan(math.sqrt(second))])
     phase = _wrapped(-0.5 * float(np.angle(z / first.q)) - math.pi / 2) if first.q else math.nan
-    return TwoJoints(first, whole, bends, np.array([first.std, _std(second, std_k)]), phase)
+    interval = _interval(second, std_k, min(first.freedom, whole.freedom))
+    return TwoJoints(
+        first,
+        whole,
+        np.array([first.bend, _bend(second)]),
+        np.array([first.std, _std(second, std_k)]),
+        np.array([first.interval, interval]),
+        phase,
+    )
 
 
 def _column(name: str, values: ArrayLike) -> FloatArray:
@@ -212,14 +311,77 @@ def _continuous(drive: FloatArray) -> FloatArray:
     return np.unwrap(drive) if modulo else drive
 
 
-def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float) -> Identification:
-    offset, drift = np.ones_like(drive), (drive - drive.mean()) / math.tau
+def _check_spread(drive: FloatArray) -> None:
+    """Refuse angles that do not tell order 2 from the mean and the orders beside it."""
+    places = np.sort(np.remainder(drive - drive[0], math.tau))
+    count, place = 0, 0
+    # The last of them lie beside the first.
+    while place < np.searchsorted(places, math.tau - _APART):
+        count += 1
+        place = int(np.searchsorted(places, places[place] + _APART))
+    if count < _FEWEST_ANGLES:
+        raise ArgumentValueError(
+            "drive_angle",
+            f"has samples at only {count} angles of a turn; a bend shows in samples at "
+            f"{_FEWEST_ANGLES} or more, spread over the turn, such as 36 equal steps per turn",
+        )
+    waves = np.exp(1j * np.multiply.outer(drive, (2, 1, 3)))
+    drift = (drive - drive.mean()) / float(np.ptp(drive))
+    columns = np.column_stack([waves.real, waves.imag, np.ones_like(drive), drift])
+    normal = columns.T @ columns / drive.size
+    two, others = [0, 3], [1, 2, 4, 5, 6, 7]
+    apart = (
+        normal[np.ix_(two, two)]
+        - normal[np.ix_(two, others)]
+        @ np.linalg.pinv(normal[np.ix_(others, others)], hermitian=True)
+        @ normal[np.ix_(others, two)]
+    )
+    if float(np.linalg.eigvalsh(apart)[0]) < 0.5 / _LEAST_EVEN**2:
+        gap = math.degrees(np.max(np.diff(places, append=places[0] + math.tau)))
+        raise ArgumentValueError(
+            "drive_angle",
+            f"has no samples in {gap:.0f}° of the turn; so the others cannot tell a bend, whose "
+            "order is 2, from the orders 1 and 3; it takes samples all around the turn",
+        )
+
+
+def _mean_ratio_problem(times: float) -> str:
+    """Say that a driven shaft does not keep the mean speed, and what looks to be the case."""
+    pulses = round(1.0 / abs(times - 1.0))
+    if 0.9 < times * 180.0 / math.pi < 1.1 or 0.9 < times * math.pi / 180.0 < 1.1:
+        case = "one seems to be in degrees and the other one in radians"
+    elif abs(times) < 0.02:
+        case = "it seems to stand still, or to be another signal"
+    elif times < 0.0:
+        case = "it seems to count backwards; change the sign of one of the columns"
+    elif abs(times - 1.0) < 0.1:
+        right = pulses + 1 if times > 1.0 else pulses - 1
+        case = f"an encoder of {right} pulses per turn seems to be taken for one of {pulses}"
+    else:
+        case = "divide it by the ratio of the gear between them, or correct its pulses per turn"
+    return (
+        f"belongs to a shaft that turns {round(times, 4) + 0.0:.4g} times as fast as the drive, "
+        f"and joints keep the mean speed: {case}"
+    )
+
+
+def _fitted(
+    drive: FloatArray,
+    values: FloatArray,
+    of_angle: bool,
+    turns: float,
+    counter: float,
+    speed: FloatArray | None,
+) -> Identification:
+    # A drift of 1 is a radian over the whole recording.
+    offset, drift = np.ones_like(drive), (drive - drive.mean()) / (turns * math.tau)
+    name = "angle" if of_angle else "speed_ratio"
     waves = np.exp(1j * np.multiply.outer(drive, np.arange(1, _ORDERS + 1)))
     columns = np.column_stack([offset, drift, waves.real, waves.imag])
     series, *_ = np.linalg.lstsq(columns, values, rcond=None)
-    if of_angle and abs(series[1]) > 0.5 * math.tau:
-        times, rule = 1.0 + series[1] / math.tau, "it must count in the drive's sense and unit"
-        raise ArgumentValueError("angle", f"turns {times:.3g} times as fast as the drive; {rule}")
+    # Steep joints are far from their first orders, but not that far.
+    if of_angle and abs(slip := series[1] / (turns * math.tau)) > 0.5:
+        raise ArgumentValueError(name, _mean_ratio_problem(1.0 + slip))
     q = 1j * complex(series[3], series[3 + _ORDERS]) if of_angle else _start(drive, values)
     # A step too far would leave the disc of the joints.
     q *= min(1.0, 0.99 / max(abs(q), 1e-300))
@@ -230,7 +392,8 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
         """What the motion of ``q`` leaves, the linear equations for it, and their solution."""
         model, slope = _model(q, turned, of_angle)
         matrix = np.column_stack([slope.real, -slope.imag, beside])
-        return values - model, matrix, np.linalg.lstsq(matrix, values - model, rcond=None)[0]
+        rest = values - model
+        return rest, matrix, np.linalg.solve(matrix.T @ matrix, matrix.T @ rest)
 
     for _ in range(_STEPS):
         _, _, step = fit()
@@ -240,12 +403,27 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
         q += change
         if abs(change) <= 1e-13:
             break
-    rest, matrix, step = fit()
-    left = rest - matrix @ step
-    freedom = max(1, left.size - matrix.shape[1])
-    variance = float(left @ left) / freedom
-    covariance = variance * np.linalg.pinv(matrix.T @ matrix)[:2, :2]
+    rest, matrix, remaining = fit()
+    left = rest - matrix @ remaining
+    noise, inverse = spectral_noise(drive, left, matrix, turns)
+    # The drift is a mean speed of its own; that of a speed ratio is its mean.
+    place, scale = (3, turns * math.tau) if of_angle else (2, 1.0)
+    drifts = float(remaining[place]) / scale
+    unsure = math.sqrt(noise.variance * inverse[place, place]) / scale
+    if abs(drifts) > _DRIFT + 4.0 * unsure:
+        raise ArgumentValueError(name, _mean_ratio_problem(1.0 + drifts))
+    variance = noise.variance
+    if counter:
+        by_steps = of_steps(drive, drive + values - left, left, counter) / Z_95
+        variance = max(variance, 2.0 * by_steps**2 / float(np.trace(inverse[:2, :2])))
+    covariance = variance * inverse[:2, :2]
+    # A wrong scale of an encoder would change q as much as the mean.
+    parts_q = np.array([q.real, q.imag])
+    covariance += drifts**2 * np.outer(parts_q, parts_q)
     std_q = math.sqrt(max(0.0, float(np.trace(covariance)) / 2.0))
+    along = parts_q / abs(q) if q else np.array([1.0, 0.0])
+    std_k = math.sqrt(max(0.0, float(along @ covariance @ along)))
+    parts, changes = _compared(q, drive, left, matrix, turns, speed)
     # Beside the exact series the cut of the fitted one hardly matters.
     series, *_ = np.linalg.lstsq(columns, rest, rcond=None)
     orders = _series(complex(q), of_angle)
@@ -260,14 +438,70 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
     return Identification(
         q=complex(q),
         std_q=std_q,
-        std=_std(float(abs(q)), std_q),
+        std=_std(float(abs(q)), std_k),
+        freedom=noise.freedom,
+        interval=_interval(float(abs(q)), std_k, noise.freedom),
         purity=purity,
         std_purity=std_purity,
         orders=orders,
         residual=math.sqrt(float(left @ left) / left.size),
         samples=left.size,
         turns=turns,
+        mean_ratio=1.0 + drifts,
+        parts=parts,
+        changes=changes,
     )
+
+
+def _compared(
+    q: complex,
+    drive: FloatArray,
+    rest: FloatArray,
+    matrix: FloatArray,
+    turns: float,
+    speed: FloatArray | None,
+) -> tuple[tuple[Part, ...], bool]:
+    """Compare the bends of some parts of a recording, by what the fit of the whole leaves in each.
+
+    Whole turns belong together, in which a speed may vary with the drive angle. The noise is that
+    at orders farther from order 2 than those that a change from part to part makes.
+    """
+    count = min(_PARTS, int(turns / _TURNS_OF_PART))
+    if count < 2:
+        return (), False
+    turn = np.floor((drive - drive.min()) / math.tau).astype(np.intp)
+    samples = np.maximum(np.bincount(turn), 1)
+    order = np.arange(samples.size)
+    if speed is not None:
+        speeds = np.bincount(turn, speed) / samples
+        order = np.argsort(speeds, kind="stable")
+    far = beside_order_2(turns, range(count + 1, 3 * count + 7))
+    variance = noise_at(drive, rest, matrix, far).variance
+    found, changes, weights = [], [], []
+    for turns_of_part in np.array_split(order, count):
+        chosen = np.isin(turn, turns_of_part)
+        columns = matrix[chosen]
+        normal = columns.T @ columns
+        # A part without enough samples of its own has no bend.
+        if np.linalg.matrix_rank(normal, hermitian=True) < normal.shape[0]:
+            continue
+        inverse = np.linalg.inv(normal)
+        change = (inverse @ (columns.T @ rest[chosen]))[:2]
+        covariance = variance * inverse[:2, :2]
+        k = min(abs(q + complex(*change)), 1.0)
+        mean_speed = math.nan if speed is None else float(np.mean(speed[chosen]))
+        std = _std(k, math.sqrt(float(np.trace(covariance)) / 2.0))
+        found.append(Part(mean_speed, float(np.mean(turn[chosen])), _bend(k), std))
+        changes.append(change)
+        weights.append(np.linalg.pinv(covariance, hermitian=True))
+    if len(found) < 2:
+        return (), False
+    mean = np.linalg.pinv(sum(weights)) @ sum(w @ d for w, d in zip(weights, changes, strict=True))
+    apart = sum(float((d - mean) @ w @ (d - mean)) for w, d in zip(weights, changes, strict=True))
+    freedom = 2.0 * (len(found) - 1)
+    # The distribution of squares after Wilson and Hilferty.
+    least = (1.0 - 2.0 / (9.0 * freedom) + _CHANGES * math.sqrt(2.0 / (9.0 * freedom))) ** 3
+    return tuple(found), apart > least * freedom
 
 
 def _start(drive: FloatArray, ratio: FloatArray) -> complex:
@@ -302,6 +536,15 @@ def _series(q: complex, of_angle: bool) -> NDArray[np.complex128]:
     orders[0] = 0.0 if of_angle else 1.0
     orders[2::2] = 1j * powers / n if of_angle else 2.0 * powers
     return orders
+
+
+def _bend(k: float) -> float:
+    return 2.0 * math.atan(math.sqrt(min(1.0, k)))
+
+
+def _interval(k: float, std_k: float, freedom: float) -> tuple[float, float]:
+    low, high = size_interval(k, std_k, freedom)
+    return _bend(low), _bend(high)
 
 
 def _std(k: float, std_k: float) -> float:

@@ -202,20 +202,28 @@ def phase(scene: Path, as_json: bool) -> None:
 
 @click.command()
 @file_argument
-@click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
+@click.option("--drive", metavar="COLUMN", help="Angle of the drive.")
+@click.option("--time", metavar="COLUMN", help="Or: time in s, with --drive-speed.")
 @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
 @click.option("--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's.")
+@click.option("--driven-speed", metavar="COLUMN", help="Or: its speed in rpm, with --drive-speed.")
 @click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
+@click.option(
+    "--drive-speed", metavar="COLUMN", help="Speed of the drive in rpm: shows the bend over it."
+)
 @click.option(
     "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
 )
 @json_option
 def identify(
     file: Path,
-    drive: str,
+    drive: str | None,
+    time: str | None,
     driven: str | None,
     speed_ratio: str | None,
+    driven_speed: str | None,
     intermediate: str | None,
+    drive_speed: str | None,
     radians: bool,
     as_json: bool,
 ) -> None:
@@ -223,16 +231,24 @@ def identify(
 
     FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
     driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each
-    turn. With the angle of the shaft between two joints, both bends and the phase are found.
+    turn. With the angle of the shaft between two joints, both bends and the phase are found. Speeds
+    do instead of angles: that of the drive with the time, and that of the driven shaft.
 
     \b
     Examples:
       cardan identify run.csv --drive crank --driven axle
       cardan identify run.csv --drive crank --speed-ratio ratio
       cardan identify run.csv --drive crank --intermediate mid --driven axle
+      cardan identify run.csv --drive crank --driven axle --drive-speed n
+      cardan identify run.csv --time t --drive-speed n1 --driven-speed n2
     """
-    if (driven is None) == (speed_ratio is None):
-        raise click.UsageError("give one of --driven and --speed-ratio")
+    if (drive is None) == (time is None):
+        raise click.UsageError("give one of --drive and --time")
+    if sum(name is not None for name in (driven, speed_ratio, driven_speed)) != 1:
+        raise click.UsageError("give one of --driven, --speed-ratio and --driven-speed")
+    for option, name in (("--time", time), ("--driven-speed", driven_speed)):
+        if name is not None and drive_speed is None:
+            raise click.UsageError(f"{option} needs --drive-speed")
     if intermediate is not None and driven is None:
         raise click.UsageError("--intermediate needs --driven")
     found = identified(
@@ -241,6 +257,9 @@ def identify(
         driven=driven,
         speed_ratio=speed_ratio,
         intermediate=intermediate,
+        time=time,
+        drive_speed=drive_speed,
+        driven_speed=driven_speed,
         radians=radians,
     )
     _print(

@@ -18,7 +18,13 @@ from cardan.app.answers.study.figures import StudyTable, study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import DriveAngles, recorded_angles, turn_figures
-from cardan.app.answers.turn.text import angles_text, few_samples_text, signals_text, summary_text
+from cardan.app.answers.turn.text import (
+    angles_text,
+    few_samples_text,
+    noise_text,
+    signals_text,
+    summary_text,
+)
 from cardan.app.command.options import (
     check_output,
     check_picture,
@@ -107,8 +113,8 @@ def run(
     angles = turn.drive_angles
     of_samples = whole.recording or (whole.study and whole.study.quantities)
     warning = few_samples_text(angles) if of_samples else None
-    if warning:
-        say(f"cardan: {warning}", on_error=True)
+    for text in filter(None, (warning, noise_text(angles))):
+        say(f"cardan: {text}", on_error=True)
     if as_json:
         # The files first: of a study on a cluster they hold the figures.
         written = list(files)
@@ -270,7 +276,7 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     say(f"drive angles {angles_text(angles, radians=radians)}")
     if done.signals:
         say(signals_text(angles))
-    if warning := few_samples_text(angles):
+    for warning in filter(None, (few_samples_text(angles), noise_text(angles))):
         say(f"cardan: {warning}", on_error=True)
     if done.missing:
         say(missing_samples(done.missing, done.rows, "the recording"))

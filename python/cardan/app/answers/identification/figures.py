@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from os import PathLike, fspath
 from typing import Literal
 
-from cardan.app.answers.rows import count, figure, flag, item, parts, word
+import numpy as np
+
+from cardan._core import Integral
+from cardan.app.answers.rows import count, figure, flag, item, optional, parts, word
 from cardan.app.files.recording import read_columns
-from cardan.motion.identification import identify, identify_two_joints
+from cardan.app.scene.language.units import RPM
+from cardan.arrays import FloatArray
+from cardan.motion.identification import Part, identify, identify_two_joints
 
 _LARGEST_ORDER = 4
 
@@ -18,6 +24,10 @@ _LARGEST_ORDER = 4
 # besides the joints.
 _PURE = 0.2
 _SIGMAS = 3.0
+
+# Turns that show whether the noise of neighbouring samples is related, and a drift to speak of.
+_ENOUGH_TURNS = 1.9
+_DRIFTS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -38,6 +48,22 @@ class JointBend:
     joint: int = item("joint")
     bend: float = figure("bend", "deg")
     standard_deviation: float | None = figure("standard deviation", "deg")
+    interval_low: float = figure("95% interval from", "deg")
+    interval_high: float = figure("95% interval to", "deg")
+
+
+@dataclass(frozen=True)
+class BendOfPart:
+    """The bend that some turns of a recording show."""
+
+    speed: float | None = optional(figure("drive speed", "rpm", "the mean of these turns"))
+    least_speed: float | None = optional(figure("least driven speed", "rpm", "by the bend"))
+    largest_speed: float | None = optional(figure("largest driven speed", "rpm", "by the bend"))
+    turn: float | None = optional(
+        figure("turn", "", "the mean of these turns, where no speed is known")
+    )
+    bend: float = figure("bend", "deg")
+    standard_deviation: float | None = figure("standard deviation", "deg")
 
 
 @dataclass(frozen=True)
@@ -48,12 +74,17 @@ class Identified:
     samples: int = count("samples", "rows of the file that are known")
     missing_samples: int = count("missing samples", "rows of the file that are not")
     turns: float = figure("turns of the drive", meaning="at least 1")
+    mean_ratio: float = figure(
+        "mean speed ratio", meaning="of the driven shaft to the drive; 1 but for a drift"
+    )
     equivalent_bend: float = figure(
         "equivalent bend", "deg", "bend of the single joint that turns the last shaft as unevenly"
     )
     standard_deviation: float | None = figure(
         "standard deviation of the bend", "deg", "by the noise"
     )
+    interval_low: float = figure("95% interval from", "deg", "contains the bend in 95 % of cases")
+    interval_high: float = figure("95% interval to", "deg")
     detection_limit: float = figure(
         "smallest bend detected", "deg", "that the noise alone may imitate"
     )
@@ -80,41 +111,73 @@ class Identified:
     )
     orders: tuple[Order, ...] = parts("Orders of what was recorded")
     joints: tuple[JointBend, ...] = parts("Joints")
+    changes: bool = flag(
+        "bend changes",
+        "whether bends of parts of the recording, or their planes, differ by more than the noise",
+    )
+    by_part: tuple[BendOfPart, ...] = parts(
+        "Bend in parts of the recording", "with the speed of the drive, or where they differ"
+    )
 
 
 def identified(
     path: str | PathLike[str],
-    drive: str,
+    drive: str | None,
     *,
     driven: str | None = None,
     speed_ratio: str | None = None,
     intermediate: str | None = None,
+    time: str | None = None,
+    drive_speed: str | None = None,
+    driven_speed: str | None = None,
     radians: bool = False,
 ) -> Identified:
     """Find the joints that the columns of a file show, as ``cardan identify`` names them.
 
-    The angles of the file and of the answer are in degrees unless ``radians`` says otherwise.
+    The angles of the file and of the answer are in degrees unless ``radians`` says otherwise,
+    times in s and speeds in rpm. The drive angle is the integral of the speed if none is given.
     """
-    names = [name for name in (drive, driven, speed_ratio, intermediate) if name is not None]
+    given = (drive, driven, speed_ratio, intermediate, time, drive_speed, driven_speed)
+    names = [name for name in given if name is not None]
+    if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+        raise ValueError(f"{fspath(path)}: column {twice[0]!r} is named for two signals")
     columns = dict(zip(names, read_columns(path, names), strict=True))
-    both = None
-    if intermediate is not None and driven is not None:
-        angles = (columns[drive], columns[intermediate], columns[driven])
-        both = identify_two_joints(*angles, degrees=not radians)
-        found = both.whole
-    elif speed_ratio is not None:
-        found = identify(columns[drive], speed_ratio=columns[speed_ratio], degrees=not radians)
+    _check_unlike(fspath(path), {name: columns[name] for name in names if name != time})
+    speed = None if drive_speed is None else columns[drive_speed] * RPM
+    if drive is not None:
+        angle = columns[drive]
     else:
-        found = identify(columns[drive], angle=columns[names[1]], degrees=not radians)
+        assert time is not None
+        assert speed is not None
+        angle = _integrated(fspath(path), time, columns[time], speed)
+        angle = angle if radians else np.degrees(angle)
+    is_ratio, both = driven is None, None
+    if driven is None:
+        if speed_ratio is not None:
+            ratio = columns[speed_ratio]
+        else:
+            assert driven_speed is not None
+            assert speed is not None
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = columns[driven_speed] * RPM / speed
+        found = identify(angle, speed_ratio=ratio, drive_speed=speed, degrees=not radians)
+    elif intermediate is not None:
+        angles = (angle, columns[intermediate], columns[driven])
+        both = identify_two_joints(*angles, drive_speed=speed, degrees=not radians)
+        found = both.whole
+    else:
+        found = identify(angle, angle=columns[driven], drive_speed=speed, degrees=not radians)
     # Speed ratios have no unit.
-    unit = "" if speed_ratio is not None else "rad" if radians else "deg"
+    unit = "" if is_ratio else "rad" if radians else "deg"
     return Identified(
         fspath(path),
         found.samples,
-        len(columns[drive]) - found.samples,
+        len(angle) - found.samples,
         found.turns,
+        found.mean_ratio,
         found.bend,
         _known(found.std),
+        *found.interval,
         found.detection_limit,
         found.detected,
         found.angle_offset,
@@ -123,12 +186,42 @@ def identified(
         _known(found.std_purity),
         unit,
         found.residual,
-        "speed ratio" if speed_ratio is not None else "angle error",
+        "speed ratio" if is_ratio else "angle error",
         tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
         ()
         if both is None
-        else tuple(JointBend(n, both.bends[n], _known(both.std[n])) for n in range(2)),
+        else tuple(
+            JointBend(n, both.bends[n], _known(both.std[n]), *both.intervals[n]) for n in range(2)
+        ),
+        found.changes,
+        tuple(map(_of_part, found.parts)) if found.changes or speed is not None else (),
     )
+
+
+def _of_part(part: Part) -> BendOfPart:
+    bend, std = part.bend, _known(part.std)
+    if math.isnan(part.speed):
+        return BendOfPart(None, None, None, part.turn, bend, std)
+    # The largest speed ratio of a joint is 1/cos of its bend, the least one cos.
+    slow = math.cos(bend)
+    return BendOfPart(part.speed, part.speed * slow, part.speed / slow, None, bend, std)
+
+
+def _check_unlike(path: str, columns: Mapping[str, FloatArray]) -> None:
+    """Refuse one signal under two names, which would show a bend of 0."""
+    for (name, one), (other, another) in combinations(columns.items(), 2):
+        if np.array_equal(one, another, equal_nan=True):
+            raise ValueError(
+                f"{path}: columns {name!r} and {other!r} are the same in all rows; "
+                "each must have an encoder of its own"
+            )
+
+
+def _integrated(path: str, name: str, time: FloatArray, speed: FloatArray) -> FloatArray:
+    known = time[~np.isnan(time)]
+    if np.any(np.diff(known) <= 0.0):
+        raise ValueError(f"{path}: column {name!r}: times must increase")
+    return np.asarray(Integral(0.0).at(time, speed), np.float64)
 
 
 def _known(value: float) -> float | None:
@@ -156,9 +249,28 @@ def sentences(found: Identified) -> Iterator[str]:
                 "The noise hides order 4, so the purity does not tell whether order 2 comes from "
                 "joints. A longer recording, with more samples, does."
             )
+    if found.turns < _ENOUGH_TURNS:
+        yield (
+            "Less than two turns: the interval takes the noise of each sample for independent. "
+            "Vibration or an unsteady drift may make it too narrow; two turns show them."
+        )
+    if abs(found.mean_ratio - 1.0) > _DRIFTS:
+        yield (
+            "The driven shaft drifts against the drive, so its encoder may have a wrong scale. The "
+            "standard deviation covers that."
+        )
+    if found.changes:
+        speed = any(part.speed is not None for part in found.by_part)
+        yield (
+            f"The bend or its plane changes {'with the drive speed' if speed else 'with time'} by "
+            "more than the noise: by torsional vibration near a resonance, or by a drive angle "
+            "that drifts. The interval does not cover that. Record well below the lowest natural "
+            "frequency."
+        )
     yield (
         "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
-        "from a bend."
+        "from a bend. Torsional vibration changes order 2 unless the drive turns well below the "
+        "lowest natural frequency."
     )
     if found.joints:
         yield "Phase and twist cannot be told apart: only their difference shows."

@@ -87,6 +87,15 @@ class SignalFigures:
     filter_samples: int | None = optional(
         count("filter", "samples of the parabola that derived it by differentiating")
     )
+    noise: float | None = optional(
+        figure("noise", "", "of an acceleration, rms, by the scatter of the samples")
+    )
+    quiet_reach: int | None = optional(
+        count(
+            "filter_reach for less noise",
+            "of an acceleration that is mostly noise: with it, the noise is a tenth",
+        )
+    )
     samples_per_second: float | None = optional(
         figure("samples per second", "", "of times, without gaps")
     )
@@ -214,6 +223,8 @@ def _signal(signal: Signal) -> SignalFigures:
         signal.min,
         signal.max,
         2 * signal.reach + 1 if signal.reach else None,
+        signal.scatter.noise if signal.scatter else None,
+        (signal.scatter.reach or None) if signal.scatter else None,
         own.rate if own else None,
         own.gaps if own else None,
         own.longest if own and own.gaps else None,

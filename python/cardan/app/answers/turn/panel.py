@@ -101,6 +101,11 @@ def _frame(axes: Axes, first: float, last: float, drawn: FloatArray, scale: floa
     if last > first:
         axes.set_xlim(first, last)
     value_ticks(axes.yaxis)
+    frame_values(axes, drawn, scale)
+
+
+def frame_values(axes: Axes, drawn: FloatArray, scale: float) -> None:
+    """Set the limits of the values; those missing, NaN, do not count."""
     low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
     room = 0.05 * (high - low)
     axes.set_ylim(flat_limits(low, high, scale) or (low - room, high + room))
@@ -145,6 +150,7 @@ class Abscissa:
     # Draws ``curves`` by their labels on axes; ``scale`` is what values that are all 0 would be
     # measured in.
     draw: Callable[..., None]
+    is_of_samples: bool = True
 
 
 def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
@@ -190,7 +196,8 @@ def _orders(scene: Scene) -> Abscissa:
     )
     if found.segments > 1:
         note += f"; root mean squares of {found.segments} such segments"
-    return Abscissa("order of the drive's rotation", f"{note}.", partial(_by_order, angle=angle))
+    draws = partial(_by_order, angle=angle)
+    return Abscissa("order of the drive's rotation", f"{note}.", draws, is_of_samples=False)
 
 
 def _by_order(axes: Axes, curves: _Curves, scale: float, *, angle: FloatArray) -> None:

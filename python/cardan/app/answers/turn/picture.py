@@ -15,7 +15,7 @@ from cardan.app.answers.rows import UNITS
 from cardan.app.answers.states.picture import height_mm, plot_states
 from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.figures import SummaryRow, summary
-from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, in_unit
+from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, frame_values, in_unit
 from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
 from cardan.app.pictures.style import (
@@ -307,6 +307,9 @@ class DrawnQuantity:
     left_out: int = 0
     # What it is a component of, "moments" or "forces"; "" of a scalar.
     vector: str = ""
+    # Samples at each end of a recording that have an acceleration from one side only: its noise
+    # there does not set the scale.
+    ends: int = 0
 
     def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
         """Draw the panel with its heading and, of several curves, its legend.
@@ -317,6 +320,9 @@ class DrawnQuantity:
         labels = names if len(self.items) > 1 else [""]
         curves = list(zip(labels, self.curves, strict=True))
         over.draw(axes, curves=curves, scale=self.unit_size)
+        inner = np.stack(self.curves)[:, self.ends : -self.ends or None]
+        if self.ends and over.is_of_samples and not np.isnan(inner).all():
+            frame_values(axes, inner, self.unit_size)
         # Over the ticks too, where long headings and six names need the width.
         left = -aside / axes.bbox.width * axes.figure.dpi / 72.0
         many = len(self.items) > 1
@@ -342,7 +348,8 @@ def quantities(result: SceneResult) -> list[DrawnQuantity]:
             ("drive speed [rpm]", scene.load_case.speed / RPM),
             ("drive acceleration [rad/s²]", scene.load_case.acceleration),
         ):
-            panels.append(DrawnQuantity(heading, "shaft", (0,), (values,), heading))
+            ends = 0 if "speed" in heading else _ends(scene)
+            panels.append(DrawnQuantity(heading, "shaft", (0,), (values,), heading, ends=ends))
     for output, items, curves in found.values():
         if output.vector:
             along = _along(result)
@@ -387,7 +394,13 @@ def _panel(
         size,
         len(items) - len(shown),
         _KINDS[output.unit] if output.vector else "",
+        _ends(result.scene) if output.needs_load else 0,
     )
+
+
+def _ends(scene: Scene) -> int:
+    """Samples at each end whose acceleration has a filter on one side only."""
+    return max((signal.reach for signal in scene.signals), default=0)
 
 
 def _extent(values: FloatArray) -> float:

@@ -114,6 +114,18 @@ def few_samples_text(angles: DriveAngles) -> str | None:
     return f"only {per_turn:.4g} samples per turn; the largest values may lie between the samples"
 
 
+def noise_text(angles: DriveAngles) -> str | None:
+    """Warn of an acceleration that is mostly noise; ``None`` if it is not."""
+    for signal in angles.signals:
+        if signal.quiet_reach:
+            noise = f"{figure_text(signal.noise or 0.0)} {signal.unit} rms"
+            return (
+                f"the acceleration is mostly noise, {noise}, and so are the torques of inertias; "
+                f"try filter_reach = {signal.quiet_reach} in [angles]"
+            )
+    return None
+
+
 def summary_lines(rows: Iterable[SummaryRow], *, radians: bool = False) -> list[tuple[str, str]]:
     """Return the table as pairs of what a line is about and its figures.
 

@@ -17,7 +17,7 @@ from cardan.app.files.delimited import short
 from cardan.app.files.recording import Chunk, place_of, read_chunks
 from cardan.app.files.tables import read_ahead
 from cardan.app.scene.language.units import ENDINGS, RPM, split
-from cardan.app.scene.recording.signals import Signal, Timing
+from cardan.app.scene.recording.signals import Noise, Signal, Timing
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.sweep import Sweep
@@ -112,6 +112,7 @@ class Recording:
         self._integral = Integral(math.radians(values.get("start_deg", 0.0)))
         self._last_time = -math.inf
         self._timing = Timing()
+        self._noise = Noise(1 if self._speed else 2, self._reach)
         self._last_angle, self._turns = math.nan, 0.0
         self._found = self._found_numbers = False
 
@@ -183,6 +184,7 @@ class Recording:
             rows[_SIGNAL] = self._continued(
                 np.radians(angle) if self._angle.endswith("deg") else angle
             )
+        self._noise.add(time, rows[_SIGNAL])
         if not self._angle:
             rows[ANGLE_COLUMNS[1]] = self._integral.at(time, rows[_SIGNAL])
         return rows
@@ -249,6 +251,12 @@ class Recording:
             # Too few samples around one leave its acceleration unknown.
             _leave_out_missing(known, acceleration)
             load = {"speed_rad_s": speed, "acceleration_rad_s2": acceleration}
+            # At the ends of the recording, filters have samples on one side only.
+            count = held[_SIGNAL].size
+            inner = slice(
+                max(0, self._reach - rows.start), max(0, count - self._reach - rows.start)
+            )
+            self._noise.add_derived(speed[inner], acceleration[inner])
         if "torque_column_Nm" in part:
             load["drive_torque_Nm"] = part["torque_column_Nm"]
         self._found |= bool(known.any())
@@ -297,7 +305,11 @@ class Recording:
                 found.append(Signal.of("speed", None, "rpm", load["speed_rad_s"] / RPM, reach))
         if self._timed:
             acceleration = load["acceleration_rad_s2"]
-            found.append(Signal.of("acceleration", None, "rad/s²", acceleration, reach))
+            signal = Signal.of("acceleration", None, "rad/s²", acceleration, reach)
+            rate = self._timing.sampling().rate
+            if signal and rate:
+                signal = replace(signal, scatter=self._noise.scatter(rate))
+            found.append(signal)
         yield from filter(None, found)
 
 

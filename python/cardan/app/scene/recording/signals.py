@@ -93,6 +93,110 @@ class Timing:
         return [(gap, after, own_rows) for gap, after, own_rows in found.tolist()]
 
 
+# Parts of each octave that squares are counted in.
+_PARTS = 16
+# Exponents of 2 of the smallest numbers that count and of the largest.
+_LEAST_EXPONENT, _LARGEST_EXPONENT = -120, 120
+
+
+class MeanSquare:
+    """The mean square of numbers that arrive in pieces; the pieces do not change its bits.
+
+    Numbers are counted by size in sixteenths of an octave, so it is good to some percent.
+    """
+
+    def __init__(self) -> None:
+        """Begin before the first number."""
+        self._counts = np.zeros((_LARGEST_EXPONENT - _LEAST_EXPONENT) * _PARTS, np.int64)
+
+    def add(self, values: FloatArray) -> None:
+        """Go on to further numbers; those missing, NaN, do not count."""
+        shares, exponents = np.frexp(np.abs(values[np.isfinite(values)]))
+        places = np.floor((shares - 0.5) * (2 * _PARTS)) + (exponents - _LEAST_EXPONENT) * _PARTS
+        # 0 counts as the smallest number.
+        places = np.where(shares > 0.0, np.clip(places, 0, self._counts.size - 1), 0)
+        self._counts += np.bincount(places.astype(np.int64), minlength=self._counts.size)
+
+    @property
+    def root(self) -> float:
+        """The root of the mean square; 0 before the first number."""
+        if not self._counts.any():
+            return 0.0
+        exponents, parts = np.divmod(np.arange(self._counts.size), _PARTS)
+        sizes = np.ldexp(0.5 + (parts + 0.5) / (2 * _PARTS), exponents + _LEAST_EXPONENT)
+        return math.sqrt(float(self._counts @ sizes**2) / float(np.sum(self._counts)))
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """The noise in an acceleration in rad/s², and with how large a filter it is a tenth.
+
+    ``reach`` is 0 if the noise matters little: less than half of the acceleration, or little beside
+    what joints cause at the speed.
+    """
+
+    noise: float
+    reach: int = 0
+
+
+# Noise that is more than this share of an acceleration makes it useless, and that at which the
+# noise does not matter; of the square of the speed, what straight joints may leave as well.
+_USELESS = 0.5
+_HARMLESS = 0.1
+_SLIGHT = 1e-4
+_LARGEST_REACH = 1000
+
+
+class Noise:
+    """Finds the noise of a signal over time, in pieces, and that of its derivatives.
+
+    What a sample differs from the line between its neighbours is noise, if the signal bends little
+    from sample to sample. Neighbours are taken for independent.
+    """
+
+    def __init__(self, order: int, reach: int) -> None:
+        """Begin before the first sample of a signal whose derivative of some order is needed."""
+        self._order, self._reach = order, reach
+        self._time, self._values = np.empty(0), np.empty(0)
+        self._apart, self._speed, self._acceleration = MeanSquare(), MeanSquare(), MeanSquare()
+
+    def add(self, time: FloatArray, values: FloatArray) -> None:
+        """Go on to samples of the signal, ``(rows,)``; NaN where they are missing."""
+        time = np.concatenate([self._time, time])
+        values = np.concatenate([self._values, values])
+        self._time, self._values = time[-2:], values[-2:]
+        if time.size > 2:
+            share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+            apart = values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:]
+            self._apart.add(apart / np.sqrt(1.0 + (1.0 - share) ** 2 + share**2))
+
+    def add_derived(self, speed: FloatArray, acceleration: FloatArray) -> None:
+        """Go on to speeds and accelerations with whole filters."""
+        self._speed.add(speed)
+        self._acceleration.add(acceleration)
+
+    def scatter(self, rate: float) -> Scatter:
+        """Return the noise of the acceleration with so many samples per second."""
+        each = self._apart.root
+        noise = each * self._gain(self._reach, rate)
+        whole, slight = self._acceleration.root, _SLIGHT * self._speed.root**2
+        if noise <= max(_USELESS * whole, slight):
+            return Scatter(noise)
+        wanted = max(_HARMLESS * math.sqrt(max(0.0, whole**2 - noise**2)), slight)
+        reach = self._reach
+        while reach < _LARGEST_REACH and each * self._gain(reach, rate) > wanted:
+            reach += 1
+        return Scatter(noise, reach)
+
+    def _gain(self, reach: int, rate: float) -> float:
+        """How large the noise of a derivative is for that of a sample, by the parabola's sums."""
+        second = reach * (reach + 1.0) * (2.0 * reach + 1.0) / 3.0
+        if self._order == 1:
+            return rate / math.sqrt(second)
+        fourth = second * (2.0 * reach - 1.0) * (2.0 * reach + 3.0) / 15.0
+        return 2.0 * rate**2 / math.sqrt(fourth)
+
+
 Measured = Literal["time", "speed", "acceleration", "drive_torque"]
 """A signal of the drive."""
 
@@ -102,7 +206,8 @@ class Signal:
     """The extent of a signal, by which a wrong unit is seen, in the unit that the scene gives it.
 
     What was derived from others has no column, but the reach of the filter: samples on each side.
-    Times have the sampling of the whole recording so far. Missing samples do not count.
+    Times have the sampling of the whole recording so far, and accelerations their scatter. Missing
+    samples do not count.
     """
 
     signal: Measured
@@ -114,6 +219,7 @@ class Signal:
     max: float
     reach: int = 0
     sampling: Sampling | None = None
+    scatter: Scatter | None = None
 
     @classmethod
     def of(
@@ -138,6 +244,7 @@ class Signal:
             min=min(self.min, later.min),
             max=max(self.max, later.max),
             sampling=later.sampling,
+            scatter=later.scatter,
         )
 
 
