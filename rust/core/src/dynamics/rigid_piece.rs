@@ -15,6 +15,8 @@ pub(super) struct RigidPiece {
     /// `arg A` of the map `w → A w + B w̄` from the drive to the piece, if all shafts are rigid.
     /// Without it the piece would begin at a wrong angle.
     pub(super) offset: f64,
+    /// Bends of the joints, twists and phases of the shafts behind them, in rad.
+    geometry: [Vec<f64>; 3],
     /// The inertia that turns with the piece's angle itself.
     own_inertia: f64,
     followers: Vec<Follower>,
@@ -56,11 +58,12 @@ impl RigidPiece {
     /// behind its joints. The map from the drive is continued to the end of the piece.
     pub(super) fn new(
         from_drive: &mut Transfer,
-        [bends, twists, phases]: [&[f64]; 3],
+        geometry: [Vec<f64>; 3],
         own_inertia: f64,
         inertias: &[f64],
     ) -> Self {
         let offset = argument(from_drive);
+        let [bends, twists, phases] = &geometry;
         let mut from_piece = Transfer::default();
         let follower = |(j, (&bend, &inertia)): (usize, (&f64, &f64))| {
             let joint = Joint::with_error_terms(bend);
@@ -79,7 +82,15 @@ impl RigidPiece {
             }
         };
         let followers = bends.iter().zip(inertias).enumerate().map(follower).collect();
-        Self { offset, own_inertia, followers }
+        Self { offset, geometry, own_inertia, followers }
+    }
+
+    /// The piece with this share of every bend.
+    pub(super) fn bent(&self, share: f64, from_drive: &mut Transfer) -> Self {
+        let [bends, twists, phases] = self.geometry.clone();
+        let bends = bends.iter().map(|bend| share * bend).collect();
+        let inertias: Vec<f64> = self.followers.iter().map(|follower| follower.inertia).collect();
+        Self::new(from_drive, [bends, twists, phases], self.own_inertia, &inertias)
     }
 
     /// Whether nothing turns with the piece.

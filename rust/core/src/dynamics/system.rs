@@ -111,7 +111,8 @@ impl TorsionalSystem {
             let behind: Vec<f64> = (first + 1..=end).map(at).collect();
             let last = end.min(twists.len());
             let between = first.min(last)..last;
-            let geometry = [&bends[first..end], &twists[between.clone()], &phases[between]];
+            let geometry = [&bends[first..end], &twists[between.clone()], &phases[between]]
+                .map(<[f64]>::to_vec);
             pieces.push(RigidPiece::new(&mut from_drive, geometry, at(first), &behind));
             if let (Some(shaft), true) = (start, pieces[number].has_no_inertia()) {
                 let problem = "is 0.0, and so is every inertia that is rigidly connected to it; \
@@ -120,6 +121,13 @@ impl TorsionalSystem {
             }
         }
         Ok(Self { pieces, springs, load_torque, load_damping, shafts })
+    }
+
+    /// The system with this share of every bend; 0 is the straight driveline.
+    pub(super) fn bent(&self, share: f64) -> Self {
+        let mut from_drive = Transfer::default();
+        let pieces = self.pieces.iter().map(|piece| piece.bent(share, &mut from_drive)).collect();
+        Self { pieces, springs: self.springs.clone(), ..*self }
     }
 
     /// The number of compliant shafts.
