@@ -248,7 +248,7 @@ vary = {"bends_deg.1" = [-2, 8]}
 @pytest.mark.parametrize(
     ("was", "instead", "words"),
     [
-        ("", "", "No range and no limit is reached; any further change makes it worse."),
+        ("", "", "No range and no limit keeps it from being better."),
         ("[-2, 8]", "[-2, 1]", "bends_deg.1 is at the upper end of its range, a change of 1°."),
         ("6]", "14]", "bends_deg.1 is at the lower end of its range, a change of -2°."),
     ],

@@ -136,14 +136,14 @@ def test_the_sentence_names_the_state() -> None:
     share = f"{100.0 * passing.value:.1f}%"
     assert sentence.startswith(
         f"As drawn, the driveline is within the 2° limit in every state. With these tolerances, "
-        f"{share} of all drivelines are within it in every state; the worst has about "
+        f"{share} of all drivelines are within it in every state; the worst has "
         f"{np.degrees(worst):.3f}° in low, "
     )
     tight = tolerance_figures(Scene.parse(TEXT.replace("bend_deg = 2", "bend_deg = 1.4")))
     assert tight is not None
     assert re.match(
         r"As drawn, the driveline is beyond the 1\.4° limit in high\. With these tolerances, "
-        r"\d+\.\d% of all drivelines are within it in every state; the worst has about "
+        r"\d+\.\d% of all drivelines are within it in every state; the worst has "
         r"\d\.\d+° in low, ",
         next(sentences(tight)),
     )

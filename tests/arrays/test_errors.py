@@ -148,7 +148,7 @@ def test_fields(
 @pytest.mark.parametrize(
     ("call", "value", "unit", "rule"),
     [
-        (VALUES[0][0], 1.6, "rad", "a bend must lie in [0, pi/2)"),
+        (VALUES[0][0], 1.6, "rad", "a bend must lie in [0, pi/2), with pi/2 as a double"),
         (VALUES[8][0], 95.0, "deg", "a bend must lie in [0, 90) deg"),
         (lambda: Driveline.from_bends([1e-13, -1e-13], degrees=True), -1e-13, "deg", ""),
         (lambda: BallJoint([0.05, -1.0]), -1.0, "", "it must be positive and finite"),

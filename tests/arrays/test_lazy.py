@@ -207,7 +207,7 @@ def test_labelled_angles_of_dask() -> None:
         (
             lambda: lazily(BENDS + 1, 7, 1, 2).evaluate(0.1).compute(),
             ValueError,
-            "a bend must lie in [0, pi/2)",
+            "a bend must lie in [0, pi/2), with pi/2 as a double",
         ),
     ],
 )

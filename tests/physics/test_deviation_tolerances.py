@@ -142,11 +142,11 @@ def test_layout_and_joints_have_tolerances_together() -> None:
     assert found.shares["driving_yoke"].sum() == pytest.approx(1.0)
 
 
-def test_many_parameters_are_linear_and_not_below_their_corners() -> None:
+def test_many_parameters_are_searched_and_not_below_their_corners() -> None:
     line = Driveline.from_bends([0.1, 0.15, 0.2, 0.12], phases=[0.3, 0.6, 0.2])
     tolerances: dict[str, Any] = {"driving_yoke": 0.01, "cross": 0.01, "driven_yoke": 0.01}
     found = line.tolerances(**tolerances, of="angle_error_order_1")
-    assert found.worst_kind == "linear"
+    assert found.worst_kind == "search"
     own = line.order_tolerances(**tolerances)
     assert found.worst >= own.worst
     assert found.worst == pytest.approx(own.worst, rel=0.02)
@@ -204,7 +204,7 @@ def test_outputs_of_points_and_joints_have_shares() -> None:
     alone = by_bends.tolerances(driving_yoke=0.01, of="angle_error_peak", samples=10)
     ratio = found.shares["driving_yoke"] / alone.shares["driving_yoke"]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-5)
-    assert found.worst_kind == "linear"
+    assert found.worst_kind == "search"
 
 
 def test_states_have_the_same_deviations() -> None:

@@ -664,7 +664,7 @@ def test_what_is_best_already_stays() -> None:
     best = cardan.optimise(lambda x: line.with_phases(x), [0.0], [(-0.1, 0.1)])
     assert best.x.tolist() == [0.0]
     assert best.value == best.before
-    assert best.message == "no bound and no limit is reached"
+    assert best.message == "no bound and no limit keeps it from being better"
 
 
 def one_phase(x: NDArray[np.float64]) -> Driveline:
@@ -747,3 +747,42 @@ def test_wrong_types(arguments: dict[str, Any], message: str) -> None:
 def test_errors_of_the_start_are_those_of_the_driveline() -> None:
     with pytest.raises(ArgumentValueError, match=r"^bends\[0\] is 2\.0 rad; a bend must lie in"):
         cardan.optimise(lambda x: Driveline.from_bends(x), [2.0])
+
+
+@pytest.mark.parametrize("seed", [16, 20])
+def test_a_zero_inside_the_bounds_is_found_and_no_bound_is_blamed(seed: int) -> None:
+    """Compensation is a curve in three variables; the solver meets a bound beside it."""
+    random = np.random.default_rng(seed)
+    n = int(random.integers(3, 5))
+    steps = np.c_[random.uniform(0.3, 1.5, n + 1), random.uniform(-0.2, 0.2, (n + 1, 2))]
+    points = np.cumsum(np.r_[np.zeros((1, 3)), steps], axis=0)
+    phases = np.radians(random.uniform(-90.0, 90.0, n - 1))
+
+    def lines_of(x: NDArray[np.float64]) -> Driveline:
+        moved, turned = points.copy(), phases.copy()
+        moved[2, 2] += x[0]
+        turned[:2] += x[1:]
+        return Driveline.from_points(moved[np.newaxis], turned[np.newaxis])
+
+    best = cardan.optimise(
+        lines_of,
+        np.zeros(3),
+        [(-0.1, 0.1), (-2.0, 2.0), (-2.0, 2.0)],
+        parameters=[("points", (2, 2)), ("phases", 0), ("phases", 1)],
+    )
+    # A ``q`` of the order of rounding has an equivalent bend of twice its root.
+    assert best.value < 1e-7
+    assert best.active == ()
+    assert best.message == "no bound and no limit keeps it from being better"
+
+
+@pytest.mark.parametrize("over", ["largest", "rms"])
+def test_a_bound_that_holds_nothing_is_not_a_reason(over: Literal["largest", "rms"]) -> None:
+    def lines_of(x: NDArray[np.float64]) -> Driveline:
+        return Driveline.from_bends([[0.1, 0.2 + x[0]], [0.12, 0.2 + x[0]]])
+
+    for low, held in ((-0.05, [0]), (-0.15, [])):
+        best = cardan.optimise(lines_of, [0.0, 1.0], [(low, 0.3), (0.0, 1.0)], over=over, starts=1)
+        # The second variable stands at its upper bound and changes nothing.
+        assert best.x[1] == pytest.approx(1.0, abs=1e-9)
+        assert [found.variable for found in best.active] == held

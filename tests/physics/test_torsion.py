@@ -438,3 +438,44 @@ def test_a_flywheel_is_accelerated_by_the_torque_of_its_shaft() -> None:
     wanted = np.max(np.abs(found.torque_orders[0]))
     residual = inertia * rates * found.speed_orders[-1, 1] - found.torque_orders[0]
     assert np.max(np.abs(residual)) < 1e-8 * wanted
+
+
+def slow_and_stiff(seed: int) -> cardan.TorsionalSystem:
+    """The driveline of 30 and 35 degrees of seed 0, others at random, with compliant shafts."""
+    if seed == 0:
+        line = cardan.Driveline.from_bends([30.0, 35.0], [20.0], [70.0], degrees=True)
+        return cardan.TorsionalSystem(
+            line, inertias=np.full((3, 2), 0.01), stiffnesses=[INF, 1e4, INF], damping_ratios=0.5
+        )
+    random = np.random.default_rng(seed)
+    n = int(random.integers(2, 6))
+    bends, turns = random.uniform(5.0, 60.0, n), random.uniform(-180.0, 180.0, (2, n - 1))
+    stiffnesses = np.where(random.random(n + 1) < 0.6, 1e5, INF)
+    stiffnesses[random.integers(n + 1)] = 1e5
+    return cardan.TorsionalSystem(
+        cardan.Driveline.from_bends(bends, *turns, degrees=True),
+        inertias=np.full((n + 1, 2), 0.01),
+        stiffnesses=stiffnesses,
+        damping_ratios=0.5,
+    )
+
+
+@pytest.mark.parametrize("seed", [0, *range(2, 12)])
+def test_without_load_and_vibration_angles_are_those_of_rigid_shafts(seed: int) -> None:
+    """Also behind compliant shafts between joints, where means of parts do not add up."""
+    system = slow_and_stiff(seed)
+    line, speed = system.line, 3e-3 * float(system.natural_frequencies()[0])
+    orbit = system.orbit(speed, 64)
+    start = system.transient([0.0, 1e-3 / speed], speed=speed).angle_error[..., 0]
+    for shaft in range(line.n_joints + 1):
+        known: Any = np.zeros(64)
+        if shaft:
+            part = slice(shaft - 1)
+            own = cardan.Driveline.from_bends(
+                line.bends[:shaft], line.twists[part], line.phases[part]
+            )
+            known = own.evaluate(orbit.drive_angle, "angle_error").angle_error
+        for side in (0, 1):
+            assert orbit.angle_error[shaft, side] == pytest.approx(known, abs=1e-4)
+            assert start[shaft, side] == pytest.approx(known[0], abs=1e-12)
+        assert abs(np.mean(orbit.angle_error[shaft])) < 2e-5

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, as_float64, finite, shares_of
+from cardan.arrays import FloatArray, as_float64, finite, import_optional, shares_of
 from cardan.arrays.errors import (
     ArgumentValueError,
     Place,
@@ -31,12 +31,19 @@ from cardan.optimisation.problem import (
     measure_of,
     states_of,
 )
-from cardan.optimisation.search import MARGIN, TOLERANCE, Candidate, candidates, search
+from cardan.optimisation.search import MARGIN, NOTHING, TOLERANCE, Candidate, candidates, search
 
 __all__ = ["ActiveLimit", "NotKeptError", "Optimum", "optimise"]
 
 # As near to its bound, as a share of the range, a variable is at it.
 _AT_BOUND = 1e-6
+
+# A value so near the largest, relatively, counts as well as it.
+_ALIKE = 1e-4
+
+# The share by which the squared length would shrink with a bound moved by the whole range, above
+# which the bound holds the optimum.
+_HOLDS = 1e-4
 
 
 class NotKeptError(ArgumentValueError):
@@ -242,6 +249,7 @@ def optimise(
     best = search(problem, begin, spans, starts, steps, half_turn, seed)
     if best.excess > TOLERANCE:
         raise _not_kept(problem, best)
+    active = _active(problem, begin, best)
     x = best.x.copy()
     # Half a turn need not be whole teeth.
     for i in set(unbounded) - set(steps):
@@ -251,26 +259,69 @@ def optimise(
     if decimals is not None:
         x = np.clip(np.round(x, integer("decimals", decimals)) + 0.0, low, high)
     best = next(iter(candidates(problem, x[np.newaxis])), best)
-    return _optimum(problem, begin, best, names)
+    return _optimum(problem, begin, best, active, names)
 
 
-def _optimum(problem: Problem, begin: Candidate, best: Candidate, names: list[str]) -> Optimum:
-    active: list[ActiveLimit] = []
-    sides: tuple[tuple[Literal["low", "high"], FloatArray], ...] = (
-        ("low", problem.low),
-        ("high", problem.high),
+def _active(problem: Problem, begin: Candidate, best: Candidate) -> tuple[ActiveLimit, ...]:
+    """What keeps an optimum from being better.
+
+    There the slopes of the largest values and of what is at a limit add up to nothing, with
+    factors that are not negative (Karush, Kuhn, Tucker). A limit without such a factor is reached
+    and holds nothing.
+    """
+    if best.size <= NOTHING * begin.size:
+        return ()
+    reached: list[ActiveLimit] = []
+    slopes: list[FloatArray] = []  # of each of them, one or several
+    sides: tuple[tuple[Literal["low", "high"], FloatArray, float], ...] = (
+        ("low", problem.low, -1.0),
+        ("high", problem.high, 1.0),
     )
-    for kind, bound in sides:
-        for i in np.flatnonzero(np.abs(best.x - bound) <= _AT_BOUND * problem.scale):
-            active.append(ActiveLimit(kind, int(i), "", float(bound[i])))
-    of_keep = zip(problem.keep, best.vectors[1:], problem.lengths, strict=True)
-    for measure, vectors, length in of_keep:
-        shares = np.max(np.abs(vectors), axis=-1) / length
-        if np.max(shares) > 1.0 - 10.0 * MARGIN:
-            there = tuple(map(int, np.flatnonzero(shares > 1.0 - 10.0 * MARGIN)))
+    for i, axis in enumerate(np.eye(len(best.x))):
+        for kind, bound, sign in sides:
+            if abs(best.x[i] - bound[i]) <= _AT_BOUND * problem.scale[i]:
+                reached.append(ActiveLimit(kind, i, "", float(bound[i])))
+                slopes.append(sign * axis[np.newaxis])
+    goal_by, *keep_by = problem.derivatives(best.x)
+    of_keep = zip(problem.keep, best.vectors[1:], keep_by, problem.lengths, strict=True)
+    for measure, vectors, by, length in of_keep:
+        at_limit = np.abs(vectors) / length > 1.0 - 10.0 * MARGIN
+        if np.any(at_limit):
+            there = tuple(map(int, np.flatnonzero(np.any(at_limit, axis=-1))))
             limit = float(measure.figure(length))
-            active.append(ActiveLimit("keep", None, measure.name, limit, there))
+            reached.append(ActiveLimit("keep", None, measure.name, limit, there))
+            slopes.append(_slopes(problem, vectors, by, length)[at_limit])
+    if not reached:
+        return ()
+    squares = _slopes(problem, best.vectors[0], goal_by, best.size)
+    if problem.rms:
+        goal = (problem.weights @ np.mean(squares, axis=1))[np.newaxis]
+    else:
+        goal = squares[np.abs(best.vectors[0]) >= (1.0 - _ALIKE) * best.size]
+    rows = np.concatenate([goal, *slopes])
+    # The factors of the goal add up to 1, which counts far more than what the slopes leave.
+    sum_of_goal = 1e3 * np.max(np.abs(rows)) * (np.arange(len(rows)) < len(goal))
+    matrix = np.vstack([rows.T, sum_of_goal])
+    right = np.append(np.zeros(len(best.x)), sum_of_goal[0])
+    factors = import_optional("scipy", "optimise").optimize.nnls(matrix, right)[0][len(goal) :]
+    owners = np.repeat(np.arange(len(reached)), [len(own) for own in slopes])
+    held = np.bincount(owners, factors, minlength=len(reached)) > _HOLDS
+    return tuple(limit for limit, holds in zip(reached, held, strict=True) if holds)
 
+
+def _slopes(problem: Problem, vectors: NDArray[Any], by: NDArray[Any], length: float) -> FloatArray:
+    """The derivatives of squared lengths by the variables over their scale, ``(states, r, m)``."""
+    products = np.real(np.conj(vectors)[..., np.newaxis] * by)
+    return np.asarray(2.0 / length**2 * products * problem.scale)
+
+
+def _optimum(
+    problem: Problem,
+    begin: Candidate,
+    best: Candidate,
+    active: tuple[ActiveLimit, ...],
+    names: list[str],
+) -> Optimum:
     def value(found: Candidate) -> float:
         return float(problem.goal.figure(found.size))
 
@@ -286,7 +337,7 @@ def _optimum(problem: Problem, begin: Candidate, best: Candidate, names: list[st
         per_state_before=problem.goal.per_state(begin.vectors[0]),
         kept=by_name(best),
         kept_before=by_name(begin),
-        active=tuple(active),
+        active=active,
         message=_message(active, names),
         unit=problem.goal.unit,
     )
@@ -302,7 +353,7 @@ def _message(active: Sequence[ActiveLimit], names: Sequence[str]) -> str:
         else:
             side = "lower" if found.kind == "low" else "upper"
             parts.append(f"x[{found.variable}] is at its {side} bound of {found.limit:.6g}")
-    return "; ".join(parts) or "no bound and no limit is reached"
+    return "; ".join(parts) or "no bound and no limit keeps it from being better"
 
 
 def _not_kept(problem: Problem, best: Candidate) -> NotKeptError:

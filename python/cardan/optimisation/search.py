@@ -157,11 +157,14 @@ _BLOCK = 4096
 # So many random points are compared for each start that is followed.
 _SCREENED = 8
 
-# A goal so much smaller than at the start is rounding, and no start can do better.
-_NOTHING = 1e-10
+NOTHING = 1e-10
+"""A goal so much smaller than at the start is rounding, and no start can do better."""
 
 # After a search, the goal has another size; it is searched again until it shrinks by less.
 _SHRINKS, _ROUNDS = 0.99, 6
+
+# A goal so much smaller than at the start may be 0; so many steps lead there.
+_NEAR_ZERO, _ZERO_STEPS = 1e-3, 6
 
 # So many settings of splines are compared at once, and so many followed with other variables.
 _SETTINGS, _FOLLOWED = 1024, 6
@@ -225,7 +228,7 @@ def search(
     found = [first]
     for start in _starts(problem, first, spans, starts, seed):
         found.append(_settled(problem, start, everywhere))
-        if found[-1].rank <= (0.0, _NOTHING * first.size):
+        if found[-1].rank <= (0.0, NOTHING * first.size):
             break
     if steps:
         return _on_teeth(problem, first, found, steps, half_turn)
@@ -256,8 +259,35 @@ def _settled(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> Can
         tried = moved[0]
         settled = tried.rank[0] == best.rank[0] and tried.size > _SHRINKS * best.size
         best = tried
-        if settled or best.rank <= (0.0, _NOTHING * start.size):
+        if settled or best.rank <= (0.0, NOTHING * start.size):
             break
+    return _at_zero(problem, best, free) if best.size < _NEAR_ZERO * start.size else best
+
+
+def _at_zero(problem: Problem, near: Candidate, free: NDArray[np.bool_]) -> Candidate:
+    """The best of some steps of Gauss and Newton towards a goal of 0, within the bounds.
+
+    Squared lengths are so flat there that the solver ends before.
+    """
+    best = near
+    for _ in range(_ZERO_STEPS):
+        by = problem.derivatives(best.x)[0]
+        rows = by.reshape(-1, by.shape[-1]) * problem.scale
+        values = best.vectors[0].ravel()
+        matrix, missed = (np.concatenate([own.real, own.imag]) for own in (rows, values))
+        x, inside = best.x, free.copy()
+        while np.any(inside):
+            step = np.zeros(len(x))
+            step[inside] = -np.linalg.lstsq(matrix[:, inside], missed, rcond=None)[0]
+            x = np.clip(best.x + step * problem.scale, problem.low, problem.high)
+            stopped = (x == best.x) & (step != 0.0)
+            if not np.any(stopped):
+                break
+            inside &= ~stopped
+        moved = candidates(problem, x[np.newaxis])
+        if not moved or not moved[0].rank < best.rank:
+            return best
+        best = moved[0]
     return best
 
 

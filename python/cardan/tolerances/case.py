@@ -132,28 +132,14 @@ class Case:
         """Return the figure of the driveline as drawn."""
         return float(self._of_units(quantity)(np.zeros((len(self._acting(quantity)), 1)))[0])
 
-    def searched(self, quantity: Quantity) -> bool:
-        """Whether the worst case is searched over the box, not found to first order."""
+    def from_all_corners(self, quantity: Quantity) -> bool:
+        """Whether the search for the worst case compares all corners of the box."""
         most = MOST_CORNERS if isinstance(quantity, MotionQuantity) else _MOST_OVER_A_TURN
         return len(self._acting(quantity)) <= most
 
     def worst(self, quantity: Quantity) -> float:
-        """Return the worst figure.
-
-        With many parameters the linear one, which is never more than the guaranteed bound. Of an
-        output it is not less than at the corners of the box to which the slopes point.
-        """
-        if self.searched(quantity):
-            return self._search(quantity)[0]
-        linear = self.linear(quantity)
-        if isinstance(quantity, MotionQuantity):
-            return min(linear, self.guaranteed(quantity))
-        if isinstance(quantity, OrderQuantity):
-            signs = farthest_signs(*self._order_vectors(quantity))
-        else:
-            # A peak has kinks, beyond which it grows faster than its slope says.
-            signs = np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)
-        return max(linear, largest_of_corners(self._of_units(quantity), signs)[0])
+        """Return the worst figure that is found."""
+        return self._search(quantity)[0]
 
     def worst_at(self, quantity: Quantity) -> FloatArray:
         """Return the deviations of the worst driveline, ``(parameters,)``."""
@@ -269,10 +255,37 @@ class Case:
         elif isinstance(quantity, OrderQuantity):
             key = quantity.order
         if key not in self._searches:
-            _, at = largest_in_box(self._of_units(quantity), len(self._acting(quantity)))
-            self._searches[key] = at
+            self._searches[key] = self._found(quantity)
         at = self._searches[key]
         return float(self._of_units(quantity)(at[:, np.newaxis])[0]), at
+
+    def _found(self, quantity: Quantity) -> FloatArray:
+        """Where the worst driveline is found, in units of the tolerances."""
+        of, count = self._of_units(quantity), len(self._acting(quantity))
+        if self.from_all_corners(quantity):
+            return largest_in_box(of, all_corners(count))[1]
+        drawn = np.random.default_rng(0).choice([-1.0, 1.0], (count, _CORNERS))
+        corners = np.concatenate([self._worst_corners(quantity), drawn], axis=1)
+        if isinstance(quantity, MotionQuantity):
+            return largest_in_box(of, corners)[1]
+        # Over a turn, moves within the box take longer than what they add is worth.
+        best = corners[:, np.argsort(-of(corners), kind="stable")[:_TURNED]]
+        return max((largest_of_corners(of, corner) for corner in best.T), key=lambda one: one[0])[1]
+
+    def _worst_corners(self, quantity: Quantity) -> FloatArray:
+        """The corners of the acting parameters that are worst to first order, as columns."""
+        if isinstance(quantity, ReducedQuantity):
+            signs = [np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)]
+        elif isinstance(quantity, OrderQuantity):
+            signs = [farthest_signs(*self._order_vectors(quantity))]
+        else:
+            signs = [
+                farthest_signs(
+                    complex(amplitude(kind, self.box.nominal, {}, self.shaft)), self._vectors(kind)
+                )
+                for kind in quantity.amplitudes
+            ]
+        return np.array(signs).T[self._acting(quantity)]
 
     @cached_property
     def _searches(self) -> dict[Any, FloatArray]:
@@ -376,9 +389,9 @@ class Design:
                     found[name, state] = values <= limits[name]
         return found
 
-    def searched(self, quantity: Quantity) -> bool:
-        """Whether the worst case is searched over the box, not found to first order."""
-        return all(case.searched(quantity) for case in self.cases)
+    def from_all_corners(self, quantity: Quantity) -> bool:
+        """Whether the search for the worst case compares all corners of the box."""
+        return all(case.from_all_corners(quantity) for case in self.cases)
 
     def largest(self, of: Callable[[Case, Any], float], quantity: Quantity) -> float:
         """Return the largest of the states of a figure: ``Case.worst`` or another method."""
@@ -461,6 +474,9 @@ Value: TypeAlias = Callable[[FloatArray], FloatArray]
 MOST_CORNERS = 16
 _MOST_MIDDLES = 8
 
+# So many corners are compared of more parameters, and so many followed if each is a turn.
+_CORNERS, _TURNED = 1024, 4
+
 _STARTS = 12
 _ROUNDS = 60
 _STEPS = np.linspace(-1.0, 1.0, 9)
@@ -484,16 +500,21 @@ def zonotope_radius(centre: complex, generators: ComplexArray) -> float:
     return float(np.max(np.abs(vertices)))
 
 
-def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
+def all_corners(parameters: int) -> FloatArray:
+    """Return all corners of a box as columns; with few parameters also all middles."""
+    levels = (-1.0, 0.0, 1.0) if parameters <= _MOST_MIDDLES else (-1.0, 1.0)
+    return np.array(list(product(levels, repeat=parameters)), dtype=float).T
+
+
+def largest_in_box(value: Value, corners: FloatArray) -> tuple[float, FloatArray]:
     """Return the largest value that is found in a box, and where.
 
-    All corners are compared, with few parameters also all middles of edges and faces. From the
-    best of them one parameter after another moves to its best value until none improves. The
-    result is the maximum over the box, unless that is inside and apart from all these starts.
+    From the best of the corners ``(parameters, m)`` and the middle one parameter after another
+    moves to its best value until none improves. From all corners the result is the maximum over
+    the box, unless that is inside and apart from all these starts.
     """
-    levels = (-1.0, 0.0, 1.0) if parameters <= _MOST_MIDDLES else (-1.0, 1.0)
-    grid = np.array(list(product(levels, repeat=parameters)), dtype=float).T
-    grid = np.concatenate([grid, np.zeros((parameters, 1))], axis=1)
+    parameters = len(corners)
+    grid = np.concatenate([corners, np.zeros((parameters, 1))], axis=1)
     values = value(grid)
     best = np.argsort(-values, kind="stable")[:_STARTS]
     at, found = grid[:, best].copy(), values[best]
@@ -503,6 +524,9 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
             found = _along(value, at, found, row)
         if np.all(found - before <= 1e-13 * np.abs(before)):
             break
+        # Starts that have met go on as one.
+        apart = np.sort(np.unique(at, axis=1, return_index=True)[1])
+        at, found = at[:, apart].copy(), found[apart]
     top = int(np.argmax(found))
     return float(found[top]), at[:, top]
 

@@ -239,8 +239,9 @@ class TorsionalSystem:
         """Return the periodic motion at constant drive speeds.
 
         The orbit is found by collocation and Newton's method on a mesh that is refined until the
-        tolerance is met; where Newton's method does not converge, by continuation. Unstable orbits
-        are found as well; see ``stability``. Near a resonance without damping there may be several
+        tolerance is met. Where Newton's method does not converge, the orbit of the straight
+        driveline is followed while its bends grow, also where it turns back. Unstable orbits are
+        found as well; see ``stability``. Near a resonance of little damping there may be several
         orbits; one of them is returned.
 
         Args:
@@ -341,10 +342,10 @@ class TorsionalSystem:
         """Return the periodic motions that exist side by side at a speed.
 
         Within a resonance of little damping, a shaft may vibrate a little or a lot at the same
-        speed, depending on its past. The orbits are searched from the start of ``steady``, by
-        continuation from a high speed, and from oscillations of the second order with amplitudes
-        of 0.25 to 2 rad and several phases. There is no proof that these are all. A search takes
-        some hundred times as long as that of ``steady``.
+        speed, depending on its past. The orbits are searched from the start of ``steady``, from
+        the straight driveline while its bends grow, and from oscillations of the second order with
+        amplitudes of 0.25 to 2 rad and several phases. There is no proof that these are all. A
+        search takes some hundred times as long as that of ``steady``.
 
         Args:
             speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.

@@ -8,7 +8,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// The rule for bends.
 pub(crate) const BEND_RULE: Rule = Rule {
     unit: "rad",
-    text: "a bend must lie in [0, pi/2)",
+    text: "a bend must lie in [0, pi/2), with pi/2 as a double",
     in_degrees: "a bend must lie in [0, 90) deg",
 };
 
@@ -37,7 +37,8 @@ impl Rule {
 ///
 /// ```
 /// let error = cardan::Geometry::from_bends(&[0.1, 1.6], &[0.0], &[0.0]).unwrap_err();
-/// assert_eq!(error.to_string(), "bends[1] is 1.6 rad; a bend must lie in [0, pi/2)");
+/// let said = "bends[1] is 1.6 rad; a bend must lie in [0, pi/2), with pi/2 as a double";
+/// assert_eq!(error.to_string(), said);
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{argument}{place} {problem}")]

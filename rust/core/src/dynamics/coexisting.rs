@@ -62,12 +62,12 @@ pub fn coexisting_of_batch(
 }
 
 impl TorsionalSystem {
-    /// The orbit that `search` finds, and all others from the starts of `oscillations`.
+    /// The orbit that `search` finds, and all others from the straight driveline and the starts of
+    /// `oscillations`.
     fn search_all(&self, speed: f64, goal: OrbitGoal) -> Result<Vec<Orbit>, Failure> {
         let mut orbits = vec![self.search(speed, goal)?];
         let mut equation = MotionEquation::new(self, speed);
-        let continued = self.continued(speed).into_iter();
-        let mut found: Vec<_> = continued.collect();
+        let mut found: Vec<_> = self.followed(&mut equation).into_iter().collect();
         found.extend(self.oscillations(&mut equation));
         for coarse in found {
             let known = |orbit: &Orbit| !orbit.differs(&coarse.orbit, DIFFERENT);

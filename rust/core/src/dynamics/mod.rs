@@ -3,6 +3,7 @@
 
 mod batch;
 mod coexisting;
+mod continuation;
 mod gauss;
 mod instant;
 mod modes;

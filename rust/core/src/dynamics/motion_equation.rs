@@ -1,7 +1,7 @@
 //! Lagrange's equations of the unknown angles, with the drive angle as the independent variable.
 //!
-//! Unknown `s` turns by `θ_s = α + κ_s + y_s`, with the drive angle `α = Ω t` and the sum `κ_s` of
-//! the offsets of the pieces before it. Primes of `I` and `ρ` are derivatives by the angle of the
+//! Unknown `s` turns by `θ_s = α + κ_s + y_s`, with the drive angle `α = Ω t` and the offset `κ_s`
+//! of the piece. Primes of `I` and `ρ` are derivatives by the angle of the
 //! piece, dots by time:
 //!
 //! `I_s θ̈_s + ½ I_s′ θ̇_s² = T_s − ρ_s T_{s+1}`,
@@ -22,8 +22,6 @@ pub(super) struct MotionEquation<'a> {
     drive_slope: f64,
     /// Constant braking torque on the last shaft in N m.
     load_torque: f64,
-    /// `κ` of every piece.
-    offsets: Vec<f64>,
     motions: Vec<PieceMotion>,
     torques: Vec<f64>,
 }
@@ -44,20 +42,12 @@ pub(super) struct EquationRow {
 
 impl<'a> MotionEquation<'a> {
     pub(super) fn new(system: &'a TorsionalSystem, speed: f64) -> Self {
-        let mut offset = 0.0;
-        let offsets = system.pieces.iter().map(|piece| {
-            let own = offset;
-            offset += piece.offset;
-            own
-        });
-        let offsets = offsets.collect();
         let size = system.unknowns();
         Self {
             system,
             speed,
             drive_slope: 1.0,
             load_torque: system.load_torque,
-            offsets,
             motions: Vec::with_capacity(size + 1),
             torques: vec![0.0; size],
         }
@@ -75,7 +65,8 @@ impl<'a> MotionEquation<'a> {
         let load = self.load(self.drive_slope);
         let (mut error, mut slope, mut curve) = (0.0, self.drive_slope, 0.0);
         for (s, spring) in self.system.springs.iter().enumerate() {
-            let motion = self.system.pieces[s].motion(angle + self.offsets[s] + error);
+            let piece = &self.system.pieces[s];
+            let motion = piece.motion(angle + piece.offset + error);
             error += motion.angle_error - load / spring.stiffness;
             curve = motion.ratio * curve + motion.ratio_slope * slope * slope;
             slope *= motion.ratio;
@@ -89,7 +80,7 @@ impl<'a> MotionEquation<'a> {
         self.motions.clear();
         for (s, piece) in system.pieces.iter().enumerate() {
             let error = if s == 0 { 0.0 } else { y[s - 1] };
-            self.motions.push(piece.motion(angle + self.offsets[s] + error));
+            self.motions.push(piece.motion(angle + piece.offset + error));
         }
         for (s, spring) in system.springs.iter().enumerate() {
             let (before, slope) =
@@ -143,12 +134,12 @@ impl<'a> MotionEquation<'a> {
     /// The state of every piece at constant drive speed, for the motion of shaft ends.
     pub(super) fn pieces(&self, angle: f64, [y, v, a]: [&[f64]; 3], out: &mut Vec<PieceState>) {
         out.clear();
-        out.extend(self.offsets.iter().enumerate().map(|(s, offset)| {
+        out.extend(self.system.pieces.iter().enumerate().map(|(s, piece)| {
             let (error, slope, curvature) = match s.checked_sub(1) {
                 None => (0.0, self.drive_slope, 0.0),
                 Some(u) => (y[u], 1.0 + v[u], a[u]),
             };
-            PieceState { angle: angle + offset + error, error, slope, curvature }
+            PieceState { angle: angle + piece.offset + error, error, slope, curvature }
         }));
     }
 

@@ -5,7 +5,9 @@
 //! at its end; the product of the maps closes the orbit, and its eigenvalues are the Floquet
 //! multipliers. Work grows linearly with the number of intervals.
 
+use std::cmp::Ordering;
 use std::f64::consts::PI;
+use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -45,12 +47,19 @@ pub(super) struct NewtonStep {
     /// The largest twist before the step of the compliant shaft that twists least, in rad: the unit
     /// of errors.
     pub(super) twist: f64,
+    /// The change of the parameter, if one changes.
+    pub(super) parameter: f64,
 }
 
-/// The linearised equations of one interval, solved for the accelerations: `constant + by_state ·
-/// change of the state`.
-struct Condensed {
-    solution: DMatrix<f64>,
+/// A parameter of the equations that changes together with an orbit.
+pub(super) struct Along<'a, 'b> {
+    /// The equations with the parameter larger by `by`.
+    pub(super) nearby: &'a mut MotionEquation<'b>,
+    pub(super) by: f64,
+    /// The direction in which both change by a given length: of the state at drive angle 0, then of
+    /// the parameter.
+    pub(super) direction: &'a [f64],
+    pub(super) length: f64,
 }
 
 impl Orbit {
@@ -95,8 +104,26 @@ impl Orbit {
 
     /// Whether the states at drive angle 0 differ by more than this, in rad and in slopes.
     pub(super) fn differs(&self, other: &Self, by: f64) -> bool {
+        self.first_state_minus(other).iter().any(|difference| difference.abs() > by)
+    }
+
+    /// The state at drive angle 0, unknowns and slopes, without that of another orbit.
+    pub(super) fn first_state_minus(&self, other: &Self) -> Vec<f64> {
         let pairs = self.states.iter().zip(&other.states).take(2 * self.unknowns);
-        pairs.into_iter().any(|(x, y)| (x - y).abs() > by)
+        pairs.map(|(x, y)| x - y).collect()
+    }
+
+    /// The orbit at a part of the way to another one.
+    pub(super) fn towards(&self, other: &Self, part: f64) -> Self {
+        let line = |here: &[f64], there: &[f64]| -> Vec<f64> {
+            here.iter().zip(there).map(|(x, y)| part.mul_add(y - x, *x)).collect()
+        };
+        Self {
+            states: line(&self.states, &other.states),
+            accelerations: line(&self.accelerations, &other.accelerations),
+            monodromy: DMatrix::zeros(0, 0),
+            ..*self
+        }
     }
 
     fn stages(&self, interval: usize) -> &[f64] {
@@ -153,42 +180,61 @@ impl Orbit {
     }
 
     /// One step of Newton's method; `None` if the linear equations have no solution.
-    pub(super) fn improve(&mut self, equation: &mut MotionEquation<'_>) -> Option<NewtonStep> {
+    pub(super) fn improve(
+        &mut self,
+        equation: &mut MotionEquation<'_>,
+        mut along: Option<Along<'_, '_>>,
+    ) -> Option<NewtonStep> {
         let m = self.unknowns;
-        let mut product = DMatrix::<f64>::identity(2 * m, 2 * m);
-        let mut constant = DVector::<f64>::zeros(2 * m);
+        // By the state at drive angle 0, then the constant, then by the parameter.
+        let columns = 2 * m + 1 + usize::from(along.is_some());
+        let mut product = DMatrix::<f64>::identity(2 * m, columns);
         let mut maps = Vec::with_capacity(self.intervals);
         let mut scratch = OrbitScratch::new(m);
         for k in 0..self.intervals {
-            let condensed = self.condense(k, equation, &mut scratch)?;
-            let (map, defect) = self.transfer(k, &condensed, &mut scratch);
-            product = &map * product;
-            constant = &map * constant + &defect;
-            maps.push((condensed, map, defect));
+            let condensed = self.condense(k, equation, along.as_mut(), &mut scratch)?;
+            let map = self.transfer(k, &condensed, &mut scratch);
+            product = map.columns(0, 2 * m) * &product;
+            for c in 2 * m..columns {
+                product.column_mut(c).add_assign(&map.column(c));
+            }
+            maps.push((condensed, map));
         }
-        let closing = DMatrix::<f64>::identity(2 * m, 2 * m) - &product;
-        self.monodromy = product;
-        let mut change = closing.lu().solve(&constant)?;
-        if !change.iter().all(|x| x.is_finite()) {
+        self.monodromy = product.columns(0, 2 * m).into_owned();
+        // Without the column of the constant, which is the right side.
+        let mut closing = -product.clone().remove_column(2 * m);
+        let mut right = product.column(2 * m).into_owned();
+        for i in 0..2 * m {
+            closing[(i, i)] += 1.0;
+        }
+        if let Some(Along { direction, length, .. }) = along {
+            closing = closing.insert_row(2 * m, 0.0);
+            closing.row_mut(2 * m).copy_from_slice(direction);
+            right = right.insert_row(2 * m, length);
+        }
+        let solved = closing.lu().solve(&right)?;
+        if !solved.iter().all(|x| x.is_finite()) {
             return None;
         }
+        let parameter = solved.get(2 * m).copied().unwrap_or_default();
+        // The change of the state, the factor of the constant, and the change of the parameter.
+        let mut change = solved.insert_row(2 * m, 1.0);
         let changes: Vec<DVector<f64>> = maps
             .iter()
-            .map(|(_, map, defect)| {
-                let next = map * &change + defect;
-                std::mem::replace(&mut change, next)
+            .map(|(_, map)| {
+                let (next, own) = (map * &change, change.clone());
+                change.rows_mut(0, 2 * m).copy_from(&next);
+                own
             })
             .collect();
         let largest = |most: f64, x: &f64| x.abs().max(most);
         let size = changes.iter().flat_map(|dz| dz.iter().take(m)).fold(0.0, largest);
         // No step turns a shaft by more than half a radian, where the joints' curves bend.
         let damped = (0.5 / size).min(1.0);
-        for (k, ((condensed, ..), change)) in maps.iter().zip(&changes).enumerate() {
+        for (k, ((condensed, _), change)) in maps.iter().zip(&changes).enumerate() {
             let stages = &mut self.accelerations[k * STAGES * m..][..STAGES * m];
             for (i, stage) in stages.iter_mut().enumerate() {
-                let by_state: f64 =
-                    (0..2 * m).map(|c| condensed.solution[(i, c)] * change[c]).sum();
-                *stage += damped * (condensed.solution[(i, 2 * m)] + by_state);
+                *stage += damped * condensed.row(i).transpose().dot(change);
             }
             for (x, dx) in self.states[2 * k * m..][..2 * m].iter_mut().zip(change.iter()) {
                 *x += damped * dx;
@@ -197,29 +243,36 @@ impl Orbit {
         let springs = equation.system.springs.iter().zip(&scratch.torques);
         let twist = springs.map(|(spring, torque)| torque / spring.stiffness);
         let twist = twist.fold(f64::INFINITY, f64::min);
-        size.is_finite().then_some(NewtonStep { change: size, twist })
+        let parameter = damped * parameter;
+        size.is_finite().then_some(NewtonStep { change: size, twist, parameter })
     }
 
-    /// Solves the linearised equations of an interval for the changes of its accelerations.
+    /// The linearised equations of an interval, solved for the changes of its accelerations: by the
+    /// state at its start, the constant, by the parameter.
     fn condense(
         &self,
         interval: usize,
         equation: &mut MotionEquation<'_>,
+        mut along: Option<&mut Along<'_, '_>>,
         scratch: &mut OrbitScratch,
-    ) -> Option<Condensed> {
+    ) -> Option<DMatrix<f64>> {
         let m = self.unknowns;
         let width = self.width();
         let rule: &Collocation = &COLLOCATION;
         let mut matrix = DMatrix::<f64>::zeros(STAGES * m, STAGES * m);
-        // By the state at the start, then the constant.
-        let mut right = DMatrix::<f64>::zeros(STAGES * m, 2 * m + 1);
+        let columns = 2 * m + 1 + usize::from(along.is_some());
+        let mut right = DMatrix::<f64>::zeros(STAGES * m, columns);
         let stages = self.stages(interval);
         for (i, &node) in rule.nodes.iter().enumerate() {
             let weights = [&rule.position[i], &rule.speed[i]];
             let (y, v) = scratch.state.split_at_mut(m);
             self.within(interval, [node, width], weights, [y, v]);
             let angle = width * (interval as f64 + node);
-            equation.rows(angle, [y, v, &stages[i * m..][..m]], &mut scratch.rows);
+            let at = [&*y, &*v, &stages[i * m..][..m]];
+            equation.rows(angle, at, &mut scratch.rows);
+            if let Some(Along { nearby, .. }) = &mut along {
+                nearby.rows(angle, at, &mut scratch.nearby);
+            }
             for (most, torque) in scratch.torques.iter_mut().zip(equation.last_torques()) {
                 *most = most.max(torque.abs());
             }
@@ -229,6 +282,10 @@ impl Orbit {
                 let scale = 1.0 / row.by_acceleration;
                 matrix[(at, at)] += 1.0;
                 right[(at, 2 * m)] = -scale * row.residual;
+                if let Some(Along { by, .. }) = along {
+                    let change = scratch.nearby[s].residual - row.residual;
+                    right[(at, 2 * m + 1)] = -scale * change / *by;
+                }
                 for (c, (by_angle, by_slope)) in row.by_angle.iter().zip(row.by_slope).enumerate() {
                     let Some(u) = (s + c).checked_sub(1).filter(|&u| u < m) else { continue };
                     let (by_angle, by_slope) = (scale * by_angle, scale * by_slope);
@@ -242,16 +299,17 @@ impl Orbit {
                 }
             }
         }
-        matrix.lu().solve_mut(&mut right).then_some(Condensed { solution: right })
+        matrix.lu().solve_mut(&mut right).then_some(right)
     }
 
-    /// The map of an interval on changes of its state, and its defect at the end.
+    /// The change of the state at the end of an interval by that at its start, by its defect and by
+    /// the parameter.
     fn transfer(
         &self,
         interval: usize,
-        condensed: &Condensed,
+        condensed: &DMatrix<f64>,
         scratch: &mut OrbitScratch,
-    ) -> (DMatrix<f64>, DVector<f64>) {
+    ) -> DMatrix<f64> {
         let m = self.unknowns;
         let width = self.width();
         let rule: &Collocation = &COLLOCATION;
@@ -259,7 +317,7 @@ impl Orbit {
         self.within(interval, [1.0, width], [&rule.end_position, &rule.end_speed], [y, v]);
         let (position, slope) = self.state((interval + 1) % self.intervals);
         let sum = |weights: &[f64; STAGES], u: usize, c: usize| -> f64 {
-            (0..STAGES).map(|j| weights[j] * condensed.solution[(j * m + u, c)]).sum()
+            (0..STAGES).map(|j| weights[j] * condensed[(j * m + u, c)]).sum()
         };
         let entry = |row: usize, c: usize| {
             if row < m {
@@ -268,15 +326,16 @@ impl Orbit {
                 width * sum(&rule.end_speed, row - m, c)
             }
         };
-        let map = DMatrix::from_fn(2 * m, 2 * m, |row, c| {
-            let drift = if row + m == c { width } else { 0.0 };
-            f64::from(row == c) + drift + entry(row, c)
-        });
-        let defect = DVector::from_fn(2 * m, |row, _| {
-            let gap = if row < m { y[row] - position[row] } else { v[row - m] - slope[row - m] };
-            gap + entry(row, 2 * m)
-        });
-        (map, defect)
+        DMatrix::from_fn(2 * m, condensed.ncols(), |row, c| {
+            let moved = match c.cmp(&(2 * m)) {
+                Ordering::Less if row + m == c => width,
+                Ordering::Less => f64::from(row == c),
+                Ordering::Equal if row < m => y[row] - position[row],
+                Ordering::Equal => v[row - m] - slope[row - m],
+                Ordering::Greater => 0.0,
+            };
+            moved + entry(row, c)
+        })
     }
 }
 
@@ -284,6 +343,8 @@ impl Orbit {
 struct OrbitScratch {
     state: Vec<f64>,
     rows: Vec<EquationRow>,
+    /// The equations with another parameter.
+    nearby: Vec<EquationRow>,
     /// The largest torque of every compliant shaft.
     torques: Vec<f64>,
 }
@@ -293,6 +354,7 @@ impl OrbitScratch {
         Self {
             state: vec![0.0; 2 * unknowns],
             rows: vec![EquationRow::default(); unknowns],
+            nearby: vec![EquationRow::default(); unknowns],
             torques: vec![0.0; unknowns],
         }
     }

@@ -1,5 +1,7 @@
 //! Rigid pieces: the joints and rigid shafts that follow one angle.
 
+use std::f64::consts::TAU;
+
 use crate::mechanics::chain::{Transfer, shaft_turn};
 use crate::mechanics::joint::Joint;
 use crate::mechanics::transmission::Ideal;
@@ -10,19 +12,33 @@ use crate::number::elementary::atan2;
 /// of the piece.
 #[derive(Clone, Debug)]
 pub(super) struct RigidPiece {
+    /// `arg A` of the map `w → A w + B w̄` from the drive to the piece, if all shafts are rigid.
+    /// Without it the piece would begin at a wrong angle.
+    pub(super) offset: f64,
+    /// Bends of the joints, twists and phases of the shafts behind them, in rad.
+    geometry: [Vec<f64>; 3],
     /// The inertia that turns with the piece's angle itself.
     own_inertia: f64,
-    /// Behind each joint of the piece: how the next shaft follows, and the inertia fixed to it.
-    followers: Vec<(Ideal, f64)>,
-    /// `arg A` of the map `w → A w + B w̄` to the input end of the next compliant shaft. Without
-    /// it the next piece would begin at a wrong angle.
-    pub(super) offset: f64,
+    followers: Vec<Follower>,
+}
+
+/// The shaft behind a joint of a piece.
+#[derive(Clone, Copy, Debug)]
+struct Follower {
+    /// How it follows the piece.
+    ideal: Ideal,
+    /// `arg A` from the drive to the piece and from there to the shaft, less that from the drive to
+    /// the shaft.
+    offset: f64,
+    /// The inertia fixed to it.
+    inertia: f64,
 }
 
 /// What a piece does at one angle. Derivatives are with respect to the piece's angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PieceMotion {
-    /// Angle of the piece's output minus the piece's angle and the offset, in rad.
+    /// Angle of the piece's output minus the piece's angle, both without the mean of rigid shafts,
+    /// in rad.
     pub(super) angle_error: f64,
     /// First derivative of the output's angle.
     pub(super) ratio: f64,
@@ -39,34 +55,47 @@ pub(super) struct PieceMotion {
 impl RigidPiece {
     /// A piece from the bends of its joints, the twists and phases of the shafts behind each of
     /// them but the last of the driveline, the inertia of its first shaft and those of the shafts
-    /// behind its joints.
+    /// behind its joints. The map from the drive is continued to the end of the piece.
     pub(super) fn new(
-        bends: &[f64],
-        twists: &[f64],
-        phases: &[f64],
+        from_drive: &mut Transfer,
+        geometry: [Vec<f64>; 3],
         own_inertia: f64,
         inertias: &[f64],
     ) -> Self {
-        let mut transfer = Transfer::default();
-        for (j, &bend) in bends.iter().enumerate() {
-            transfer.pass_joint(&Joint::with_error_terms(bend));
+        let offset = argument(from_drive);
+        let [bends, twists, phases] = &geometry;
+        let mut from_piece = Transfer::default();
+        let follower = |(j, (&bend, &inertia)): (usize, (&f64, &f64))| {
+            let joint = Joint::with_error_terms(bend);
+            from_drive.pass_joint(&joint);
+            from_piece.pass_joint(&joint);
+            let excess = offset + argument(&from_piece) - argument(from_drive);
             if let (Some(&twist), Some(&phase)) = (twists.get(j), phases.get(j)) {
-                transfer.pass_shaft(shaft_turn(phase, twist));
+                let turn = shaft_turn(phase, twist);
+                from_drive.pass_shaft(turn);
+                from_piece.pass_shaft(turn);
             }
-        }
-        let follower = |(j, &inertia): (usize, &f64)| {
-            (Ideal::of_chain(&bends[..=j], &twists[..j], &phases[..j]), inertia)
+            Follower {
+                ideal: Ideal::of_chain(&bends[..=j], &twists[..j], &phases[..j]),
+                offset: excess - TAU * (excess / TAU).round(),
+                inertia,
+            }
         };
-        Self {
-            own_inertia,
-            followers: inertias.iter().enumerate().map(follower).collect(),
-            offset: atan2(transfer.a.im.value(), transfer.a.re.value()),
-        }
+        let followers = bends.iter().zip(inertias).enumerate().map(follower).collect();
+        Self { offset, geometry, own_inertia, followers }
+    }
+
+    /// The piece with this share of every bend.
+    pub(super) fn bent(&self, share: f64, from_drive: &mut Transfer) -> Self {
+        let [bends, twists, phases] = self.geometry.clone();
+        let bends = bends.iter().map(|bend| share * bend).collect();
+        let inertias: Vec<f64> = self.followers.iter().map(|follower| follower.inertia).collect();
+        Self::new(from_drive, [bends, twists, phases], self.own_inertia, &inertias)
     }
 
     /// Whether nothing turns with the piece.
     pub(super) fn has_no_inertia(&self) -> bool {
-        self.own_inertia == 0.0 && self.followers.iter().all(|&(_, inertia)| inertia == 0.0)
+        self.own_inertia == 0.0 && self.followers.iter().all(|follower| follower.inertia == 0.0)
     }
 
     /// The motion at an angle of the piece in rad.
@@ -80,7 +109,7 @@ impl RigidPiece {
             inertia_curvature: 0.0,
         };
         let last = self.followers.len().wrapping_sub(1);
-        for (i, &(ideal, inertia)) in self.followers.iter().enumerate() {
+        for (i, &Follower { ideal, offset, inertia }) in self.followers.iter().enumerate() {
             if inertia == 0.0 && i != last {
                 continue;
             }
@@ -91,7 +120,7 @@ impl RigidPiece {
             found.inertia_slope += 2.0 * inertia * r * a;
             found.inertia_curvature += 2.0 * inertia * (a * a + r * j);
             if i == last {
-                found.angle_error = motion.angle_error;
+                found.angle_error = motion.angle_error + offset;
                 (found.ratio, found.ratio_slope) = (r, a);
             }
         }
@@ -100,9 +129,14 @@ impl RigidPiece {
 
     /// Angle error, speed ratio and its slope of every shaft behind a joint of the piece.
     pub(super) fn followers(&self, angle: f64) -> impl Iterator<Item = [f64; 3]> {
-        self.followers.iter().map(move |(ideal, _)| {
-            let motion = ideal.motion(angle);
-            [motion.angle_error, motion.speed_ratio, motion.acceleration_ratio]
+        self.followers.iter().map(move |follower| {
+            let motion = follower.ideal.motion(angle);
+            [motion.angle_error + follower.offset, motion.speed_ratio, motion.acceleration_ratio]
         })
     }
+}
+
+/// `arg A` of a map.
+fn argument(transfer: &Transfer) -> f64 {
+    atan2(transfer.a.im.value(), transfer.a.re.value())
 }

@@ -1,4 +1,4 @@
-//! The search for the orbit at one speed: starts, refinement of the mesh, continuation in speed.
+//! The search for the orbit at one speed: starts and refinement of the mesh.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,7 +21,7 @@ const STEPS: usize = 20;
 const MARGIN: f64 = 0.01;
 
 /// Permitted error relative to the twist on the mesh from which the refinement begins.
-const COARSE: f64 = 1e-6;
+pub(super) const COARSE: f64 = 1e-6;
 
 /// A change of an unknown in rad that is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -44,11 +44,17 @@ impl TorsionalSystem {
             return Err(Failure::Speed);
         }
         let mut equation = MotionEquation::new(self, speed);
-        let coarse = self
-            .coarse(&mut equation)
-            .or_else(|| self.continued(speed))
-            .or_else(|| self.large(&mut equation));
-        refined(coarse.ok_or(Failure::NotFound)?, &mut equation, goal)
+        let ways: [fn(&Self, &mut MotionEquation<'_>) -> Option<Found>; 2] =
+            [Self::coarse, Self::followed];
+        let mut failure = Failure::NotFound;
+        for way in ways {
+            match way(self, &mut equation).map(|found| refined(found, &mut equation, goal)) {
+                Some(Ok(orbit)) => return Ok(orbit),
+                Some(Err(reason)) => failure = reason,
+                None => {}
+            }
+        }
+        Err(failure)
     }
 
     /// An orbit on the coarsest mesh on which Newton's method converges, from rigid shafts, or from
@@ -62,22 +68,6 @@ impl TorsionalSystem {
                 converged(uniform, equation, COARSE, None)
             })
         })
-    }
-
-    /// An orbit by continuation in speed, from above all resonances, where the masses turn
-    /// uniformly.
-    pub(super) fn continued(&self, speed: f64) -> Option<Found> {
-        let highest = self.natural_frequencies().last().copied()?;
-        let start = Orbit::start(self.unknowns(), 4 * FEWEST, |_, _| {});
-        continuation(start, 4.0 * (highest / speed).max(1.0), |orbit, factor| {
-            converged(orbit, &mut MotionEquation::new(self, factor * speed), COARSE, None)
-        })
-    }
-
-    /// A large orbit within a resonance, past the folds at which continuation ends.
-    fn large(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
-        let starts = oscillation_starts(1);
-        starts.into_iter().find_map(|start| self.started_at(equation, start))
     }
 
     /// The orbits to which Newton's method converges from oscillations of the second order of
@@ -130,31 +120,6 @@ fn oscillation_starts(shapes: usize) -> Vec<Oscillation> {
     shapes.flat_map(each).collect()
 }
 
-/// Follows an orbit while a factor decreases to 1, in ratios that shrink where Newton's method does
-/// not converge.
-fn continuation(
-    start: Orbit,
-    mut factor: f64,
-    solve: impl Fn(Orbit, f64) -> Option<Found>,
-) -> Option<Found> {
-    const LARGEST: f64 = 1.25;
-    const SMALLEST: f64 = 1.0 + 1e-4;
-    let mut found = solve(start, factor)?;
-    let mut ratio = LARGEST;
-    while factor > 1.0 {
-        let next = (factor / ratio).max(1.0);
-        if let Some(nearer) = solve(found.orbit.clone(), next) {
-            (found, factor) = (nearer, next);
-            ratio = (ratio * ratio).min(LARGEST);
-        } else if ratio > SMALLEST {
-            ratio = ratio.sqrt();
-        } else {
-            return None;
-        }
-    }
-    Some(found)
-}
-
 /// An orbit to which Newton's method has converged.
 pub(super) struct Found {
     pub(super) orbit: Orbit,
@@ -166,7 +131,7 @@ pub(super) struct Found {
 
 /// The orbit to which Newton's method converges, with a permitted error relative to the twist. The
 /// contraction, if it is known, saves the step that would only confirm the one before.
-fn converged(
+pub(super) fn converged(
     mut orbit: Orbit,
     equation: &mut MotionEquation<'_>,
     tolerance: f64,
@@ -175,7 +140,7 @@ fn converged(
     const SAFETY: f64 = 10.0;
     let mut before: Option<f64> = None;
     for _ in 0..STEPS {
-        let NewtonStep { change, twist } = orbit.improve(equation)?;
+        let NewtonStep { change, twist, .. } = orbit.improve(equation, None)?;
         if let Some(before) = before {
             contraction = Some(change / (before * before));
         }

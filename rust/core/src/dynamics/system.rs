@@ -2,6 +2,7 @@
 
 use crate::dynamics::rigid_piece::RigidPiece;
 use crate::error::{Error, Result};
+use crate::mechanics::chain::Transfer;
 
 /// A driveline with compliant shafts, inertias, dampings and a load.
 ///
@@ -95,7 +96,7 @@ impl TorsionalSystem {
         }
         // A piece begins at the output end of a shaft and ends at the input end of the next
         // compliant one.
-        let mut pieces = vec![];
+        let (mut pieces, mut from_drive) = (vec![], Transfer::default());
         let starts = std::iter::once(None).chain(springs.iter().map(|spring| Some(spring.shaft)));
         for (number, start) in starts.enumerate() {
             let next = springs.get(number).map(|spring| spring.shaft);
@@ -110,13 +111,9 @@ impl TorsionalSystem {
             let behind: Vec<f64> = (first + 1..=end).map(at).collect();
             let last = end.min(twists.len());
             let between = first.min(last)..last;
-            pieces.push(RigidPiece::new(
-                &bends[first..end],
-                &twists[between.clone()],
-                &phases[between],
-                at(first),
-                &behind,
-            ));
+            let geometry = [&bends[first..end], &twists[between.clone()], &phases[between]]
+                .map(<[f64]>::to_vec);
+            pieces.push(RigidPiece::new(&mut from_drive, geometry, at(first), &behind));
             if let (Some(shaft), true) = (start, pieces[number].has_no_inertia()) {
                 let problem = "is 0.0, and so is every inertia that is rigidly connected to it; \
                                the output end of a compliant shaft needs an inertia";
@@ -124,6 +121,13 @@ impl TorsionalSystem {
             }
         }
         Ok(Self { pieces, springs, load_torque, load_damping, shafts })
+    }
+
+    /// The system with this share of every bend; 0 is the straight driveline.
+    pub(super) fn bent(&self, share: f64) -> Self {
+        let mut from_drive = Transfer::default();
+        let pieces = self.pieces.iter().map(|piece| piece.bent(share, &mut from_drive)).collect();
+        Self { pieces, springs: self.springs.clone(), ..*self }
     }
 
     /// The number of compliant shafts.
@@ -168,7 +172,7 @@ impl TorsionalSystem {
 pub(super) struct PieceState {
     /// The angle at which its first joint is entered.
     pub(super) angle: f64,
-    /// The same relative to the drive angle and the constant offsets.
+    /// The same relative to the drive angle and the constant offset.
     pub(super) error: f64,
     /// The first derivative of its angle by the drive angle or by time.
     pub(super) slope: f64,

@@ -21,6 +21,9 @@ from cardan.optimisation import Optimum
 _POINTS = 121
 """Points of a curve over one variable."""
 
+# As near to its end, as a share of a range or of a limit, something has reached it.
+_REACHED = 2e-5
+
 _UNIT = "unit of the figures beside it"
 
 
@@ -36,7 +39,7 @@ class Changed:
     least: float | None = figure("least change", "own", "null for a free phase")
     largest: float | None = figure("largest change", "own", "null for a free phase")
     teeth: float | None = figure("teeth", "", "by how many a yoke turns; null without a spline")
-    at_end: Literal["low", "high", "keep", "no"] = word("at the end of its range")
+    at_end: Literal["low", "high", "no"] = word("at the end of its range")
 
 
 @dataclass(frozen=True)
@@ -171,10 +174,15 @@ def _states(
 
 
 def _variables(asked: Optimisation, best: Optimum) -> Iterator[Changed]:
-    for number, (variable, change) in enumerate(zip(asked.variables, best.x.tolist(), strict=True)):
-        ends = [active.kind for active in best.active if active.variable == number]
+    for variable, change in zip(asked.variables, best.x.tolist(), strict=True):
         si = 1.0 / UNITS[variable.unit].factor
         is_free = not np.isfinite(variable.high)
+        room = 0.0 if is_free else _REACHED * (variable.high - variable.low)
+        at_end: Literal["low", "high", "no"] = "no"
+        if change <= variable.low + room:
+            at_end = "low"
+        elif change >= variable.high - room:
+            at_end = "high"
         yield Changed(
             variable.axis.key,
             variable.unit,
@@ -184,13 +192,13 @@ def _variables(asked: Optimisation, best: Optimum) -> Iterator[Changed]:
             None if is_free else si * variable.low,
             None if is_free else si * variable.high,
             round(change * variable.teeth / 360.0) if variable.teeth else None,
-            ends[0] if ends else "no",
+            at_end,
         )
 
 
 def _kept(asked: Optimisation, best: Optimum) -> Iterator[Kept]:
-    reached = {active.quantity for active in best.active}
     for (name, after), limit in zip(best.kept.items(), asked.keep.values(), strict=True):
         unit = key_of(asked.measure("keep", name).unit)
         states = _states(asked, unit, best.kept_before[name], after)
-        yield Kept(name, unit, limit / UNITS[unit].factor, name in reached, states)
+        is_reached = bool(np.max(after) >= (1.0 - _REACHED) * limit)
+        yield Kept(name, unit, limit / UNITS[unit].factor, is_reached, states)

@@ -142,7 +142,7 @@ def limit_lines(found: Optimised) -> list[str]:
             )
     if any(variable.teeth for variable in found.asked.variables):
         lines.append("Yokes are set by whole teeth of their splines.")
-    return lines or ["No range and no limit is reached; any further change makes it worse."]
+    return lines or ["No range and no limit keeps it from being better."]
 
 
 def _unit(variable: Variable) -> str:

@@ -87,8 +87,8 @@ class ToleranceFigure:
         "of any driveline within the tolerances",
         limit="[tolerances] limit",
     )
-    worst_kind: Literal["box", "linear"] = word(
-        "worst found", "box: over all combinations; linear: to first order, with many parameters"
+    worst_kind: Literal["box", "search"] = word(
+        "worst found", "box: from all corners of the tolerances; search: from many of them"
     )
     guaranteed: Judged | None = figure(
         "guaranteed bound",

@@ -74,10 +74,9 @@ def sentences(found: ToleranceFigures) -> Iterator[str]:
 def _verdict(figure: ToleranceFigure, shares: Sequence[Share], *, named: bool) -> str:
     start = "as measured" if figure.measured else "as drawn"
     name = f"{capital(figure.label)}: " if named else ""
-    about = "about " if figure.worst_kind == "linear" else ""
     assert figure.worst.value is not None
     assert figure.nominal.value is not None
-    worst = f"the worst has {about}{_value(figure, figure.worst.value)}{place_of(figure.worst)}"
+    worst = f"the worst has {_value(figure, figure.worst.value)}{place_of(figure.worst)}"
     if shares and shares[0].share > 0.0:
         most = "mostly" if shares[0].share > 0.5 else "the largest share"
         worst += f", {most} from {'' if shares[0].of == 'point' else 'the '}{shares[0].label}"
@@ -118,9 +117,9 @@ def _permitted(part: Permitted, found: ToleranceFigures) -> str:
         return f"With any error of the {group} every driveline is within {limit}{same}."
     ends = [rounded_down(part.factor * end, part.unit) for end in (part.least, part.largest)]
     sizes = " to ".join(f"±{end}" for end in dict.fromkeys(ends))
-    # To first order the worst driveline is only about the worst.
-    about = "To first order, every" if found.figures[0].worst_kind == "linear" else "Every"
-    return f"{about} driveline is within {limit} if the {group} are exact to {sizes}{same}."
+    searched = found.figures[0].worst_kind == "search"
+    every = "As far as a search finds, every" if searched else "Every"
+    return f"{every} driveline is within {limit} if the {group} are exact to {sizes}{same}."
 
 
 def _value(figure: ToleranceFigure, value: float) -> str:
