@@ -1,7 +1,8 @@
-"""What Python computes on top of the core, against models that share none of it.
+"""What Python computes on top of the core, and loads of steep chains, against independent models.
 
 ``python tests/stress.py --rows 2000`` judges random drivelines: harmonics of the motion and of the
-loads, the figures of tolerances, and tolerances of one order. ``cardan-stress`` judges what the
+loads, the figures of tolerances, tolerances of one order, and loads of steep chains beside zeros,
+for which the oracle of ``cardan-stress`` has too few digits; that judges everything else that the
 core computes. Exits with 1 if anything is beyond its limit in ``data/limits.toml``. ``--worst
 FILE`` writes the worst case of each surface in the form of ``data/worst_python.json``.
 
@@ -10,6 +11,7 @@ in parts of the largest sum of ``tan(bend/2)**2`` of the joints, of which ``q`` 
 The model of ideal chains is the map ``w -> A w + B conj(w)``. Its angle error is the argument of
 ``1 + q exp(-2 i a)``, at samples in extended precision. The model of joints as built turns the
 driven pin until it has its angle to the driving one; that of loads puts these pins into space.
+Loads of steep chains are held against the vectors of ``vectors.py``.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
-from oracle import Doubles, limits
+from oracle import Doubles, ExactTurn, limits, mp
+from vectors import load_errors
 
 Complexes = NDArray[np.clongdouble]
 LIMITS = limits("worst", "python")
@@ -370,12 +373,72 @@ def order_tolerances(case: Case) -> tuple[Doubles, int]:
     return np.array([worst]), 2 * off.size + 1
 
 
+LOADS = ("torque", "moment", "support_moment", "bending_driving", "bending_driven", "pin_moment")
+
+
+def drawn_steep(random: np.random.Generator, rows: int) -> Case:
+    """Return chains whose cosines multiply to as little as 1e-13, beside zeros, and their loads."""
+    # The exact model takes milliseconds for each.
+    rows = rows // 20 + 1
+    n = int(random.integers(2, 5))
+    bends = random.uniform(0.0, 1.0, (rows, n))
+    share = random.dirichlet(np.ones(n), rows) * random.integers(0, 2, (rows, n))
+    steep = 10.0 ** (random.uniform(-12.0, 0.0, (rows, 1)) * share)
+    bends = np.where(share > 0.0, np.arccos(steep * np.cos(bends)), bends)
+    twists, phases = random.uniform(-np.pi, np.pi, (2, rows, n - 1))
+    crossed = random.random((rows, 1)) < 0.2
+    twists = np.where(crossed, np.pi * random.integers(0, 2, (rows, n - 1)), twists)
+    phases = np.where(crossed, np.pi / 2 * random.integers(0, 2, (rows, n - 1)), phases)
+    # Where a shaft is fastest or slowest its acceleration is zero, and moments nearly are.
+    lines = Driveline.from_bends(bends, twists, phases)
+    before = np.asarray(lines.equivalent(int(random.integers(1, n + 1))).angle_offset)
+    fastest = np.pi / 2 * np.arange(-1.0, 3.0) - before[:, np.newaxis]
+    aside = np.prod(np.cos(bends), axis=-1)[:, np.newaxis] * random.normal(size=(rows, 4))
+    aside *= 10.0 ** random.uniform(-2.0, 6.0, (rows, 4))
+    angles = np.concatenate([fastest, fastest + aside, random.uniform(-4.0, 4.0, (rows, 2))], -1)
+    kind = random.integers(0, 4, (rows, 1))
+    heavy = random.uniform(0.0, 0.1, (rows, n + 1)) * (kind > 1)
+    # A flywheel alone, which only an acceleration of its shaft loads.
+    heavy = np.where((kind == 3) & (np.arange(n + 1) < n), 0.0, heavy)
+    return {
+        "bends": bends,
+        "twists": twists,
+        "phases": phases,
+        "angles": angles,
+        "given at the output": (kind != 0).astype(np.float64),
+        "torque": random.uniform(-9.0, 9.0, (rows, 1)) * (kind < 3),
+        "speed": random.uniform(1.0, 5.0, (rows, 1)),
+        "acceleration": random.uniform(-3.0, 3.0, (rows, 1)) * (kind < 3),
+        "inertias": heavy,
+    }
+
+
+def steep_loads(case: Case) -> tuple[Doubles, int]:
+    """Loads with ``tolerance=0``, in ulp of the exact ones."""
+    worst, results = [], 0
+    for row in range(len(case["bends"])):
+        own = {name: array[row].tolist() for name, array in case.items()}
+        end = "output_torque" if own["given at the output"][0] else "drive_torque"
+        load: dict[str, Any] = {end: own["torque"][0], "inertias": own["inertias"]}
+        load |= {name: own[name][0] for name in ("speed", "acceleration")}
+        line = Driveline.from_bends(own["bends"], own["twists"], own["phases"])
+        found = line.evaluate(
+            own["angles"], LOADS, shafts=slice(None), load=Load(**load), tolerance=0
+        )
+        with mp.workdps(120):
+            off = load_errors(line, found, map(ExactTurn.by, own["angles"]), load)
+        worst.append(np.max(off))
+        results += off.size
+    return np.array(worst), results
+
+
 SURFACES = {
     "harmonics": Surface(drawn, harmonics),
     "harmonics as built": Surface(drawn_as_built, as_built_harmonics),
     "harmonics of loads": Surface(drawn_loads, load_harmonics),
     "tolerances": Surface(drawn_tolerances, tolerances),
     "order tolerances": Surface(drawn_order_tolerances, order_tolerances),
+    "loads of steep chains": Surface(drawn_steep, steep_loads),
 }
 
 

@@ -8,13 +8,15 @@ for a joint's moments appears; the power that inertias absorb is that of ``oracl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from cardan import Driveline
-from oracle import ExactTurn, Fold, MpNumber, mp
+from oracle import Doubles, Exact, ExactTurn, Fold, MpNumber, mp
 
 MpVector: TypeAlias = tuple[MpNumber, MpNumber, MpNumber]
 
@@ -167,3 +169,28 @@ class ExactLoads:
             [a for a, _ in pins],
             [b for _, b in pins],
         )
+
+
+def load_errors(
+    line: Driveline, got: Mapping[str, Doubles], at: Iterable[ExactTurn], load: dict[str, Any]
+) -> Doubles:
+    """Return the largest errors over all shafts or joints in ulp, by sample and output.
+
+    That of a vector is in ulp of its largest component.
+    """
+    frames, rows = Frames.of(line), []
+    # Below this the exact number is zero.
+    least = mp.mpf(10) ** (15 - mp.dps)
+    for sample, turn in enumerate(at):
+        exact = ExactLoads.of(frames, turn, **load)
+        row = []
+        for name in got:
+            worst = 0.0
+            for found, want in zip(got[name][:, sample], getattr(exact, name), strict=True):
+                parts = want if isinstance(want, tuple) else (want,)
+                wanted = Exact.of(x if abs(x) > least else mp.mpf(0) for x in parts)
+                unit = wanted.ulp[np.abs(wanted.high).argmax()]
+                worst = max(worst, float(wanted.distance(np.atleast_1d(found)).max() / unit))
+            row.append(worst)
+        rows.append(row)
+    return np.array(rows)

@@ -139,7 +139,7 @@ def test_short_lives_and_names_are_written_in_full() -> None:
 
 
 def test_what_cannot_be_drawn_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"batch of shape \(2,\); draw one"):
+    with pytest.raises(ValueError, match=r"line has shape \(2,\); this picture shows one"):
         plot_pin_load(cardan.Driveline.from_bends([[0.1], [0.2]]), LOAD)
     with pytest.raises(ValueError, match="load has no speed; heat is drawn up to it"):
         plot_heat(LINE, cardan.Load(output_torque=1.0), **BEARINGS)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import inspect
+import math
 import re
 import subprocess
 import sys
@@ -26,7 +28,7 @@ from matplotlib.patches import Rectangle, StepPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from cardan import reference
+from cardan import ArgumentError, reference
 from cardan.app import plots
 from cardan.app.answers.turn.figures import SummaryRow, summary
 from cardan.app.answers.turn.orders import Bands
@@ -951,7 +953,7 @@ def test_thomas_curves() -> None:
         np.testing.assert_array_equal(approximate, getattr(small, component))
         low = 1 - np.max(np.abs(approximate)) / np.max(np.abs(drawn))
         assert low == pytest.approx(low_by[component], abs=0.005)
-    with pytest.raises(ValueError, match="component is 'Mt'; known are torque"):
+    with pytest.raises(ValueError, match="component is 'Mt'; it must be 'torque'"):
         plots.plot_small_angle("Mt")  # type: ignore[arg-type]
 
 
@@ -1365,3 +1367,40 @@ def test_the_committed_picture_is_up_to_date(tmp_path: Path) -> None:
         pytest.skip("it was drawn with another version of matplotlib")
     write_picture(foeppl(), tmp_path / "a.svg")
     assert (tmp_path / "a.svg").read_bytes() == committed
+
+
+JOINTS = Driveline.from_bends([0.3, 0.2])
+SOUND: dict[str, Any] = {"line": JOINTS, "length": 60.0, "synchronous_deg": 30.0}
+"""What the pictures take that need nothing else."""
+
+
+@pytest.mark.parametrize("name", [name for name in plots.__all__ if name.startswith("plot_")])
+@pytest.mark.parametrize(
+    "wrong",
+    [[[10.0, 20.0]], math.nan, object(), Driveline.from_bends(np.zeros((0, 2)))],
+    ids=["nested list", "nan", "object", "no driveline"],
+)
+def test_arguments_of_a_wrong_kind_are_named(name: str, wrong: object) -> None:
+    function = getattr(plots, name)
+    parameters = inspect.signature(function).parameters.values()
+    needed = [p.name for p in parameters if p.default is inspect.Parameter.empty]
+    first = next(iter(parameters)).name
+    # What is asked for is read after what is drawn.
+    judged = [p.name for p in parameters] if set(needed) <= SOUND.keys() else [first]
+    for argument in set(judged) - {"load", "bearing", "joint"}:
+        given = {own: SOUND.get(own, wrong) for own in needed} | {argument: wrong}
+        if (argument, type(wrong)) == ("orders", Driveline):
+            continue
+        with pytest.raises(ArgumentError) as error:
+            function(**given)
+        assert error.value.argument in (argument, f"{argument}s"), error.value
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    "draw", [plots.plot_driven_angle, plots.plot_torque_ratio, plots.plot_bending_moments]
+)
+def test_a_picture_of_one_bend_refuses_several(draw: Callable[..., Axes]) -> None:
+    """The last of them would draw two joints as one."""
+    with pytest.raises(ArgumentError, match=r"^bend_deg has shape \(2,\); it must be one number$"):
+        draw([10.0, 20.0])

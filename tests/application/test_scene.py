@@ -323,6 +323,11 @@ ERRORS: list[tuple[str, int | None, str]] = [
     ),
     (DRIVELINE + "bends_deg = []", 2, "[driveline] bends_deg has length 0; one joint needs 1"),
     (
+        DRIVELINE + f"bends_deg = [{'1, ' * 300}]",
+        2,
+        "[driveline] bends_deg has 300 joints; a driveline has at most 256",
+    ),
+    (
         JOINT + "phases_deg = [1]",
         3,
         "[driveline] phases_deg has length 1; it needs 0, one per shaft between two joints",

@@ -382,9 +382,9 @@ def chain(joints, batch=()):
 load = Load(drive_torque=1.0)
 for call in (
     lambda: chain(3).evaluate(angle, ("angle", "moment"), load=load),
-    lambda: chain(100_000),
-    lambda: chain(30_000).plan("angle"),
-    lambda: chain(500).evaluate(angle[:2000], ("moment", "support_moment"), load=load),
+    lambda: chain(256, (400,)),
+    lambda: chain(256, (120,)).plan("angle"),
+    lambda: chain(256).evaluate(angle[:2000], ("moment", "support_moment"), load=load),
     lambda: chain(64, (3000,)).evaluate(angle[:3000], "speed_ratio"),
     lambda: chain(8, (20_000, 1)).evaluate(Sweep(0, 6, 50), "angle", reduce="max"),
     lambda: chain(8, (20_000,)).equivalent(),

@@ -120,6 +120,15 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
     (lambda: Machine(TWO).with_duty(TWO, SLOW, [0.4]), "shares", (), "are [0.4]; they must add up"),
     (lambda: Machine(TWO).with_tubes([1], 0.1, 0.06), "wall", (0,), "is 0.06 m; a wall is at most"),
     (lambda: Machine(TWO).with_steering([1, 2, 3]), "centre", (), "has shape (3,); it must be one"),
+    (lambda: Driveline.from_bends(np.full(257, 0.1)), "bends", (), "has 257 joints; a driveline"),
+    (lambda: Driveline.from_bends(np.full((2, 300), 0.1)), "bends", (0,), "has 300 joints; a dr"),
+    (lambda: Driveline.from_points(np.eye(3)[np.arange(300) % 3]), "points", (), "has 298 joints"),
+    (
+        lambda: Driveline.from_slopes(np.zeros(300), np.zeros(300)),
+        "directions",
+        (),
+        "has 299 joints; a dr",
+    ),
 ]
 
 TYPES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [

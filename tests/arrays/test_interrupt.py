@@ -75,17 +75,13 @@ CASES = {
         "lines = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (100_000, 32)))\n"
         "interrupted(lines.optimal_phases)"
     ),
-    "best phases of one long driveline": (
-        "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, 20_000))\n"
-        "interrupted(line.optimal_phases)"
-    ),
     "one setting for states": (
         "bends = np.random.default_rng(1).uniform(0.01, 0.3, (10_000, 5, 6))\n"
         "lines = Driveline.from_bends(bends)\n"
         "interrupted(lambda: lines.optimal_phases(states=1))"
     ),
     "one setting of a long driveline": (
-        "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (3, 400)))\n"
+        "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (3, 256)))\n"
         "interrupted(lambda: line.optimal_phases(states=0))"
     ),
     "best teeth": (

@@ -13,7 +13,7 @@ import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
 from cardan.evaluation.request import REDUCTIONS, Reduction
-from oracle import limits, mp
+from oracle import Exact, ExactTurn, Fold, limits, mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
@@ -764,7 +764,10 @@ def test_a_compensated_shaft_turns_with_the_drive(bend: float, tolerance: float 
     names = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
     angle = np.linspace(-9.0, 9.0, 1001)
     plan = Driveline.from_bends([bend, bend]).plan(names, shafts=2, tolerance=tolerance)
-    assert ", those of the drive" in plan.explain(angle)
+    explained = plan.explain(angle)
+    assert ", those of the drive" in explained
+    assert "shaft 2: turns with the drive, the joints before it compensate each other" in explained
+    assert "sine and cosine: everything turns with the drive" in explained
     found = plan(angle)
     wanted = {name: np.zeros(1001) for name in names} | {
         "angle": angle,
@@ -772,6 +775,17 @@ def test_a_compensated_shaft_turns_with_the_drive(bend: float, tolerance: float 
     }
     for name in names:
         np.testing.assert_array_equal(found[name], wanted[name], name)
+
+
+def test_a_shaft_that_is_nearly_compensated_moves() -> None:
+    """What rounding leaves of two bends is computed, with all its digits."""
+    bends = [0.3, math.nextafter(0.3, 1.0)]
+    plan = Driveline.from_bends(bends).plan("angle_error", tolerance=0)
+    assert "compensate" not in plan.explain(1.0)
+    with mp.workdps(80):
+        error = Fold.of(bends, [0.0], [0.0]).angle_error(ExactTurn.by(1.0))
+        assert abs(error) < 1e-16
+        assert Exact.of([error]).ulps(plan([1.0]).angle_error)[0] <= 0.51
 
 
 def test_a_batch_of_none_has_nothing_to_explain() -> None:

@@ -58,7 +58,7 @@ from cardan.app.pictures.sources import (
     plot_small_angle,
     plot_torque_ratio,
 )
-from cardan.app.pictures.style import STYLE, save
+from cardan.app.pictures.style import STYLE, check_kind, save
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentValueError, nearest
 
@@ -124,6 +124,7 @@ def plot_part(scene: Scene | BallJointScene, name: str) -> Figure:
     Raises:
         ValueError: an unknown name, a scene that lacks what the picture shows.
     """
+    check_kind("scene", scene, Scene, BallJointScene)
     known = pictures()
     if name not in known:
         raise ArgumentValueError("name", f"is {name!r}; {nearest(name, known)}")

@@ -50,6 +50,13 @@ def finite(name: str, value: ArrayLike) -> FloatArray:
     return array
 
 
+def one_number(name: str, value: ArrayLike) -> float:
+    """Return an argument that is one finite number."""
+    array = finite(name, value)
+    check_shape(name, array, array.ndim == 0, "it must be one number")
+    return float(array)
+
+
 def positive(name: str, value: ArrayLike) -> FloatArray:
     """Return an argument as an array whose elements are positive and finite."""
     array = as_float64(name, value)

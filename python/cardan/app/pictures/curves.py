@@ -15,14 +15,15 @@ from cardan.app.pictures.style import (
     MM,
     STYLE,
     WIDTH,
+    check_kind,
     drawing,
     finish,
     legend_above,
     line_style,
     matplotlib,
 )
-from cardan.arrays import as_float64
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays import as_float64, one_number
+from cardan.arrays.errors import ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -72,6 +73,8 @@ def plot_curves(
         ValueError: an unknown output, a load that is missing, a batch of more dimensions or of
             vectors, labels that do not fit, more curves than can be told apart.
     """
+    check_kind("line", line, Driveline)
+    check_kind("output", output, str)
     what = OUTPUTS[checked(output)[0]]
     if len(line.shape) > (0 if what.vector else 1):
         fits = "one driveline" if what.vector else "one driveline or a batch of one dimension"
@@ -80,8 +83,8 @@ def plot_curves(
         )
     turn = panel.TURN if angle is None else angle
     turn = turn if isinstance(turn, Sweep) else as_float64("angle", turn)
-    if len(turn.shape) != 1:
-        raise ArgumentValueError("angle", f"has shape {turn.shape}; a curve needs (samples,)")
+    right = len(turn.shape) == 1 and turn.shape != (0,)
+    check_shape("angle", turn, right, "a curve needs (samples,)")
     asked, count = {
         "shaft": (shaft, line.n_joints + 1),
         "joint": (joint, line.n_joints),
@@ -126,6 +129,7 @@ def plot_harmonics(
         ValueError: an unknown quantity, an order below 1, a batch of more dimensions or more than
             can be told apart, labels that do not fit.
     """
+    check_kind("line", line, Driveline)
     if quantity not in ("angle_error", "speed_ratio"):
         raise ArgumentValueError("quantity", f"is {quantity!r}; known are angle_error, speed_ratio")
     if len(line.shape) > 1:
@@ -170,6 +174,7 @@ def plot_result(result: Result) -> Figure:
     Raises:
         ValueError: a result without a row of drive angles, more curves than can be told apart.
     """
+    check_kind("result", result, Result)
     result = result.compute()
     angle = np.asarray(result.drive_angle)
     assert result._labels is not None  # drive_angle has raised without labels
@@ -259,6 +264,9 @@ def plot_double_joint(
     Raises:
         ValueError: as for ``Driveline.from_double_joint``.
     """
+    length, wear = one_number("length", length), one_number("wear", wear)
+    synchronous_deg = one_number("synchronous_deg", synchronous_deg)
+    largest_deg = one_number("largest_deg", largest_deg)
     total = np.linspace(0.0, largest_deg, _STEPS + 1)
     place = 0.5 * length / np.cos(0.5 * np.radians(synchronous_deg))
     pivots = [("as drawn", place)]

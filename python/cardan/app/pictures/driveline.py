@@ -23,7 +23,7 @@ from cardan.app.pictures.space import (
 )
 from cardan.app.pictures.style import THIN, arrow, check_single, drawing, legend_above, number
 from cardan.app.scene.language.units import LengthUnit
-from cardan.arrays import FloatArray, as_float64
+from cardan.arrays import FloatArray, as_float64, one_number
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 
@@ -61,7 +61,7 @@ def yoke_pins(line: Driveline, angle: float = 0.0) -> FloatArray:
         ValueError: a batch.
     """
     check_single(line)
-    found: FloatArray = pins(line, np.array([angle]))[0]
+    found: FloatArray = pins(line, np.array([one_number("angle", angle)]))[0]
     return found
 
 
@@ -94,6 +94,7 @@ def plot_driveline(
         ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
     check_single(line)
+    angle = one_number("angle", angle)
     if length_unit not in (None, *get_args(LengthUnit)):
         raise ArgumentValueError("length_unit", f"is {length_unit!r}; it must be 'mm' or 'm'")
     places = _places(line, points)

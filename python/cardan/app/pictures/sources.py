@@ -25,8 +25,8 @@ from cardan.app.pictures.style import (
     value_ticks,
     write_angle,
 )
-from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays import FloatArray, finite, one_number
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -53,6 +53,7 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
     Raises:
         ValueError: a bend outside [0, 90°).
     """
+    bend_deg = one_number("bend_deg", bend_deg)
     line = Driveline.from_bends([bend_deg], degrees=True)
     driven = np.degrees(line.evaluate(_HALF_TURN, "angle").angle)
     with drawing(ax) as axes:
@@ -76,13 +77,15 @@ def plot_angle_error(
     Raises:
         ValueError: a bend outside [0, 90°), more bends than can be told apart.
     """
-    lines = Driveline.from_bends(np.reshape(bends_deg, (-1, 1)), degrees=True)
+    bends = finite("bends_deg", bends_deg)
+    check_shape("bends_deg", bends, bends.ndim == 1 and bends.size > 0, "it must be (curves,)")
+    lines = Driveline.from_bends(bends[:, np.newaxis], degrees=True)
     errors = lines[:, np.newaxis].evaluate(_HALF_TURN, "angle_error").angle_error
     places, largest = _extremes(lines)
     to = float(np.max(np.degrees(lines.bends)))
     locus = _extremes(_joints(to))
     with drawing(ax, height_mm=55.0) as axes:
-        for i, (bend, curve) in enumerate(zip(bends_deg, np.degrees(errors), strict=True)):
+        for i, (bend, curve) in enumerate(zip(bends, np.degrees(errors), strict=True)):
             label = f"bend {number(bend)}°: {largest[i]:.3f}° at {places[i]:.1f}°"
             axes.plot(_HALF_TURN_DEG, curve, label=label, **line_style(i))
         # One line through both halves would run along the axis between them.
@@ -131,6 +134,7 @@ def _extremes(lines: Driveline) -> tuple[FloatArray, FloatArray]:
 
 
 def _over_bend(field: str, label: str, to_deg: float, ax: Axes | None) -> Axes:
+    to_deg = one_number("to_deg", to_deg)
     lines = _joints(to_deg)
     values = getattr(lines.equivalent(), field)
     with drawing(ax, height_mm=45.0) as axes:
@@ -145,6 +149,7 @@ def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes
 
     Arguments and errors are those of ``plot_driven_angle``.
     """
+    bend_deg = one_number("bend_deg", bend_deg)
     line = Driveline.from_bends([bend_deg], degrees=True)
     torque = line.evaluate(TURN, "torque", load=Load(drive_torque=1.0)).torque
     with drawing(ax, height_mm=45.0) as axes:
@@ -167,6 +172,7 @@ def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> A
     Raises:
         ValueError: axes that are not polar, a bend outside [0, 90°).
     """
+    bend_deg = one_number("bend_deg", bend_deg)
     line = Driveline.from_bends([bend_deg], degrees=True)
     found = line.evaluate(
         TURN, ("angle", "bending_driving", "bending_driven"), joints=0, load=Load(drive_torque=1.0)
@@ -204,8 +210,8 @@ def plot_small_angle(
     Raises:
         ValueError: an unknown component, a bend outside [0, 90°).
     """
-    if component not in _SYMBOLS:
-        raise ArgumentValueError("component", f"is {component!r}; known are {', '.join(_SYMBOLS)}")
+    check_choice("component", component, tuple(_SYMBOLS))
+    bend_deg = one_number("bend_deg", bend_deg)
     exact, small = _moments(component, bend_deg)
     curves = [(f"exact, bend {bend_deg:g}°", exact), ("for small bends", small)]
     with drawing(ax, height_mm=45.0) as axes:

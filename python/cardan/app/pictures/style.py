@@ -17,7 +17,7 @@ import numpy as np
 from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.files.whole_file import whole_file
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
@@ -83,6 +83,10 @@ def drawing(
 ) -> Iterator[Axes]:
     """Give the axes to draw on: those of the caller, as they are, or new ones in our style."""
     if ax is not None:
+        matplotlib()
+        from matplotlib.axes import Axes
+
+        check_kind("ax", ax, Axes)
         if projection is not None and ax.name != projection:
             raise ArgumentValueError(
                 "ax", f"has projection {ax.name!r}; this picture needs {projection!r}"
@@ -140,8 +144,16 @@ def stacked(panels: Sequence[tuple[float, Callable[[Axes], object]]], title: str
     return figure
 
 
+def check_kind(argument: str, value: object, *kinds: type) -> None:
+    """Refuse a value that is of none of the types that a picture shows."""
+    if not isinstance(value, kinds):
+        known = " or ".join(kind.__name__ for kind in kinds)
+        raise ArgumentTypeError(argument, f"is {value!r}; it must be of type {known}")
+
+
 def check_single(line: Driveline) -> None:
-    """Refuse a batch where a picture shows one driveline."""
+    """Refuse a batch, and what is no driveline, where a picture shows one driveline."""
+    check_kind("line", line, Driveline)
     if line.shape:
         raise ArgumentValueError(
             "line", f"has shape {line.shape}; this picture shows one driveline"

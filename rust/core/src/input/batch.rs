@@ -26,7 +26,7 @@ impl Batch {
     /// if there are no bearings, and deviations if all joints are ideal.
     ///
     /// # Errors
-    /// No joints, an array of another length, and a bearing on a shaft that does not exist.
+    /// No joints or too many, an array of another length, and a bearing on a shaft that does not exist.
     pub fn new(
         joints: usize,
         shape: &[usize],
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn arrays_of_other_lengths_are_refused() {
         let error = Batch::new(0, &[], &[], &Drivelines::default()).unwrap_err();
-        assert_eq!(error.to_string(), "joints is 0; a driveline has at least one");
+        assert_eq!(error.to_string(), "a driveline has no joint; it needs at least one");
         let all = lines();
         for (lines, name, needed) in [
             (Drivelines { bends: &[0.1], ..all }, "bends has 1", 2),

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::input::batch::check_length;
 use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::exact::Chains;
-use crate::mechanics::geometry::Vector;
+use crate::mechanics::geometry::{Vector, check_count};
 
 /// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,9 +69,7 @@ impl<'a> Drivelines<'a> {
 
     /// Checks the arrays that every driveline has, for `count` drivelines of `n` joints.
     pub(crate) fn check_geometry(&self, n: usize, count: usize) -> Result<()> {
-        if n == 0 {
-            return Err(Error::new("joints", &[], "is 0; a driveline has at least one"));
-        }
+        check_count("bends", n)?;
         for (name, array, each) in [
             ("bends", self.bends, n),
             ("twists", self.twists, n - 1),

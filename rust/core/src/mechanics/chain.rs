@@ -173,12 +173,6 @@ impl Transfer {
         DoubleAngle::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
-    /// Cosine and sine of the joint's input angle, up to a common factor.
-    pub(crate) fn waves(&self) -> [Wave; 2] {
-        let [cc, cs, sc, ss] = self.matrix();
-        [Wave::new(cc, cs), Wave::new(sc, ss)]
-    }
-
     /// Whether cancellation left too few digits of the map, given the sum of `tan²(β/2)` of its
     /// joints and the product of `1 + tan²(β/2)`, or bounds on them.
     #[inline(always)]
@@ -189,6 +183,14 @@ impl Transfer {
             x.scaled(scale).norm_squared().high < (Self::LEAST * size * scale).powi(2)
         };
         sum > 0.0 && (part(product, self.a) || part(product * sum.min(1.0), self.b))
+    }
+
+    /// Whether cancellation left too few digits of a row of the matrix, given the product of
+    /// `1 + tan²(β/2)` of the joints or a bound on it.
+    #[inline(always)]
+    pub(crate) fn row_loses_digits(&self, product: f64) -> bool {
+        let [cc, cs, sc, ss] = self.matrix().map(|x| x.high.abs());
+        cc.max(cs).min(sc.max(ss)) < Self::LEAST * product
     }
 
     /// The part of the terms of a sum that cancellation may leave.
@@ -316,29 +318,6 @@ impl Offset {
     /// The angle in rad.
     pub(crate) fn value(self) -> f64 {
         self.quarters.mul_add(HALF_PI[0], self.remainder.value())
-    }
-}
-
-/// A linear combination of cosine and sine of an angle `α`, as `H sin(α + χ)`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wave {
-    /// `H`.
-    pub(crate) height: DoubleDouble,
-    /// `χ`.
-    pub(crate) offset: Offset,
-}
-
-impl Wave {
-    pub(crate) fn new(of_cosine: DoubleDouble, of_sine: DoubleDouble) -> Self {
-        let height = (of_cosine.square() + of_sine.square()).sqrt();
-        let height = height.copysign(of_sine);
-        Self { height, offset: Offset::new(of_sine / height, of_cosine / height) }
-    }
-
-    /// Whether cancellation left too few digits of the combination, as
-    /// [`Transfer::loses_digits`].
-    pub(crate) fn loses_digits(&self, product: f64) -> bool {
-        self.height.high.abs() < Transfer::LEAST * product
     }
 }
 

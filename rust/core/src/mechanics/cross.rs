@@ -10,7 +10,7 @@
 use crate::mechanics::chain::Transfer;
 use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
-use crate::mechanics::turning::turned;
+use crate::mechanics::turning::TurnMatrix;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -19,9 +19,8 @@ use crate::number::float::Real;
 /// input angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cross<T> {
-    /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's input angle,
-    /// multiplied by a positive length.
-    matrix: [T; 4],
+    /// The map from the drive to this joint's input angle.
+    pub(crate) matrix: TurnMatrix<T>,
     /// `sin β`.
     sine: T,
     /// `cos β`.
@@ -44,7 +43,7 @@ impl<T: Real> Cross<T> {
         let outward = |i: usize| in_plane[i] * joint.cos - joint.sin * shaft[i];
         let near = |vector: [DoubleDouble; 3]| vector.map(T::from_double_double);
         Self {
-            matrix: transfer.matrix().map(T::from_double_double),
+            matrix: TurnMatrix::new(transfer.matrix()),
             sine: T::from_double_double(joint.sin),
             cosine: T::from_double_double(joint.cos),
             inward: near(in_plane),
@@ -56,23 +55,21 @@ impl<T: Real> Cross<T> {
     /// The cross by sine and cosine of the bend, for sine and cosine of the joint's input angle and for
     /// what is no vector.
     pub(crate) fn of_bend(sine: T, cosine: T) -> Self {
-        let [zero, one] = [0.0, 1.0].map(T::from_f64);
-        let (matrix, none) = ([one, zero, zero, one], [zero; 3]);
+        let (matrix, none) = (TurnMatrix::identity(), [T::from_f64(0.0); 3]);
         Self { matrix, sine, cosine, inward: none, outward: none, normal: none }
     }
 
     /// The cross for sine and cosine of the joint's input angle.
     #[inline(always)]
     pub(crate) fn by_own_pins(self) -> Self {
-        let [zero, one] = [0.0, 1.0].map(T::from_f64);
-        Self { matrix: [one, zero, zero, one], ..self }
+        Self { matrix: TurnMatrix::identity(), ..self }
     }
 
     /// Sine and cosine of the joint's input angle, multiplied by a common length, and the square of
     /// that length multiplied by `sin² α + cos² β cos² α`.
     #[inline(always)]
     fn turn(&self, s: T, c: T) -> (T, T, T) {
-        let (sine, cosine) = turned(self.matrix, s, c);
+        let (sine, cosine) = self.matrix.turn(s, c);
         let across = self.cosine * cosine;
         (sine, cosine, across.mul_add(across, sine.square()))
     }
@@ -118,8 +115,8 @@ impl<T: Real> Cross<T> {
     pub(crate) fn turning_pin(&self, driving: bool) -> ([[T; 3]; 3], TurningPin<T>) {
         let (e, m) = (if driving { self.inward } else { self.outward }, self.normal);
         let shaft = [(1, 2), (2, 0), (0, 1)].map(|(j, k)| e[j].mul_add(m[k], -(e[k] * m[j])));
-        let [cc, cs, sc, ss] = self.matrix;
-        let driven = || [-sc, -ss, self.cosine * cc, self.cosine * cs];
+        let TurnMatrix([cc, cs, sc, ss]) = self.matrix;
+        let driven = || TurnMatrix([-sc, -ss, self.cosine * cc, self.cosine * cs]);
         ([shaft, e, m], TurningPin(if driving { self.matrix } else { driven() }))
     }
 }
@@ -127,14 +124,14 @@ impl<T: Real> Cross<T> {
 /// The map from `(cos α, sin α)` of the drive to the components of a pin in the plane in which it
 /// turns, multiplied by a positive length.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TurningPin<T>([T; 4]);
+pub(crate) struct TurningPin<T>(TurnMatrix<T>);
 
 impl<T: Real> TurningPin<T> {
     /// A vector with components along the shaft and the axes of that plane, along the shaft, the pin
     /// and across both.
     #[inline(always)]
     pub(crate) fn components(&self, [x, y, z]: [T; 3], s: T, c: T) -> [T; 3] {
-        let (b, a) = turned(self.0, s, c);
+        let (b, a) = self.0.turn(s, c);
         let inverse = (a.square() + b.square()).sqrt().recip();
         [x, a.mul_add(y, b * z) * inverse, a.mul_add(z, -(b * y)) * inverse]
     }
@@ -145,7 +142,7 @@ impl<T: Atan> Cross<T> {
     /// (Grossmann (3)).
     #[inline(always)]
     pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
-        let (sine, cosine) = turned(self.matrix, s, c);
+        let (sine, cosine) = self.matrix.turn(s, c);
         let length = (sine.square() + cosine.square()).sqrt();
         T::atan_any(self.sine * sine, self.cosine * length)
     }

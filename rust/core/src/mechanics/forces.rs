@@ -24,6 +24,7 @@
 //! is steep their terms cancel.
 
 use crate::mechanics::moment::Pose;
+use crate::mechanics::turning::TurnMatrix;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
@@ -120,7 +121,7 @@ impl<T: Real> Pose<T> {
     /// inverse determinant of the map before the joint.
     #[inline(always)]
     pub(crate) fn parts_of_drive(&self, inverse: T) -> [[T; 3]; PARTS] {
-        let [cc, cs, sc, ss] = self.matrix;
+        let TurnMatrix([cc, cs, sc, ss]) = self.matrix;
         let product = |[xc, xs]: [T; 2], [yc, ys]: [T; 2]| {
             [xs * ys, xc * yc, xs.mul_add(yc, xc * ys)].map(|x| x * inverse)
         };

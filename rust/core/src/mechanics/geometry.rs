@@ -18,6 +18,10 @@ pub type Vector = Vector3<f64>;
 /// from rounded coordinates, and the normal of such a joint would be noise.
 const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 
+/// The most joints of a driveline. Some answers look at every joint for each of the joints, and take
+/// seconds with so many.
+pub const MOST_JOINTS: usize = 256;
+
 /// The geometry of one driveline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
@@ -37,10 +41,10 @@ impl Geometry {
     /// From bends, twists and phases in rad, in the frame `u_0 = +x`, `m_0 = +z`.
     ///
     /// # Errors
-    /// A bend outside `[0, π/2)`, a twist or phase that is not finite, or lengths other than
-    /// `n`, `n − 1` and `n − 1`.
+    /// No joint or more than [`MOST_JOINTS`], a bend outside `[0, π/2)`, a twist or phase that is not
+    /// finite, or lengths other than `n`, `n − 1` and `n − 1`.
     pub fn from_bends(bends: &[f64], twists: &[f64], phases: &[f64]) -> Result<Self> {
-        check_count(bends.len())?;
+        check_count("bends", bends.len())?;
         check_between("twists", twists, bends.len())?;
         check_between("phases", phases, bends.len())?;
         let mut u = Vector::x();
@@ -70,8 +74,8 @@ impl Geometry {
     /// if it lies along `z`. Phases are in rad.
     ///
     /// # Errors
-    /// A direction that is zero or not finite, a bend of 90° or more, a wrong number of phases, or
-    /// a phase that is not finite.
+    /// No joint or more than [`MOST_JOINTS`], a direction that is zero or not finite, a bend of 90° or
+    /// more, a wrong number of phases, or a phase that is not finite.
     pub fn from_directions(directions: &[Vector], phases: &[f64]) -> Result<Self> {
         Self::from_spans("directions", directions, phases, |i, v| {
             let rule = "a direction must be finite and not zero";
@@ -118,7 +122,7 @@ impl Geometry {
         phases: &[f64],
         degenerate: impl Fn(usize, &Vector) -> Error,
     ) -> Result<Self> {
-        check_count(spans.len().saturating_sub(1))?;
+        check_count(argument, spans.len().saturating_sub(1))?;
         let n = spans.len() - 1;
         check_between("phases", phases, n)?;
         let mut scaled = Vec::with_capacity(n + 1);
@@ -163,9 +167,14 @@ impl Geometry {
     }
 }
 
-fn check_count(joints: usize) -> Result<()> {
+/// Refuses a driveline without joints or with too many, of which the argument is at fault.
+pub(crate) fn check_count(argument: &'static str, joints: usize) -> Result<()> {
     if joints == 0 {
         return Err(Error::new("a driveline", &[], "has no joint; it needs at least one"));
+    }
+    if joints > MOST_JOINTS {
+        let problem = format!("has {joints} joints; a driveline has at most {MOST_JOINTS}");
+        return Err(Error::new(argument, &[], problem));
     }
     Ok(())
 }
@@ -260,6 +269,18 @@ mod tests {
             Geometry::from_points(&[at(0.0), at(f64::MAX), at(-f64::MAX)], &[]).unwrap_err();
         assert!(error.to_string().contains("points[2] is (-1797"), "{error}");
         assert!(error.to_string().contains(") after (1797"), "{error}");
+    }
+
+    #[test]
+    fn no_driveline_has_more_than_the_most_joints() {
+        let made =
+            |n: usize| Geometry::from_bends(&vec![0.1; n], &vec![0.2; n - 1], &vec![0.3; n - 1]);
+        assert!(made(MOST_JOINTS).is_ok());
+        let error = made(MOST_JOINTS + 1).unwrap_err();
+        assert_eq!(error.to_string(), "bends has 257 joints; a driveline has at most 256");
+        let points: Vec<_> = (0..300).map(|i| Vector::new(f64::from(i), 0.0, 0.0)).collect();
+        let error = Geometry::from_points(&points, &[0.0; 297]).unwrap_err();
+        assert_eq!(error.to_string(), "points has 298 joints; a driveline has at most 256");
     }
 
     #[test]

@@ -15,16 +15,15 @@
 use crate::mechanics::chain::Transfer;
 use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
-use crate::mechanics::turning::turned;
+use crate::mechanics::turning::TurnMatrix;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
 /// One joint of a driveline in space, and the map from the drive angle to its input angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<T> {
-    /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's input angle,
-    /// multiplied by a positive length.
-    pub(super) matrix: [T; 4],
+    /// The map from the drive to this joint's input angle.
+    pub(crate) matrix: TurnMatrix<T>,
     /// `sin β`.
     sine: T,
     /// `cos β`.
@@ -93,6 +92,12 @@ impl<T: Real> Pose<T> {
         }
     }
 
+    /// The same pose for the pins of the joint itself.
+    #[inline(always)]
+    pub(crate) fn by_own_pins(self) -> Self {
+        Self { matrix: TurnMatrix::identity(), ..self }
+    }
+
     /// The moment vector on the driven shaft for a torsion. The normal of a `PLANAR` pose is along
     /// the last axis.
     #[inline(always)]
@@ -148,7 +153,7 @@ impl<T: Real> Pose<T> {
             vector.map(|x| T::from_double_double(x * factor))
         };
         Self {
-            matrix: transfer.matrix().map(T::from_double_double),
+            matrix: TurnMatrix::new(transfer.matrix()),
             sine: T::from_double_double(joint.sin),
             cosine: T::from_double_double(joint.cos),
             tangent: T::from_double_double(tangent),
@@ -162,10 +167,9 @@ impl<T: Real> Pose<T> {
     /// The pose of a joint from sine and cosine of its bend. It serves sine and cosine of the joint's
     /// input angle, and outputs that are not vectors.
     pub(crate) fn of_bend(sine: T, cosine: T) -> Self {
-        let [zero, one] = [0.0, 1.0].map(T::from_f64);
-        let none = [zero; 3];
+        let none = [T::from_f64(0.0); 3];
         Self {
-            matrix: [one, zero, zero, one],
+            matrix: TurnMatrix::identity(),
             sine,
             cosine,
             tangent: sine / cosine,
@@ -185,9 +189,9 @@ impl<T: Real> Pose<T> {
     ) -> Self {
         let out_plane = |i: usize| in_plane[i] * joint.cos - joint.sin * shaft[i];
         let near = |vector: [DoubleDouble; 3]| vector.map(T::from_double_double);
-        let [zero, one] = [0.0, 1.0].map(T::from_f64);
+        let one = T::from_f64(1.0);
         Self {
-            matrix: [one, zero, zero, one],
+            matrix: TurnMatrix::identity(),
             sine: one,
             cosine: one,
             tangent: one,
@@ -212,7 +216,7 @@ impl<T: Real> Pose<T> {
     /// and cosine of the drive angle.
     #[inline(always)]
     fn turn(&self, s: T, c: T) -> (T, T) {
-        turned(self.matrix, s, c)
+        self.matrix.turn(s, c)
     }
 
     /// The parts of a torsion, from unnormalised sine and cosine of the drive angle.

@@ -263,9 +263,12 @@ impl Plan {
         self.forces.is_some() && !self.refers_forces && !self.as_built
     }
 
-    /// Whether any step of the load reads pins.
-    pub(crate) fn loads_read_pins(&self) -> bool {
-        self.any_joint.torsion || self.shafts.iter().any(|step| step.keep_ratio)
+    /// Whether the load or the cross of a joint behind the first reads pins with all digits of numbers
+    /// with error terms.
+    pub(crate) fn needs_wide_pins(&self) -> bool {
+        let loads = self.any_joint.torsion || self.shafts.iter().any(|step| step.keep_ratio);
+        let crosses = || self.joints.iter().skip(1).any(|step| step.needs_cross);
+        self.has_wide_loads() && loads || self.any_joint.cross && crosses()
     }
 
     /// Whether the cross of the first joint is needed. Only its pins are those of the drive.

@@ -387,8 +387,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             let mut load = |scratch: &mut Scratch<T>, fresh| {
                 let window = window.clone();
                 kernels::run_load(
-                    level, plan, load, table, drive, folded, geometry, scratch, planes, window,
-                    fresh,
+                    level, plan, load, table, drive, folded, chains, geometry, scratch, planes,
+                    window, fresh,
                 )
             };
             if !load(scratch, fresh) {

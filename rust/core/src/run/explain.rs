@@ -284,7 +284,13 @@ impl Plan {
         if self.load.is_none() {
             skipped.push("torques and moments: not asked for".into());
         }
-        if !self.needs_poses() && self.moving().next().is_none() {
+        for (step, &(route, _)) in self.shafts.iter().zip(&choices.shafts) {
+            if route == Route::Drive && choices.routes.is_bent(step.shaft) {
+                let why = "the joints before it compensate each other exactly";
+                skipped.push(format!("shaft {}: turns with the drive, {why}", step.shaft));
+            }
+        }
+        if !self.needs_poses() && choices.shafts.iter().all(|&(route, _)| route == Route::Drive) {
             skipped.push("sine and cosine: everything turns with the drive".into());
         }
         skipped.extend(self.vanishing(table));

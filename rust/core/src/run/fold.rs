@@ -5,14 +5,14 @@
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
-use crate::mechanics::chain::{Transfer, Wave};
+use crate::mechanics::chain::Transfer;
 use crate::mechanics::cross::Cross;
 use crate::mechanics::exact::{ExactMap, ExactMaps, To};
 use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
-use crate::mechanics::turning::Turning;
+use crate::mechanics::turning::{TurnMatrix, Turning};
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -38,9 +38,6 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) crosses: Vec<Vec<Cross<T>>>,
     /// Per joint: cosine and sine of its driving shaft's phase, if support moments turn with it.
     pub(crate) phases: Vec<Vec<[T; 2]>>,
-    /// Per joint behind the first, if crosses need them and numbers have error terms: cosine and sine
-    /// of the joint's input angle, up to a common factor, as functions of the drive angle.
-    pub(crate) waves: Vec<Vec<[Wave; 2]>>,
     /// The number of each driveline in the batch, if numbers have error terms.
     pub(crate) lines: Vec<usize>,
     /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
@@ -107,7 +104,6 @@ impl<T: Angle> Folded<T> {
         }
         let (poses, crosses) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let phases = vec![vec![]; plan.joint_count];
-        let waves = vec![vec![]; plan.joint_count];
         let turnings = vec![vec![]; plan.joint_count + 1];
         let forces = FoldedForces::new(plan);
         Self {
@@ -115,7 +111,6 @@ impl<T: Angle> Folded<T> {
             poses,
             crosses,
             phases,
-            waves,
             turnings,
             lines: vec![],
             forces,
@@ -203,7 +198,6 @@ impl<T: Angle> Folded<T> {
         self.crosses.iter_mut().for_each(Vec::clear);
         self.phases.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
-        self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
         self.forces.clear();
         for (group, numbers) in numbers.chunks(LANES).enumerate() {
@@ -232,14 +226,12 @@ impl<T: Angle> Folded<T> {
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self { shafts, poses, crosses, waves, turnings, forces, .. } = self;
+        let Self { shafts, poses, crosses, turnings, forces, .. } = self;
         let Self { lines: own, frames, maps, turns, .. } = self;
         let mut kept = vec![ExactMaps::default(); if T::LOW { length } else { 0 }];
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
-        if T::LOW {
-            own.extend(numbers);
-        }
+        own.extend(numbers.iter().filter(|_| T::LOW));
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let apart = numbers.iter().enumerate().filter(|&(i, &line)| line != numbers[0] + i).count();
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
@@ -278,11 +270,12 @@ impl<T: Angle> Folded<T> {
                 let maps = maps.read(length);
                 forces.push_determinants(j, (0..length).map(|i| maps.complement(i)));
             }
-            if T::LOW && j > 0 && plan.joints[j].needs_cross {
-                let maps = maps.read(length);
-                let mut exact = |i: usize| kept[i].map(lines.chains(n), numbers[i], To::Joint(j));
-                let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
-                waves[j].extend((0..length).map(lane));
+            if T::LOW && j > 0 && plan.needs_pose(j) {
+                let (maps, to) = (maps.read(length), To::Joint(j));
+                for i in (0..length).filter(|&i| maps.row_loses_digits(i, products[i])) {
+                    let exact = kept[i].map(lines.chains(n), numbers[i], to);
+                    set_exact(&exact, (j, start + i), &mut poses[j], &mut crosses[j], forces);
+                }
             }
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
@@ -353,6 +346,24 @@ fn push_places<T: Angle>(
     }
 }
 
+/// Replaces the map of the driveline with the index `index` before a joint.
+fn set_exact<T: Angle>(
+    exact: &ExactMap,
+    (joint, index): (usize, usize),
+    poses: &mut [Pose<T>],
+    crosses: &mut [Cross<T>],
+    forces: &mut FoldedForces<T>,
+) {
+    let matrix = TurnMatrix::new(exact.matrix());
+    if let Some(pose) = poses.get_mut(index) {
+        pose.matrix = matrix;
+    }
+    if let Some(cross) = crosses.get_mut(index) {
+        cross.matrix = matrix;
+    }
+    forces.set_determinant(joint, index, exact.transfer().complement);
+}
+
 /// Parameter `j` of the drivelines with these numbers, each of which has `each`.
 #[inline(always)]
 fn gather(
@@ -369,17 +380,6 @@ fn gather(
     for (x, line) in out.iter_mut().zip(numbers) {
         *x = data[line * each + j];
     }
-}
-
-/// Cosine and sine of a joint's input angle, from an exact map if this one has lost digits.
-#[inline(always)]
-fn waves_of(map: &Transfer, product: f64, exact: impl FnOnce() -> ExactMap) -> [Wave; 2] {
-    let near = map.waves();
-    if !near.iter().any(|wave| wave.loses_digits(product)) {
-        return near;
-    }
-    let [cc, cs, sc, ss] = exact().matrix();
-    [Wave::new(cc, cs), Wave::new(sc, ss)]
 }
 
 /// A joint with the digits that poses of this number type need.

@@ -74,6 +74,19 @@ impl<T: Real> FoldedForces<T> {
         self.inverse_determinants[joint].extend(inverses.map(T::from_double_double));
     }
 
+    /// Replaces the determinant of a driveline's map before a joint, if any force needs it.
+    pub(crate) fn set_determinant(
+        &mut self,
+        joint: usize,
+        index: usize,
+        determinant: DoubleDouble,
+    ) {
+        let own = self.inverse_determinants.get_mut(joint).and_then(|own| own.get_mut(index));
+        if let Some(inverse) = own {
+            *inverse = T::from_double_double(DoubleDouble::ONE / determinant);
+        }
+    }
+
     /// Appends the coefficients of a driveline with the number `line`, which has the index `index`
     /// here, and whose joints have the poses `pose_of(joint)`.
     #[inline(always)]

@@ -185,6 +185,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     table: &Table<'_>,
     drive: DriveAngles<'_>,
     folded: &Folded<T>,
+    chains: Chains<'_>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [Plane<'_, W>],
@@ -193,7 +194,9 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
 ) -> bool {
     let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
     let size = window.len();
-    load::run_load(level, plan, load, table, drive, folded, geometry, scratch, outputs, size, fresh)
+    load::run_load(
+        level, plan, load, table, drive, folded, chains, geometry, scratch, outputs, size, fresh,
+    )
 }
 
 /// [`Reduction::take`].

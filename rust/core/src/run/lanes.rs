@@ -78,6 +78,12 @@ impl MapsView<'_> {
         let [.., complement] = &self.0;
         complement.get(i)
     }
+
+    /// [`Transfer::row_loses_digits`].
+    pub(super) fn row_loses_digits(&self, i: usize, product: f64) -> bool {
+        let transfer: Transfer = self.at(i);
+        transfer.row_loses_digits(product)
+    }
 }
 
 impl Lane<Transfer> for MapsView<'_> {

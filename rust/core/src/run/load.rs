@@ -3,12 +3,13 @@
 use std::cell::Cell;
 
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
+use crate::mechanics::exact::Chains;
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::float::{Float, Real};
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, View, ViewMut, views_mut};
-use crate::number::strips::{At, OneByOne, Same, Strips};
+use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
 use crate::number::{Number, Precision};
 use crate::plan::output::{self, Output};
 use crate::plan::request::{Axes, End};
@@ -25,6 +26,7 @@ use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
 use crate::run::supports::{run_supports, run_turning_supports};
 use crate::run::torsion_parts;
+use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 
@@ -40,6 +42,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     table: &Table<'_>,
     drive: DriveAngles<'_>,
     folded: &Folded<T>,
+    chains: Chains<'_>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     outputs: &mut Outputs<'_, '_, W>,
@@ -47,11 +50,13 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     fresh: bool,
 ) -> bool {
     let mut valid = true;
+    let lines = ChunkLines { chains, numbers: &folded.lines, geometry };
     let shares_power = scratch.cursors[TORQUE].1 == 0 && !load.absorbs();
     let Scratch {
         gathered,
         pins,
         wide_pins,
+        turned_pins,
         rates,
         power,
         kept_power,
@@ -71,6 +76,11 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             #[inline(always)]
             |geometry, compact, _| run_all_rates(folded, geometry, pins, rates, size, compact),
         );
+        for (shaft, (turnings, rates)) in folded.turnings.iter().zip(&mut *rates).enumerate() {
+            if !turnings.is_empty() && !rates[1].is_empty() {
+                turned::mend_accelerations(turnings, shaft, lines, drive, rates, size);
+            }
+        }
     }
     let ratio = |shaft: usize| rates[shaft][0].view(size);
     let bent = plan.first_bent();
@@ -116,6 +126,13 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             let joint = station.shaft - 1;
             let poses = &folded.poses[joint][..geometry.count(size)];
             let power = power.view(size);
+            let own_pins = if T::LOW && joint > 0 && !plan.as_built {
+                let maps = mapped(OneByOne(poses), |pose: Pose<T>| pose.matrix);
+                turned::find_turned(level, maps, joint, lines, drive, pins, turned_pins);
+                pins_of(turned_pins, size)
+            } else {
+                pins
+            };
             if station.force_power && weighs_power {
                 let inputs = (power, forces.inverse_squares.view(size));
                 let parts = &mut forces.parts[joint];
@@ -125,8 +142,8 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                     #[inline(always)]
                     |geometry, compact, _| {
                         let parts = views_mut(parts, 0, size);
-                        with_constants!(compact, geometry, OneByOne(poses), at => {
-                            torsion_parts::of_power(at, pins, inputs, parts);
+                        with_constants!(compact, geometry, at_pins(poses), at => {
+                            torsion_parts::of_power(at, own_pins, inputs, parts);
                         });
                     },
                 );
@@ -174,7 +191,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                             step,
                             poses,
                             geometry,
-                            pins,
+                            [pins; 2],
                             loads,
                             &mut buffers,
                             outputs,
@@ -196,7 +213,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                             step,
                             poses,
                             geometry,
-                            pins,
+                            [pins, own_pins],
                             loads,
                             &mut buffers,
                             outputs,
@@ -216,7 +233,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                         let buffers = (&mut *buffers.0, &mut *buffers.1);
                         let outputs = &mut outputs.by(stores);
                         run_turning_moments(
-                            step, places, geometry, pins, torsion, buffers, outputs, compact,
+                            step, places, geometry, own_pins, torsion, buffers, outputs, compact,
                         );
                     },
                 );
@@ -266,6 +283,19 @@ fn run_inertia<T: Number + Compiled>(
     }
 }
 
+/// The pose for the pins that a load reads: with error terms those of the joint, else those of the
+/// drive.
+#[inline(always)]
+fn own<T: Real>(pose: Pose<T>) -> Pose<T> {
+    if T::LOW { pose.by_own_pins() } else { pose }
+}
+
+/// The poses of a joint, for those pins.
+#[inline(always)]
+fn at_pins<T: Real>(poses: &[Pose<T>]) -> impl Strips<Value = Pose<T>> {
+    mapped(OneByOne(poses), own)
+}
+
 /// The loads of a joint in a chunk.
 #[derive(Clone, Copy)]
 struct JointLoads<'a, T: Real> {
@@ -279,7 +309,8 @@ struct JointLoads<'a, T: Real> {
     unit: Option<&'a [Column<T>; 3]>,
 }
 
-/// Moments of one joint and parts of its torsion.
+/// Moments of one joint and parts of its torsion, from the pins of the drive and those that the poses
+/// are for.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
 fn run_joint<T: Number, W: Float>(
@@ -287,7 +318,7 @@ fn run_joint<T: Number, W: Float>(
     step: &JointStep,
     poses: &[Pose<T>],
     geometry: GeometryIndex,
-    pins: impl SinCosBlocks<T>,
+    [drive_pins, pins]: [impl SinCosBlocks<T>; 2],
     JointLoads { torsion, power, turning, unit }: JointLoads<'_, T>,
     (parts, support, forces): &mut (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
@@ -295,7 +326,7 @@ fn run_joint<T: Number, W: Float>(
     compact: bool,
 ) {
     if let Some(power) = power {
-        torsion_parts::of_drive(pins, power, views_mut(&mut forces.parts[joint], 0, size));
+        torsion_parts::of_drive(drive_pins, power, views_mut(&mut forces.parts[joint], 0, size));
     }
     let Some(torsion) = torsion else { return };
     if let Some(unit) = unit {
@@ -303,7 +334,7 @@ fn run_joint<T: Number, W: Float>(
         let parts = (&mut **parts, of_forces);
         as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
     } else {
-        with_constants!(compact, geometry, OneByOne(poses), at => {
+        with_constants!(compact, geometry, at_pins(poses), at => {
             run_magnitudes(step, at, pins, torsion, outputs);
             if !turning && step.needs_support() {
                 torsion_parts::of_torsion(at, pins, torsion, views_mut(parts, 0, size));
@@ -317,13 +348,13 @@ fn run_joint<T: Number, W: Float>(
     if let GeometryIndex::Shared(index) = geometry
         && let Some(axes) = poses[index].plane_axes()
     {
-        let at = Same(poses[index].with_axes(axes));
+        let at = Same(own(poses[index]).with_axes(axes));
         if unit.is_none() {
             run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
         }
         run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
     } else {
-        with_constants!(compact, geometry, OneByOne(poses), at => {
+        with_constants!(compact, geometry, at_pins(poses), at => {
             if unit.is_none() {
                 run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
             }
@@ -349,12 +380,12 @@ fn run_turning_moments<T: Number, W: Float>(
     let size = torsion.len();
     if let Some(plane) = step.planes.get(Output::Moment) {
         let out = outputs.several([plane, plane + 1, plane + 2]);
-        with_constants!(compact, geometry, OneByOne(poses), at => {
+        with_constants!(compact, geometry, at_pins(poses), at => {
             map::turning_moment(at, pins, torsion, out);
         });
     }
     if step.needs_support() {
-        let places = OneByOne((poses, &phases[..poses.len()]));
+        let places = (at_pins(poses), &phases[..poses.len()]);
         with_constants!(compact, geometry, places, at => {
             torsion_parts::turning_supports(at, pins, torsion, views_mut(parts, 0, size));
         });

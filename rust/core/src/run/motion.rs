@@ -51,8 +51,17 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     fresh: bool,
 ) -> bool {
     let mut valid = true;
-    let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
-        scratch;
+    let Scratch {
+        pins,
+        wide_pins,
+        double_sin_cos,
+        groups,
+        rotated_pins,
+        turned_pins,
+        rates,
+        errors,
+        ..
+    } = scratch;
     let pins = pins_of(pins, size);
     let double_sin_cos = pins_of(double_sin_cos, size);
     let lines = ChunkLines { chains, numbers: &folded.lines, geometry };
@@ -184,8 +193,9 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
         let crosses = OneByOne(&crosses[..geometry.count(size)]);
         let ratio = &rates[joint][0];
         if T::LOW && joint > 0 {
-            let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
-            turned::find_turned(level, waves, joint, lines, drive, buffers, size);
+            let maps = mapped(crosses, |cross| cross.matrix);
+            let wide_pins = pins_of(wide_pins, size);
+            turned::find_turned(level, maps, joint, lines, drive, wide_pins, turned_pins);
             let (pins, own) = (pins_of(turned_pins, size), mapped(crosses, Cross::by_own_pins));
             run_for_geometry::<T, _>(
                 level,

@@ -57,9 +57,8 @@ impl<T: Number> Scratch<T> {
             rates[step.shaft] = kept.map(|kept| Column::new(size(kept)));
         }
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let wide = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
+        let wide = T::LOW && plan.needs_wide_pins();
         let needs_pins = !routes.splits() || steep || plan.needs_poses();
-        let crosses = T::LOW && plan.needs_sense();
         let behind_chain = plan.moving().any(|step| step.shaft > 1);
         let loaded = plan.load.is_some();
         let moments = plan.any_joint.torsion;
@@ -72,9 +71,9 @@ impl<T: Number> Scratch<T> {
             wide_pins: columns(size(wide)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
-            rotated_pins: columns(size(crosses || T::LOW && behind_chain)),
+            rotated_pins: columns(size(T::LOW && behind_chain)),
             rotates_pins: needs_pins && behind_chain,
-            turned_pins: columns(size(crosses)),
+            turned_pins: columns(size(wide && plan.reach() > 1)),
             rates,
             power: Column::new(size(loaded)),
             kept_power: 0,

@@ -141,7 +141,7 @@ pub(crate) fn sines_needed<T: Number>(
     if plan.as_built {
         return NeededSines { pins: false, wide_pins: false, double_angles: false };
     }
-    let wide_pins = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
+    let wide_pins = T::LOW && plan.needs_wide_pins();
     let poses = if wide_pins { plan.needs_first_cross() } else { plan.needs_poses() };
     let mut needed = NeededSines { pins: poses, wide_pins, double_angles: false };
     for step in &plan.shafts {

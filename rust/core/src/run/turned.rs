@@ -5,19 +5,20 @@
 //! the chain's offset is reduced instead. The few samples whose sum cancels as well are computed
 //! with as many digits as it takes.
 
-use crate::mechanics::chain::{Offset, Wave};
+use crate::mechanics::chain::Offset;
 use crate::mechanics::exact::{Chains, ExactSamples, To};
+use crate::mechanics::turning::{TurnMatrix, Turning};
 use crate::number::Number;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::Float;
+use crate::number::float::{Float, Real};
 use crate::number::series;
 use crate::number::storage::{Column, ViewMut, views_mut};
-use crate::number::strips::{At, Same, mapped};
+use crate::number::strips::{At, Same, Strips};
 use crate::plan::route::Route;
 use crate::run::constants::{FoldedShaft, GeometryIndex, run_for_geometry, with_constants};
 use crate::run::level::{Compiled, Level};
-use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PlainSinCos};
+use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, SinCos};
 
 /// The drivelines of a chunk, in the batch.
 #[derive(Clone, Copy)]
@@ -30,9 +31,14 @@ pub(crate) struct ChunkLines<'a> {
 
 impl<'a> ChunkLines<'a> {
     fn of(self, i: usize) -> usize {
+        self.numbers[self.place(i)]
+    }
+
+    /// The place of a sample's driveline among the folded ones.
+    fn place(self, i: usize) -> usize {
         match self.geometry {
-            GeometryIndex::Shared(index) => self.numbers[index],
-            GeometryIndex::PerSample => self.numbers[i],
+            GeometryIndex::Shared(index) => index,
+            GeometryIndex::PerSample => i,
         }
     }
 
@@ -71,10 +77,7 @@ pub(crate) fn find_own_pins<T: Number + Compiled>(
         },
     );
     if near {
-        let at = |i: usize| match geometry {
-            GeometryIndex::Shared(index) => offsets.at(index),
-            GeometryIndex::PerSample => offsets.at(i),
-        };
+        let at = |i: usize| offsets.at(lines.place(i));
         let [sine, cosine] = views_mut(pins, 0, size);
         mend_pins(lines, number, steep, at, drive, sine, cosine);
     }
@@ -149,10 +152,7 @@ fn mend_small_angles<T: Number, W: Float>(
     let mut samples = lines.samples(To::Shaft(number));
     let offsets = shaft.offsets(lines.geometry, size);
     for (i, angle) in out.iter_mut().enumerate().filter(|(i, angle)| is_small(*i, **angle)) {
-        let index = match lines.geometry {
-            GeometryIndex::Shared(index) => index,
-            GeometryIndex::PerSample => i,
-        };
+        let index = lines.place(i);
         let k = shaft.k(route == Route::Tangent, lines.geometry, index, size);
         let (offset, reduced) = (offsets.at(index), drive.reduced(i));
         // The shaft's angle is that of w − k e^{−2iφ} w̄.
@@ -170,65 +170,77 @@ fn mend_small_angles<T: Number, W: Float>(
     }
 }
 
-/// Cosine and sine of a joint's input angle, multiplied by a positive length.
+/// Sine and cosine of a joint's input angle, multiplied by a positive length, from the pins of the
+/// drive and the joint's map.
 pub(crate) fn find_turned<T: Number + Compiled>(
     level: Level,
-    waves: &[[Wave; 2]],
+    at: impl Strips<Value = TurnMatrix<T>>,
     joint: usize,
     lines: ChunkLines<'_>,
     drive: DriveAngles<'_>,
-    [turned, spare]: [&mut [Column<T>; 2]; 2],
-    size: usize,
+    pins: SinCos<'_, T>,
+    turned: &mut [Column<T>; 2],
 ) {
-    let mut near = false;
-    for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
-        let waves = mapped(waves, |waves| waves[which]);
-        near |= run_for_geometry::<T, _>(
-            level,
-            lines.geometry,
-            #[inline(always)]
-            |geometry, compact, _| {
-                with_constants!(compact, geometry, waves, at => {
-                    let [sine, cosine] = views_mut(spare, 0, size);
-                    let offset = mapped(at, |wave: Wave| wave.offset);
-                    let near = array::fill_turned::<PlainSinCos, T>(offset, drive, sine, cosine);
-                    let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
-                    for i in 0..size {
-                        out.set(i, T::from_double_double(at.at(i).height) * sine.get(i));
-                    }
-                    near
-                })
-            },
-        );
-    }
+    let size = pins.len();
+    let near = run_for_geometry::<T, _>(
+        level,
+        lines.geometry,
+        #[inline(always)]
+        |geometry, compact, _| {
+            with_constants!(compact, geometry, at, at => {
+                let [sine, cosine] = views_mut(turned, 0, size);
+                array::turn(at, pins, sine, cosine)
+            })
+        },
+    );
     if near {
-        let [sine, cosine] = views_mut(turned, 0, size);
-        mend_turned(waves, joint, lines, drive, sine, cosine);
+        mend_turned(at, joint, lines, drive, pins, views_mut(turned, 0, size));
     }
 }
 
 #[cold]
 #[inline(never)]
 fn mend_turned<T: Number>(
-    waves: &[[Wave; 2]],
+    at: impl At<Value = TurnMatrix<T>>,
     joint: usize,
     lines: ChunkLines<'_>,
     drive: DriveAngles<'_>,
-    mut sine: ViewMut<'_, T>,
-    mut cosine: ViewMut<'_, T>,
+    pins: SinCos<'_, T>,
+    [mut sine, mut cosine]: [ViewMut<'_, T>; 2],
 ) {
     let mut samples = lines.samples(To::Joint(joint));
-    for i in 0..sine.len() {
-        let index = match lines.geometry {
-            GeometryIndex::Shared(index) => index,
-            GeometryIndex::PerSample => i,
-        };
-        let reduced = drive.reduced(i);
-        let loses = |wave: &Wave| wave.offset.loses_digits(wave.offset.after(reduced, false));
-        if waves[index].iter().any(loses) {
-            let [c, s] = samples.turned(lines.of(i), drive.exact(i));
-            sine.set(i, T::from_double_double(s));
-            cosine.set(i, T::from_double_double(c));
+    for i in 0..pins.len() {
+        let (s, c) = pins.get(i);
+        let matrix = at.at(lines.place(i));
+        let near = matrix.turn(s, c);
+        if matrix.loses_digits(near) {
+            let [x, y] = samples.turned(lines.of(i), drive.exact(i));
+            // Forces read the length as well, which has its digits.
+            let square = near.0.square() + near.1.square();
+            let length = (DoubleDouble::of(square) / (x.square() + y.square())).sqrt();
+            let length = if length.high > 0.0 { length } else { DoubleDouble::ONE };
+            sine.set(i, T::from_double_double(y * length));
+            cosine.set(i, T::from_double_double(x * length));
+        }
+    }
+}
+
+/// Corrects acceleration ratios of a shaft beside their zeros, where their terms cancel.
+pub(crate) fn mend_accelerations<T: Number>(
+    at: &[Turning<T>],
+    shaft: usize,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    [ratio, acceleration]: &mut [Column<T>; 2],
+    size: usize,
+) {
+    let (ratio, mut acceleration) = (ratio.view(size), acceleration.view_mut(size));
+    let mut samples = lines.samples(To::Shaft(shaft));
+    for i in 0..size {
+        let turning = &at[lines.place(i)];
+        if turning.loses_digits(ratio.get(i), acceleration.get(i)) {
+            let [_, sine] = samples.double_angle(lines.of(i), drive.exact(i));
+            acceleration.set(i, turning.acceleration(ratio.get(i), sine));
         }
     }
 }

@@ -6,6 +6,7 @@ use std::iter::once;
 use crate::input::sweep::{AngleReduction, Sweep};
 use crate::mechanics::chain::Offset;
 use crate::mechanics::exact::ExactAngle;
+use crate::mechanics::turning::TurnMatrix;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag, LargeFractionFlag};
@@ -515,6 +516,28 @@ pub(crate) fn rotate<T: Real>(
         sine.set(i, s);
         cosine.set(i, c);
     }
+}
+
+/// Sine and cosine of a joint's input angle, multiplied by a positive length, from the pins of the
+/// drive. Returns whether any have lost digits.
+#[inline(always)]
+pub(crate) fn turn<T: Real>(
+    at: impl At<Value = TurnMatrix<T>>,
+    pins: SinCos<'_, T>,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) -> bool {
+    let length = pins.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    let mut near = false;
+    for i in 0..length {
+        let ((s, c), matrix) = (pins.get(i), at.at(i));
+        let turned = matrix.turn(s, c);
+        near |= matrix.loses_digits(turned);
+        sine.set(i, turned.0);
+        cosine.set(i, turned.1);
+    }
+    near
 }
 
 /// A pin turned by the angle with this cosine and sine.

@@ -10,7 +10,7 @@ import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
 from cardan.app.charts.charts import Curve, Panel, chart
-from cardan.app.pictures.style import drawing, finish, legend_above, line_style, stacked
+from cardan.app.pictures.style import check_kind, drawing, finish, legend_above, line_style, stacked
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.wear.axial_travel import SlideName, Slides
@@ -91,5 +91,6 @@ def _names(rows: FloatArray) -> list[str]:
 
 
 def _check_single(slides: Slides, of: SlideName) -> None:
+    check_kind("slides", slides, Slides)
     if slides.travel(of).ndim != 1:
         raise ArgumentValueError("slides", "are those of a batch; a picture shows one driveline")

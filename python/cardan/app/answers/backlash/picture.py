@@ -9,7 +9,15 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
 from cardan.app.answers.printed import given, short
-from cardan.app.pictures.style import THIN, drawing, finish, line_style, stacked, value_ticks
+from cardan.app.pictures.style import (
+    THIN,
+    check_kind,
+    drawing,
+    finish,
+    line_style,
+    stacked,
+    value_ticks,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +40,7 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
     Returns:
         the axes, with the angle in degrees from the middle of the play.
     """
+    check_kind("found", found, Backlash)
     most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
     apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]
     turn = np.degrees(np.asarray(TURN))
@@ -57,6 +66,7 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
 
     Arguments and errors are those of ``plot_backlash``.
     """
+    check_kind("found", found, Backlash)
     turn = np.degrees(np.asarray(TURN))
     with drawing(ax, height_mm=45.0) as axes:
         axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))

@@ -14,7 +14,7 @@ from cardan.app.answers.ball_joint.figures import (
 )
 from cardan.app.answers.printed import quantity
 from cardan.app.charts.charts import Curve, Panel, chart
-from cardan.app.pictures.style import THIN, arrow, drawing, finish, line_style, page
+from cardan.app.pictures.style import THIN, arrow, check_kind, drawing, finish, line_style, page
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
@@ -118,6 +118,7 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
         case: the ball joint of a scene.
         title: heading.
     """
+    check_kind("case", case, BallJointCase)
     with page(170.0, 78.0, title, 90) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         plot_seat_section(case, ax=left)
@@ -147,6 +148,7 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
     """
+    check_kind("case", case, BallJointCase)
     found = ball_joint_figures(case)
     shapes, blue = _outlines(case, found), line_style(0)["color"]
     body: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.8}
@@ -175,6 +177,7 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
 
     Arguments are those of ``plot_seat_section``.
     """
+    check_kind("case", case, BallJointCase)
     found = ball_joint_figures(case)
     degrees, curves = _curves(case, found)
     with drawing(ax, height_mm=60.0) as axes:

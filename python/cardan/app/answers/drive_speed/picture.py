@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import given
-from cardan.app.pictures.style import drawing, finish, stacked
-from cardan.arrays.errors import ArgumentValueError
+from cardan.app.pictures.style import check_single, drawing, finish, stacked
+from cardan.arrays import finite
+from cardan.arrays.errors import check_shape
 from cardan.driveline import Driveline
 
 if TYPE_CHECKING:
@@ -39,12 +40,11 @@ def plot_drive_speed(
         ValueError: labels that are not one per row, more rows than can be told apart, and as for
             ``Driveline.free_running``.
     """
-    rows = np.atleast_2d(np.asarray(inertias, dtype=np.float64))
-    names = [given(float(row[0]), "kgm2") for row in rows] if labels is None else list(labels)
-    if len(names) != len(rows):
-        raise ArgumentValueError(
-            "labels", f"has {len(names)} entries; there are {len(rows)} curves"
-        )
+    check_single(line)
+    rows = np.atleast_2d(finite("inertias", inertias))
+    check_shape("inertias", rows, rows.ndim == 2 and rows.size > 0, "it must be (rows, n + 1)")
+    known = [given(float(row[0]), "kgm2") for row in rows]
+    names = panel.checked_labels(labels, known)
     turn = np.asarray(panel.TURN)
     free = line.free_running(rows)
     curves = np.moveaxis(np.asarray(free.speed_ratio(turn[:, np.newaxis])), -1, 0)

@@ -21,6 +21,7 @@ from cardan.app.pictures.style import (
     LINES,
     THIN,
     arrow,
+    check_kind,
     check_single,
     drawing,
     finish,
@@ -230,6 +231,11 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
         paths: what to draw.
         title: heading.
     """
+    check_kind("paths", paths, list, tuple)
+    if not paths:
+        raise ArgumentValueError("paths", "is empty; there must be at least one")
+    for path in paths:
+        check_kind("paths", path, ForcePath)
     columns = min(_COLUMNS, len(paths))
     rows = -(-len(paths) // columns)
     width, height = _PANEL

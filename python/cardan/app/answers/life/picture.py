@@ -15,6 +15,8 @@ from cardan.app.answers.printed import given
 from cardan.app.charts.charts import Curve, Panel, bars, chart
 from cardan.app.pictures.style import (
     LINES,
+    check_kind,
+    check_single,
     draw_bars,
     drawing,
     finish,
@@ -67,7 +69,8 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     Raises:
         ValueError: a batch.
     """
-    _check_single(line)
+    check_single(line)
+    check_kind("load", load, Load)
     turn = np.asarray(panel.TURN)
     with drawing(ax) as axes:
         panel.draw(axes, np.degrees(turn), _moments(line, load, turn))
@@ -99,7 +102,8 @@ def plot_heat(
     Raises:
         ValueError: a batch, a load without a speed, and as for ``Driveline.losses``.
     """
-    _check_single(line)
+    check_single(line)
+    check_kind("load", load, Load)
     if not np.all(load.speed != 0.0):
         raise ArgumentValueError("load", "has no speed; heat is drawn up to it")
     speeds = np.linspace(0.0, 1.0, _SPEEDS)[1:] * np.abs(load.speed)
@@ -127,6 +131,7 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
     Raises:
         ValueError: a scene without sizes whose life is known.
     """
+    check_kind("found", found, LifeFigures)
     known = _bars(found)
     if not known:
         raise ValueError("the scene has no table of sizes whose life is known")
@@ -176,8 +181,3 @@ PICTURES = {"life": _whole}
 
 def _height(bars: int) -> float:
     return 14.0 + 6.0 * bars
-
-
-def _check_single(line: Driveline) -> None:
-    if line.shape:
-        raise ValueError(f"the drivelines are a batch of shape {line.shape}; draw one of them")

@@ -15,6 +15,7 @@ from cardan.app.answers.states.figures import without_common
 from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.pictures.style import (
     THIN,
+    check_kind,
     drawing,
     finish,
     legend_above,
@@ -72,6 +73,7 @@ def plot_optimise(found: Optimised) -> Figure:
     Returns:
         a figure of 170 mm width with a panel for the states and one for each variable.
     """
+    check_kind("found", found, Optimised)
     count = len(found.variables)
     rows = count // 2 + 1
     with page(170.0, _HEIGHT * rows, found.scene.title, 90) as figure:
@@ -107,6 +109,7 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
     Raises:
         ValueError: a variable that does not exist.
     """
+    check_kind("found", found, Optimised)
     count = len(found.variables)
     if not 0 <= variable < count:
         raise ArgumentValueError("variable", f"is {variable}; there are {count}, counted from 0")
@@ -144,6 +147,7 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         found: the optimum of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
     """
+    check_kind("found", found, Optimised)
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)
     with drawing(ax, height_mm=_HEIGHT) as axes:

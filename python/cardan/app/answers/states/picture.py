@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.app.answers.names import column_name
-from cardan.app.pictures.style import LINES, THIN, drawing, legend_above, number, value_ticks
+from cardan.app.pictures.style import (
+    LINES,
+    THIN,
+    check_kind,
+    drawing,
+    legend_above,
+    number,
+    value_ticks,
+)
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays.errors import ArgumentValueError, nearest
@@ -47,6 +55,7 @@ def plot_states(
     Raises:
         ValueError: an unknown column.
     """
+    check_kind("states", states, StatesResult)
     if column not in states.values:
         raise ArgumentValueError("column", f"is {column!r}; {nearest(column, states.values)}")
     of = next(known for known in states.columns if known.name == column)

@@ -13,6 +13,7 @@ from cardan.app.answers.rounding import ROUNDING, flat_limits
 from cardan.app.pictures.style import (
     LINES,
     THIN,
+    check_kind,
     degree_ticks,
     drawing,
     legend_above,
@@ -60,6 +61,7 @@ def plot_study(
     Raises:
         ValueError: an unknown column, a study of no key or more than two.
     """
+    check_kind("study", study, StudyResult)
     if column not in study.values:
         raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
     varied = [axis for axis in study.axes if len(axis.values) > 1]

@@ -21,7 +21,15 @@ from cardan.app.answers.tolerances.figures import (
 )
 from cardan.app.answers.tolerances.text import by_state, percent
 from cardan.app.charts.charts import Curve, Panel, Table, bars, chart
-from cardan.app.pictures.style import LINES, draw_bars, drawing, legend_above, stacked, value_ticks
+from cardan.app.pictures.style import (
+    LINES,
+    check_kind,
+    draw_bars,
+    drawing,
+    legend_above,
+    stacked,
+    value_ticks,
+)
 from cardan.arrays.errors import ArgumentValueError
 from cardan.tolerances import Tolerances
 
@@ -181,6 +189,7 @@ def _height(bars: int) -> float:
 
 
 def _checked(found: Tolerances, of: str | None) -> str:
+    check_kind("found", found, Tolerances)
     if found.shape:
         raise ValueError(f"the tolerances are of a batch of shape {found.shape}; draw one of them")
     name = found.of[0] if of is None else of

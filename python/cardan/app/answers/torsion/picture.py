@@ -14,6 +14,7 @@ from cardan.app.pictures.style import (
     LINES,
     THIN,
     WIDTH,
+    check_kind,
     degree_ticks,
     drawing,
     finish,
@@ -63,6 +64,7 @@ def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         title: over the picture, or "".
     """
+    check_kind("found", found, TorsionFigures)
     shafts = found.steady.compliant
     with page(WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
         panels = figure.subplots(len(shafts), squeeze=False, sharex=True)[:, 0]
@@ -87,6 +89,7 @@ def plot_torsion_response(
     Raises:
         ValueError: a shaft that is not compliant.
     """
+    check_kind("found", found, TorsionFigures)
     compliant = found.steady.compliant
     chosen = compliant[0] if shaft is None else shaft
     if chosen not in compliant:
@@ -162,6 +165,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
     Raises:
         ValueError: more orders than can be told apart.
     """
+    check_kind("found", found, TorsionFigures)
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
     right = 1.05 * high
     if not _excited(found):
@@ -213,6 +217,7 @@ def plot_stability(
     Raises:
         ValueError: a joint that does not exist.
     """
+    check_kind("found", found, TorsionFigures)
     bends = np.degrees(found.torsion.system.line.bends)
     top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * float(np.max(bends))))
     speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)

@@ -15,7 +15,7 @@ from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_t
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.outputs import Output
 from cardan.evaluation.sweep import Sweep
@@ -115,6 +115,8 @@ def names(
     line: Driveline, labels: Sequence[str] | None, components: Sequence[str] | None = None
 ) -> list[str]:
     """Return what to call the curves of a driveline or a batch, which must be as many."""
+    if 0 in line.shape:
+        raise ArgumentValueError("line", f"has shape {line.shape}; a picture needs a driveline")
     if components is not None:
         known = list(components)
     elif not line.shape:
@@ -123,11 +125,23 @@ def names(
         known = [f"bend {bend:.4g}°" for bend in np.degrees(line.bends[:, 0])]
     else:
         known = [f"driveline {i}" for i in range(line.shape[0])]
-    if labels is not None and len(labels) != len(known):
+    return checked_labels(labels, known)
+
+
+def checked_labels(labels: Sequence[str] | None, known: list[str]) -> list[str]:
+    """Return labels of curves, by default the known ones, of which there are as many."""
+    if labels is None:
+        return known
+    if isinstance(labels, str) or not isinstance(labels, Sequence):
+        raise ArgumentTypeError("labels", f"is {labels!r}; it must be a list of texts")
+    for i, label in enumerate(labels):
+        if not isinstance(label, str):
+            raise ArgumentTypeError("labels", f"is {label!r}; it must be a text", (i,))
+    if len(labels) != len(known):
         raise ArgumentValueError(
             "labels", f"has {len(labels)} entries; there are {len(known)} curves"
         )
-    return known if labels is None else list(labels)
+    return list(labels)
 
 
 # --- what is along the panels of a scene's page: drive angles, turns, time or orders --------------

@@ -23,6 +23,7 @@ from cardan.app.pictures.style import (
     MM,
     STYLE,
     WIDTH,
+    check_kind,
     legend_above,
     matplotlib,
     number,
@@ -71,6 +72,7 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
         ValueError: times that were not recorded; orders of less than a turn or of a drive that
             turns back.
     """
+    check_kind("result", result, SceneResult)
     with matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
 

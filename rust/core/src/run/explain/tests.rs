@@ -49,7 +49,17 @@ impl BatchCase {
 const MOTION: &[Output] = &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio];
 
 fn text(outputs: &[Output], shafts: &[usize], precision: Precision, angle: Angles<'_>) -> String {
-    let batch = BatchCase::new(&[[0.1, 0.0, 0.2]]);
+    text_of([0.1, 0.0, 0.2], outputs, shafts, precision, angle)
+}
+
+fn text_of(
+    bends: [f64; 3],
+    outputs: &[Output],
+    shafts: &[usize],
+    precision: Precision,
+    angle: Angles<'_>,
+) -> String {
+    let batch = BatchCase::new(&[bends]);
     let count = if let Angles::Sweep(sweep) = &angle { sweep.count() } else { 2 };
     let shape = &[count];
     let samples = Samples { shape, lines: batch.lines(), line_strides: &[0], angle, load: None };
@@ -97,6 +107,16 @@ fn what_runs_and_what_does_not() {
 }
 
 #[test]
+fn joints_that_compensate_each_other_are_skipped() {
+    let of = |bend: f64| text_of([0.3, bend, 0.2], MOTION, &[2], Precision::DoubleDouble, array());
+    let constant = of(0.3);
+    let why = "the joints before it compensate each other exactly";
+    has(&constant, &[&format!("shaft 2: turns with the drive, {why}")]);
+    has(&constant, &["sine and cosine: everything turns with the drive"]);
+    assert!(!of(0.3_f64.next_up()).contains("turns with the drive"));
+}
+
+#[test]
 fn sweeps_have_steps_of_their_own() {
     let turns = Angles::Sweep(Sweep::of_turns(7200, 720).unwrap());
     let repeated = text(MOTION, &[3], Precision::Double, turns);
@@ -126,6 +146,8 @@ fn what_is_explained_is_what_runs() {
         BatchCase::new(&[moderate]),
         BatchCase::new(&[[1.5, 0.3, 0.8]]),
         BatchCase::new(&[[0.0, 0.0, 0.4]]),
+        // The first two compensate each other.
+        BatchCase::new(&[[0.3, 0.3, 0.2]]),
         // Each of the first two is moderate by itself; the bound for the batch is steep.
         BatchCase::new(&[[0.6, 0.6, 0.0], moderate, [1.2, 0.9, 0.2]]),
     ];
