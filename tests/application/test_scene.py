@@ -1009,7 +1009,7 @@ def test_description_is_the_format() -> None:
 
 
 def test_every_key_of_a_driveline_is_in_a_form() -> None:
-    used = {key for form in FORMS for key in form.keys + form.optional}
+    used = {key for form in FORMS for key in form.keys + form.optional + form.further}
     assert used | {TEETH, *LENGTHS} == set(FORMAT["driveline"].keys)
 
 

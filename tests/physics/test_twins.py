@@ -27,7 +27,7 @@ CLASSES = ("Driveline", "Machine", "Transmission", "Plan", "TorsionalSystem", "B
 
 # The other public names of the package: they state, choose or carry results of those above.
 CARRIERS = (
-    "ActiveLimit ArgumentError ArgumentTypeError ArgumentValueError Check Derivatives "
+    "ActiveLimit Answer ArgumentError ArgumentTypeError ArgumentValueError Check Derivatives "
     "EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths Life Limit "
     "Limits Load Losses Motion Optimum OrderTolerances Output Result Scene Slides SplineForce "
     "Steering Tolerances Tube TwoJoints OUTPUTS"
