@@ -326,12 +326,3 @@ def test_joined_drivelines_have_their_bearings_on_the_same_shafts() -> None:
     other = LINE.with_bearings(BEARINGS[:2])
     with pytest.raises(ValueError, match=r"lines\[1\] has bearings on shafts \(3, 0\) and lines"):
         Driveline.concatenate([LINE, other])
-
-
-@pytest.mark.parametrize("n", [3000])
-def test_long_drivelines_are_refused_before_memory_runs_out(n: int) -> None:
-    line = Driveline.from_bends(np.full(n, 0.01)).with_bearings(
-        [(shaft, 0.5) for shaft in range(n)], np.ones(n + 1)
-    )
-    with pytest.raises(ValueError, match="sums of more than"):
-        line.plan("bearing_force", load=Load(drive_torque=1.0))

@@ -9,9 +9,6 @@ use crate::plan::output::Per;
 /// A value, or the reason why it is not determinate.
 type Determinate<T> = Result<T, String>;
 
-/// The most terms of all forces together. Long drivelines with one bearing on each shaft exceed it.
-const MOST_TERMS: usize = 1 << 20;
-
 /// How the requested forces follow from the torsion parts of the joints.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceStep {
@@ -97,7 +94,8 @@ impl ForceStep {
     /// The reason why it is not determinate.
     pub(crate) fn add_joint(&mut self, joint: usize, plane: usize) -> Determinate<()> {
         let force = self.of_joint(joint)?;
-        self.add((Per::Joint, joint), joint + 1, plane, force)
+        self.add((Per::Joint, joint), joint + 1, plane, force);
+        Ok(())
     }
 
     /// Adds the force that a bearing exerts on its shaft.
@@ -111,7 +109,8 @@ impl ForceStep {
         plane: usize,
     ) -> Determinate<()> {
         let force = self.of_carrier(shaft, Carrier::Bearing(bearing))?;
-        self.add((Per::Bearing, bearing), shaft, plane, Some(force))
+        self.add((Per::Bearing, bearing), shaft, plane, Some(force));
+        Ok(())
     }
 
     /// What was added for a joint or a bearing.
@@ -124,22 +123,15 @@ impl ForceStep {
         self.statics.shafts.len()
     }
 
-    fn add(
-        &mut self,
-        of: (Per, usize),
-        shaft: usize,
-        plane: usize,
-        force: Option<ForceOf>,
-    ) -> Determinate<()> {
+    fn add(&mut self, of: (Per, usize), shaft: usize, plane: usize, force: Option<ForceOf>) {
         let joints = match force {
             Some(ForceOf { balance, .. }) => self.balances[balance].joints.clone(),
             // Of a joint: a sum whose coefficients are zero, which is NaN where the torsion is.
             None => shaft - 1..shaft,
         };
-        self.count_terms(PARTS * joints.len())?;
+        self.terms += PARTS * joints.len();
         let twin = force.and_then(|force| self.twin(force));
         self.targets.push(ForceTarget { of, shaft, plane, force, joints, sources: vec![], twin });
-        Ok(())
     }
 
     /// The target whose force is equal or opposite, if there is one: its plane, and the sign. Both
@@ -153,14 +145,6 @@ impl ForceStep {
             let sign = if other.reversed == force.reversed { -1.0 } else { 1.0 };
             Some((target.plane, sign))
         })
-    }
-
-    fn count_terms(&mut self, more: usize) -> Determinate<()> {
-        self.terms += more;
-        if self.terms > MOST_TERMS {
-            return Err(format!("the forces are sums of more than {MOST_TERMS} terms"));
-        }
-        Ok(())
     }
 
     /// The number of coefficients of all balances and targets.
@@ -248,7 +232,7 @@ impl ForceStep {
                 loads.push(JointLoad { at, force });
             }
         }
-        self.count_terms(PARTS * joints.len())?;
+        self.terms += PARTS * joints.len();
         self.balances.push(Balance { shaft, carriers, loads, joints });
         let balance = self.balances.len() - 1;
         self.balance_of[shaft] = Some(balance);

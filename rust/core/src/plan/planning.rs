@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::input::batch::check_shafts;
+use crate::mechanics::geometry::check_count;
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::output::{Needs, OfCross, Output, Per};
@@ -13,10 +14,11 @@ impl Plan {
     /// Plans a request.
     ///
     /// # Errors
-    /// A shaft or joint that does not exist or is repeated, a repeated output, an output that needs a
+    /// No joint or too many, a shaft or joint that does not exist or is repeated, a repeated output, an output that needs a
     /// load where the request has none, or one that is not known in the axes of shafts.
     pub fn new(request: &Request<'_>) -> Result<Self> {
         let n = request.largest_bends.len();
+        check_count("largest_bends", n)?;
         check_items("shafts", request.shafts, n + 1)?;
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
