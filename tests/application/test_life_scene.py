@@ -357,7 +357,10 @@ def test_tubes_are_those_of_the_library() -> None:
     assert value(backwards.margin) == value(turning.margin)
     (alone,) = tubes_of(f"{TWO}{TUBE}")
     assert alone.stress is alone.margin is None
-    said = "The tubes are not judged: the scene gives no permitted_stress_MPa or least_margin."
+    said = (
+        "The tubes are not judged: the scene gives no permitted_stress_MPa, least_margin or "
+        "resonance_margin."
+    )
     assert PARTS["tubes"].sentences((alone,)) == [said]
 
 
@@ -391,6 +394,71 @@ def test_tubes_bear_the_load_in_every_state_and_step() -> None:
     assert same.torque.each == pytest.approx(
         dict.fromkeys(["straight", "turn"], value(same.torque))
     )
+
+
+@pytest.mark.parametrize(
+    ("rpm", "half", "quarter", "said"),
+    [
+        # (pi/1.5 m)² sqrt(206 GPa (45² + 42²) mm²/(4 * 7850 kg/m³)) = 691.59 rad/s = 6604.2 rpm.
+        (3000.0, 9.149, 81.70, "within 9.15 % of half its critical bending speed (3302 of 6604"),
+        (1500.0, 54.57, 9.149, ""),
+        (2200.0, 33.38, 33.25, ""),
+        (6604.0, 99.99, 299.99, ""),
+    ],
+)
+def test_bent_joints_can_shake_a_tube_at_half_its_critical_speed(
+    rpm: float, half: float, quarter: float, said: str
+) -> None:
+    load = f"[load]\nspeed_rpm = {rpm}\n"
+    (steady,) = tubes_of(f"{TWO}{load}{TUBE}")
+    (found,) = tubes_of(f"{TWO}{load}inertias_kgm2 = [0, 0, 1]\n{TUBE}")
+    # Thoma's fourth order is that of accelerated inertias.
+    assert steady.quarter is None
+    assert value(steady.half) == value(found.half)
+    assert 100.0 * value(found.half) == pytest.approx(half, abs=6e-3)
+    assert 100.0 * value(found.quarter) == pytest.approx(quarter, abs=6e-3)
+    near = [each for each in PARTS["tubes"].sentences((found,)) if "Thoma" in each]
+    assert len(near) == (1 if said else 0)
+    assert all(each.startswith(f"Shaft 1 turns {said}") for each in near)
+
+
+def test_straight_joints_shake_no_tube() -> None:
+    """The moments of the joints at either end of a shaft count, and of no other."""
+    load = "[load]\nspeed_rpm = 3302\n"
+    for bends, known in (("[0, 0, 8]", False), ("[0, 5, 0]", True), ("[5, 0, 8]", True)):
+        (found,) = tubes_of(
+            f"[driveline]\nbends_deg = {bends}\n{load}{TUBE}shafts = [1]\nresonance_margin = 0.1\n"
+        )
+        assert (value(found.half) < 1e-3) == known
+        assert verdict(found.half) == ("beyond" if known else "within")
+        assert any("Thoma" in each for each in PARTS["tubes"].sentences((found,))) == known
+
+
+def test_half_the_critical_speed_is_judged_wherever_a_tube_turns() -> None:
+    """Over states, steps of the duty cycle and a study, which lie on either side of 3302 rpm."""
+    tube = f"{TUBE}resonance_margin = 0.15\n"
+    text = "[driveline]\nbends_deg = [18, 18]\n[load]\nspeed_rpm = {}\n"
+    states = '[states]\nspeed_rpm = [2000, 3700]\nnames = ["low", "high"]\n'
+    duty = '[life]\nhours = [2, 1]\nspeed_rpm = [1000, 3500]\nnames = ["haul", "lift"]\n'
+    duty += "output_torque_Nm = [50, 60]\n"
+    study = "[study]\nspeed_rpm = [2000, 3100, 6000]\n"
+    for section, nearest, place in (
+        ("", 1.0 - 1700.0 / 3302.1, ""),
+        (states, 3700.0 / 3302.1 - 1.0, "high"),
+        (duty, 3500.0 / 3302.1 - 1.0, "lift"),
+        (study, 1.0 - 3100.0 / 3302.1, {"speed_rpm": 3100.0}),
+    ):
+        scene = Scene.parse(f"{text.format(1700)}{section}{tube}")
+        answer = Answer(scene)
+        (found,) = answer["tubes"]
+        assert value(found.half) == pytest.approx(nearest, abs=2e-5)
+        assert place in (found.half.state, found.half.at)
+        assert verdict(found.half) == ("beyond" if section else "within")
+        if section:
+            assert answer.verdict == "beyond"
+            (said,) = (each for each in PARTS["tubes"].sentences((found,)) if "half" in each)
+            assert "(3302 of 6604 rpm)" in said
+            assert "; the scene requires 15 %: the moments of its bent joints" in said
 
 
 def test_tubes_take_their_lengths_from_points() -> None:

@@ -122,6 +122,7 @@ LIMITED: dict[str, Callable[[float], str]] = {
     ),
     "[tubes] permitted_stress_MPa": in_section(TUBES, "permitted_stress_MPa"),
     "[tubes] least_margin": in_section(TUBES, "least_margin"),
+    "[tubes] resonance_margin": lambda x: f"{TUBES}resonance_margin = {0.01 * x!r}\n",
     "[slip] travel_mm": in_section(SPLINE, "travel_mm"),
     "[slip] least_engaged_mm": in_section(SPLINE, "least_engaged_mm"),
     "[life] target_h": lambda x: f"{JOINTS}{RUBS}[life]\ntarget_h = {x!r}\n",

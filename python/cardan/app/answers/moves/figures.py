@@ -17,9 +17,10 @@ from cardan.design.machine import Change, Machine
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-# The parts that a machine has, and their figures that it does not: its heat is that of each step.
+# The parts that a machine has, and their figures that it does not: its heat is that of each step,
+# its tubes have no half of a critical speed.
 _TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
-_UNTRIED = ("heat", "of_sizes")
+_UNTRIED = ("heat", "of_sizes", "half")
 
 Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
 

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, largest_torques
-from cardan.app.answers.printed import figure_text, place_of, quantity
+from cardan.app.answers.printed import figure_text, place_of, quantity, rounded_up
 from cardan.app.answers.rows import Judged, figure, item, worst_of
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+
+_NEAR = 0.15  # of a speed at which bent joints can make a shaft vibrate
+_STRAIGHT = 1e-6  # rad, of which the moments bend no shaft
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,22 @@ class TubeFigures:
     margin: Judged | None = figure(
         "margin", "", "critical bending speed over the speed", limit="[tubes] least_margin"
     )
+    half: Judged | None = figure(
+        "distance from half critical",
+        "percent",
+        "of the speed from half the critical bending speed, in shares of that half; the moments of "
+        "bent joints bend the shaft twice per turn",
+        source="D. Thoma, 1920: impulses of bending of the second order",
+        limit="[tubes] resonance_margin",
+    )
+    quarter: Judged | None = figure(
+        "distance from a quarter critical",
+        "percent",
+        "of the speed from a quarter of the critical bending speed, in shares of that quarter; the "
+        "torques of inertias at bent joints bend the shaft four times per turn as well",
+        source="D. Thoma, 1920: impulses of bending of the fourth order",
+        is_detail=True,
+    )
 
 
 def find(answer: Answer) -> tuple[TubeFigures, ...]:
@@ -63,9 +83,20 @@ def _tubes(scene: Scene) -> Iterator[TubeFigures]:
         with np.errstate(divide="ignore"):
             return None if speed is None else critical_of(line, load) / speed
 
+    def distance_of(order: int, line: Driveline, load: Load | None) -> FloatArray | None:
+        speed = speed_of(line, load)
+        if speed is None or load is None or (order > 2 and load.inertias is None):
+            return None
+        bends = np.pad(line.bends, [(0, 0)] * len(line.shape) + [(1, 1)])
+        joints = np.maximum(bends[..., :-1], bends[..., 1:])[..., list(tubes.shafts)]
+        resonant = critical_of(line, load) / order
+        away = np.abs(speed - resonant) / resonant
+        return np.where(np.moveaxis(joints, -1, 0) > _STRAIGHT, away, np.inf)
+
     torque = Wherever(scene, lambda line, load: _torques(scene, line, load))
     critical, speed = Wherever(scene, critical_of, "least"), Wherever(scene, speed_of)
     margin, tube = Wherever(scene, margin_of, "least"), tubes.tube
+    half, quarter = (Wherever(scene, partial(distance_of, order), "least") for order in (2, 4))
     per_torque, permitted = tube.shear_stress(1.0), tubes.permitted_stress
     for i, shaft in enumerate(tubes.shafts):
         yield TubeFigures(
@@ -78,6 +109,8 @@ def _tubes(scene: Scene) -> Iterator[TubeFigures]:
             critical.worst(i),
             speed.worst(0),
             margin.worst(i, tubes.least_margin, "the scene gives no speed"),
+            half.worst(i, tubes.resonance_margin, "the scene gives no speed"),
+            quarter.worst(i),
         )
 
 
@@ -102,7 +135,7 @@ def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | N
 
 def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
     """Say whether the tubes are within the limits of the scene, what is not judged and why."""
-    judged = [each for tube in tubes for each in (tube.stress, tube.margin) if each]
+    judged = [each for tube in tubes for each in (tube.stress, tube.margin, tube.half) if each]
     for tube in tubes:
         stress, margin = tube.stress, tube.margin
         if stress and stress.verdict == "beyond" and stress.value and stress.limit:
@@ -117,10 +150,41 @@ def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
                 f"times its speed{place_of(margin)}; the scene requires "
                 f"{figure_text(margin.limit)} times."
             )
+        yield from _bending(tube)
     verdict = worst_of(each.verdict for each in judged)
     if verdict == "within":
         yield "The tubes are within the limits that the scene gives."
     for why in dict.fromkeys(each.why for each in judged if each.why):
         yield f"The tubes are not judged by every limit: {why}."
     if not any(each.limit for each in judged):
-        yield "The tubes are not judged: the scene gives no permitted_stress_MPa or least_margin."
+        yield (
+            "The tubes are not judged: the scene gives no permitted_stress_MPa, least_margin or "
+            "resonance_margin."
+        )
+
+
+def _bending(tube: TubeFigures) -> Iterator[str]:
+    """Say that the moments of bent joints can make a shaft vibrate, if it turns near that speed."""
+    half = tube.half
+    if half is None or half.value is None:
+        return
+    if half.verdict != "beyond" and (half.limit is not None or half.value > _NEAR):
+        return
+    near = f"within {rounded_up(100.0 * half.value)} % of" if half.value else "at"
+    required = "" if half.limit is None else f"; the scene requires {100.0 * half.limit:g} %"
+    yield (
+        f"Shaft {tube.shaft} turns {near} half its critical bending speed"
+        f"{_speeds(tube.critical, half)}{place_of(half)}{required}: the moments of its bent joints "
+        "bend it twice per turn and can make it vibrate (D. Thoma, 1920)."
+    )
+
+
+def _speeds(critical: Judged | None, half: Judged) -> str:
+    """Return half the critical speed beside that speed, where the figure is worst, if known."""
+    if critical is None or critical.value is None:
+        return ""
+    alike = not (critical.state or critical.at)
+    there = critical.value if alike else critical.each.get(half.state)
+    if there is None:
+        return ""
+    return f" ({quantity(0.5 * there, 'rpm').removesuffix(' rpm')} of {quantity(there, 'rpm')})"

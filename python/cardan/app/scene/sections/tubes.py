@@ -22,8 +22,9 @@ from cardan.torsion import Tube, tube
 class Tubes:
     """What makes tubes, and their figures as drawn, ``(shafts,)`` each; the stress is in Pa.
 
-    No length is given where that of the driveline counts. The margin is that of the critical speed
-    over the largest speed.
+    No length is given where that of the driveline counts. The least margin is that of the critical
+    speed over the largest speed. The margin of the resonance is the least distance of the speeds
+    from half the critical speed, in shares of that half.
     """
 
     shafts: tuple[int, ...]
@@ -31,6 +32,7 @@ class Tubes:
     tube: Tube
     permitted_stress: float | None
     least_margin: float | None
+    resonance_margin: float | None
 
     def critical_speed(self, line: Driveline) -> FloatArray:
         """Return the critical bending speeds in rad/s in other drivelines, ``(..., shafts)``."""
@@ -76,7 +78,8 @@ def _tubes(values: Mapping[str, Any], scene: Reading) -> Tubes:
         listed = isinstance(values["wall_mm"], list)
         raise ArgumentValueError("wall_mm", problem, place if listed else ()) from None
     stress = values.get("permitted_stress_MPa")
-    return Tubes(tuple(shafts), given, found, stress and 1e6 * stress, values.get("least_margin"))
+    margins = (values.get(key) for key in ("least_margin", "resonance_margin"))
+    return Tubes(tuple(shafts), given, found, stress and 1e6 * stress, *margins)
 
 
 TUBES: Section[Tubes | None] = Section(
@@ -110,6 +113,11 @@ TUBES: Section[Tubes | None] = Section(
         ),
         "least_margin": Key(
             POSITIVE, "least permitted ratio of the critical bending speed to the largest speed"
+        ),
+        "resonance_margin": Key(
+            POSITIVE,
+            "least distance of the speeds from half the critical bending speed, in shares of that "
+            "half, such as 0.15",
         ),
     },
     _tubes,
