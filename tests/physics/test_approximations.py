@@ -348,6 +348,25 @@ def test_workshop_figures_of_four_joints_at_2500_rpm() -> None:
     assert limits == (300.0, 500.0, 1000.0, 2000.0)
 
 
+@pytest.mark.parametrize(
+    ("rpm", "bend", "peak"),
+    # Parker/Chelsea, bulletin HY25-1890-M1/US, page 5, "100 RAD/SEC2"; Spicer at higher speeds.
+    [
+        *((3000, 5 + 50 / 60, 1025), (2500, 7.0, 1026), (2000, 8 + 40 / 60, 1008)),
+        *((1500, 11.5, 1001), (3500, 5.0, 1024), (4000, 4.2, 944), (5000, 3.2, 856)),
+    ],
+)
+def test_published_angles_over_the_speed(rpm: float, bend: float, peak: float) -> None:
+    """They accelerate the driven shaft of one joint by 1000 rad/s² at most, not by 100."""
+    speed, angle = rpm * math.pi / 30.0, np.linspace(0.0, math.pi, 20_001)
+    line = Driveline.from_bends([bend], degrees=True)
+    exact = np.max(np.abs(line.evaluate(angle, "acceleration_ratio").acceleration_ratio))
+    assert exact * speed**2 == pytest.approx(peak, abs=1.0)
+    # The square of the angle times the speed is the share of the second order.
+    assert (math.radians(bend) * speed) ** 2 == pytest.approx(exact * speed**2, rel=0.01)
+    assert 0.85 < peak / approximations.INERTIA_LIMIT < 1.03
+
+
 def test_inertia_weights() -> None:
     # The sum over the shafts between the joints of what reaches each of them.
     for signs in (SIGNS, [1, -1, -1, -1]):

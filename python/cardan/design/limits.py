@@ -61,6 +61,11 @@ CATALOGUE = Limit(3.0, 3.0, "driveshaft catalogues, section 6.4; Elbe, calculati
 
 _US_MAKERS = "practice of driveshaft makers in the United States, no publication known"
 
+_PARKER = (
+    "Parker/Chelsea, bulletin HY25-1890-M1/US, page 5, and Spicer's angles over the speed; for the "
+    f"maximum {_US_MAKERS}"
+)
+
 _DANA_AXLES = (
     "Dana, Spicer Drive Axles Application Guidelines AXAG-0200 (2009), pages 16, 19 and 44; for "
     f"the maximum {_US_MAKERS}"
@@ -72,7 +77,7 @@ _DANA_SHAFTS = (
 
 _TRUCK = {
     "torsional_excitation_rad_s2": Limit(TORSIONAL_LIMIT, TORSIONAL_MAXIMUM, _DANA_AXLES),
-    "inertia_excitation_rad_s2": Limit(INERTIA_LIMIT, INERTIA_MAXIMUM, _US_MAKERS),
+    "inertia_excitation_rad_s2": Limit(INERTIA_LIMIT, INERTIA_MAXIMUM, _PARKER),
 }
 _INDUSTRIAL = {"bend_difference_deg": Limit(1.5, 5.0, _DANA_SHAFTS)}
 

@@ -34,7 +34,9 @@ Dana allows at most 300 rad/s² for its axles (Spicer Drive Axles Application Gu
 INERTIA_LIMIT, INERTIA_MAXIMUM = 1000.0, 2000.0
 """Inertia excitation of the intermediate shafts of a truck in rad/s²: usual limit, never above.
 
-No publication of these figures is known.
+Parker/Chelsea (bulletin HY25-1890-M1/US, page 5) and Spicer publish angles over the speed at which
+a joint reaches the limit; "100 rad/s²" below Parker's is a misprint. For the other figure no
+publication is known.
 """
 
 # --- Thoma (1920) ----------------------------------------------------------------------------
