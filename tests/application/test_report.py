@@ -208,7 +208,7 @@ def test_no_view_is_a_mirror_image(main: list[float]) -> None:
     named = views(np.array([[main]]))
     assert len(named) == 3
     for name, (right, down, viewer) in named.items():
-        assert np.linalg.det([right, -down, viewer]) == pytest.approx(1.0), name
+        assert np.linalg.det([right, -down, viewer]) > 0.9, name
         # The drive is on the left.
         assert right @ main > 0.0
         said = re.fullmatch(r"(?:Side|Top) view: (-?[xyz]) to the right, (-?[xyz]) (up|down)", name)
@@ -218,6 +218,7 @@ def test_no_view_is_a_mirror_image(main: list[float]) -> None:
                 for sign, ways in (("", np.eye(3)), ("-", -np.eye(3)))
                 for axis, way in zip("xyz", ways, strict=True)
             }
+            assert np.linalg.det([right, -down, viewer]) == pytest.approx(1.0)
             assert np.array_equal(axes[said[1]], right)
             assert np.array_equal(axes[said[2]], down if said[3] == "down" else -down)
         else:
@@ -229,9 +230,9 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
     drawings = re.findall(r'<svg id="view-\d".*?</svg>', page, re.S)
     names = [re.findall(r"<text[^>]*>(.*?)</text>", drawing) for drawing in drawings]
     assert names == [
-        ["x", "y", "z", "drive", "output"],
         ["x", "y", "drive", "output", "12°", "9°"],
         ["x", "z", "drive", "output", "12°", "9°"],
+        ["x", "y", "z", "drive", "output"],
     ]
     for drawing in drawings:
         places = {
@@ -1029,7 +1030,7 @@ def test_names_of_bearings_lie_beyond_the_yokes(
     browser: webdriver.Chrome, folder: Path, name: str
 ) -> None:
     opened(browser, folder, name)
-    boxes = """return ["#view-1", "#view-2"].map((view) => arguments[0].map((kind) =>
+    boxes = """return ["#view-0", "#view-1"].map((view) => arguments[0].map((kind) =>
         [...document.querySelectorAll(`${view} ${kind}`)]
             .filter((element) => kind !== "text" || element.textContent.startsWith("B"))
             .map((element) => {
@@ -1087,7 +1088,7 @@ def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None
     of each pin, the yokes on the side of their shafts, at which these end, and what is beyond a
     shaft is faint."""
     opened(browser, folder, "z")
-    views = {"view-1": ([0, 1], [1.0, -1.0], 2), "view-2": ([0, 2], [1.0, 1.0], 1)}
+    views = {"view-0": ([0, 1], [1.0, -1.0], 2), "view-1": ([0, 2], [1.0, 1.0], 1)}
     for sample, (view, (shown, signs, towards)) in product((0, 77, 410), views.items()):
         moved(browser, sample)
         marks, bases, shafts = js(

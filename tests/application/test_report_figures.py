@@ -107,12 +107,12 @@ def test_a_driveline_fills_the_width_of_its_drawings(name: str, answered: Answer
     drawing = json.loads(found)["drawing"]
     points = np.array(drawing["points"]).reshape(-1, 3)
     for view in drawing["views"]:
-        across, down, _ = np.array(view["axes"])
+        across, down, viewer = np.array(view["axes"])
         places = points @ np.stack([across, down], axis=-1) + view["offset"]
         left, right = places[:, 0].min(), places[:, 0].max()
         width, height = view["size"]
         # In the middle, with as much room on either side: for the pins, however they lie, and more.
-        assert left - 1.2 * drawing["pin"] * np.linalg.norm(across) > 15.0
+        assert left - 1.2 * drawing["pin"] * np.linalg.norm(viewer) > 15.0
         assert left + right == pytest.approx(width, abs=0.2)
         assert places[:, 1].min() > 20.0
         assert places[:, 1].max() < height - 20.0
@@ -145,11 +145,11 @@ def centres(page: str, view: int) -> NDArray[np.float64]:
 def test_side_view_and_top_view_have_bends_and_lengths(name: str, answered: Answers) -> None:
     path = example(f"{name}.toml")
     scene, page = Scene.load(path), answered(path).page
-    assert dimensions(page, 0) == ([], [])
+    assert dimensions(page, 2) == ([], [])
     lengths = [700.0]
     if scene.points is not None:
         lengths = np.linalg.norm(np.diff(scene.points, axis=0), axis=-1)[1:-1].tolist()
-    for view in (1, 2):
+    for view in (0, 1):
         above, below = dimensions(page, view)
         shown = [float(bend.removesuffix("°")) for bend in above]
         np.testing.assert_allclose(shown, np.degrees(scene.line.bends), rtol=5e-3)
@@ -163,9 +163,9 @@ def test_side_view_and_top_view_have_bends_and_lengths(name: str, answered: Answ
 
 def test_dimensions_are_those_that_are_known(tmp_path: Path, answered: Answers) -> None:
     page = page_of("[driveline]\nbends_deg = [5, 6]\n", tmp_path)
-    assert dimensions(page, 1) == (["5°", "6°"], [])
+    assert dimensions(page, 0) == (["5°", "6°"], [])
     page = page_of("[driveline]\nbends_deg = [5, 6]\nlengths_m = [1, 1.25, 1]\n", tmp_path)
-    assert [words for *_, words in dimensions(page, 2)[1]] == ["1.25 m"]
+    assert [words for *_, words in dimensions(page, 1)[1]] == ["1.25 m"]
     # The bends change from sample to sample.
     recorded = answered(example("recorded_run.toml")).page
     assert all(dimensions(recorded, view) == ([], []) for view in range(3))

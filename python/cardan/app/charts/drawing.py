@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.charts.samples import Samples
-from cardan.app.pictures.space import length_text, right_and_up, seen_from
+from cardan.app.pictures.space import aslant, length_text, right_and_up
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 
@@ -57,8 +57,8 @@ def drawing(samples: Samples) -> dict[str, Any]:
     points = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
     return {
         "views": [
-            _view(name, axes, points, samples.result.scene if level else None)
-            for level, (name, axes) in enumerate(views(directions).items())
+            _view(name, axes, points, samples.result.scene if " view: " in name else None)
+            for name, axes in views(directions).items()
         ],
         "points": np.round(points, _DIGITS).tolist(),
         "pins": np.round(pins, _DIGITS).tolist(),
@@ -86,22 +86,21 @@ def _bearings(samples: Samples) -> list[tuple[int, float]]:
 def views(directions: FloatArray) -> dict[str, FloatArray]:
     """Directions to the right, down and to the viewer for each view, by its name.
 
-    In side view and top view the drive is on the left. None of them is a mirror image. The
-    directions are those of the shafts, ``(samples, n + 1, 3)``.
+    In all of them the drive is on the left, and none is a mirror image; the last one is the side
+    view with depth aslant. The directions are those of the shafts, ``(samples, n + 1, 3)``.
     """
     right, up = right_and_up(np.mean(directions, axis=(0, 1)))
     side = np.cross(right, up)
-    across, viewer = seen_from(-0.55 * right + 0.5 * up + side, up)
     names = [
         f"{'-' if axis.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(axis)))]}"
         for axis in (right, up, side)
     ]
     return {
-        "From behind the drive, its right and above, looking from the drive towards the output": (
-            np.stack([across, np.cross(across, viewer), viewer])
-        ),
         f"Side view: {names[0]} to the right, {names[1]} up": np.stack([right, -up, side]),
         f"Top view: {names[0]} to the right, {names[2]} down": np.stack([right, side, up]),
+        "From behind the drive, its right and above, looking from the drive towards the output": (
+            aslant(right, up) * [[1.0], [-1.0], [1.0]]
+        ),
     }
 
 

@@ -73,9 +73,10 @@ def plot_driveline(
     length_unit: LengthUnit | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw a driveline in space with its yokes at a drive angle, in a parallel projection.
+    """Draw a driveline in space with its yokes at a drive angle: its side view, with depth aslant.
 
-    The axis that the shafts follow most points to the right, y up; small arrows show x, y and z.
+    The axis that the shafts follow most points to the right, y up; in this plane everything is to
+    scale. What comes out of it leads to the right and downwards; small arrows show x, y and z.
     At each joint the dashed line continues the input shaft, and the area between it and the
     output shaft is the bend in its plane. Labels give the bend of each joint, and the phase of each
     shaft between two joints with its length if a unit is given; those that find no room are left
@@ -188,8 +189,8 @@ class _Sketch:
             for place in centres:
                 outline, rim = tube(place - half, place + half, self.size, self.view, _RING)
                 depth = self.view.depth(place)
-                foot = place - _FOOT * self.size * self.view.axes[1]
-                aside = _FOOT_ASIDE * self.size * self.view.axes[0]
+                foot = place - _FOOT * self.size * self.view.plane[1]
+                aside = _FOOT_ASIDE * self.size * self.view.plane[0]
                 stand = np.stack([place, foot - aside, foot + aside])
                 areas += [(depth, stand, "white"), (depth, outline, _BEARING), (depth, rim, "0.93")]
                 self._take(np.linspace(2.0 * place - foot, foot, 20))

@@ -16,6 +16,7 @@ DEPTH = 1.3
 """Depth of a yoke over half its span."""
 
 _LITTLE = 0.3
+_ASLANT = 0.42, 0.28  # to the right and downwards, of a unit towards the viewer
 _TUBE = 0.34  # radius over half the span of a yoke
 
 
@@ -80,22 +81,29 @@ def right_and_up(mean: FloatArray) -> tuple[FloatArray, FloatArray]:
     return right, np.eye(3)[1 if place != 1 else 2]
 
 
-def seen_from(viewer: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return unit vectors to the right of a picture and to its viewer."""
-    viewer = viewer / np.linalg.norm(viewer)
-    across = np.cross(up, viewer)
-    return across / np.linalg.norm(across), viewer
+def aslant(right: FloatArray, up: FloatArray) -> FloatArray:
+    """Return the rows of an oblique projection: to the right, up and to the viewer, ``(3, 3)``.
+
+    It shows the plane of two unit vectors as the side view does, so that a shaft that falls there
+    falls in the picture, and what comes out of that plane to the right and downwards.
+    """
+    out = np.cross(right, up)
+    viewer = out - _ASLANT[0] * right + _ASLANT[1] * up
+    return np.stack(
+        [right + _ASLANT[0] * out, up - _ASLANT[1] * out, viewer / np.linalg.norm(viewer)]
+    )
 
 
 @dataclass(frozen=True)
 class View:
     """A parallel projection: everything has one scale, whatever its depth."""
 
-    axes: FloatArray  # unit vectors to the right, upwards and to the viewer, ``(3, 3)``
+    axes: FloatArray  # rows of ``aslant``
+    plane: FloatArray  # unit vectors that are drawn to the right and upwards, ``(2, 3)``
 
     @classmethod
     def of(cls, directions: FloatArray) -> View:
-        """Look at shafts from the side, a little from above and from the drive's end.
+        """Look at shafts from the side, aslant from above and from the drive's end.
 
         The axis that the shafts follow most points to the right; y points up, if it is not y.
         """
@@ -103,8 +111,7 @@ class View:
         # Shafts that turn back on themselves have no direction in the mean.
         mean = mean if np.linalg.norm(mean) > _LITTLE else directions[0]
         right, up = right_and_up(mean)
-        across, viewer = seen_from(-0.5 * right + 0.35 * up + np.cross(right, up), up)
-        return cls(np.stack([across, np.cross(viewer, across), viewer]))
+        return cls(aslant(right, up), np.stack([right, up]))
 
     def flat(self, points: FloatArray) -> FloatArray:
         """Return where points are drawn, ``(..., 2)``."""
