@@ -194,7 +194,8 @@ def test_shafts_share_a_panel_and_a_scale() -> None:
         assert named == (names if shafts > 1 else [])
         capped = "6 of 64" in headings(figure)[0]
         assert capped == any("left out" in text for text in page_texts(figure)) == (shafts > 6)
-    assert counts == [5] * 4
+    # With few joints of small bends the moment along the shafts is steady.
+    assert counts == [4, 4, 4, 5]
 
 
 def test_bending_is_not_drawn_on_the_scale_of_the_torque() -> None:
@@ -204,14 +205,16 @@ def test_bending_is_not_drawn_on_the_scale_of_the_torque() -> None:
             result, whose = foeppl(), "x: along shaft 0; z: normal of the bend plane of joint 0"
         else:
             # Points of which the shafts follow z.
-            text = "[driveline]\npoints_mm = [[0, 0, 0], [9, 0, 300], [0, 5, 900], [0, 0, 1000]]\n"
+            text = (
+                "[driveline]\npoints_mm = [[0, 0, 0], [30, 0, 300], [0, 20, 900], [0, 0, 1000]]\n"
+            )
             text += "[load]\noutput_torque_Nm = 100\n[output]\nquantities = ['moment']\n"
             result, whose = Scene.parse(text).run(), "x, y, z: axes of the points"
         figure = drawn(result)
         scales = np.array([axes.get_ylim() for axes in panels(figure)[-3:]])
         across = np.delete(np.arange(3), along)
         np.testing.assert_array_equal(scales[across[0]], scales[across[1]])
-        assert np.ptp(scales[across[0]]) < 0.5 * np.ptp(scales[along]) + 10
+        assert np.ptp(scales[across[0]]) < np.ptp(scales[along]) + 40
         parts = result.values["moment"][..., across]
         assert scales[across[0]] == pytest.approx(
             [parts.min() - 0.05 * np.ptp(parts), parts.max() + 0.05 * np.ptp(parts)], rel=0.2
@@ -230,8 +233,8 @@ def test_many_turns_are_bands_of_the_extremes_of_each() -> None:
     turn = np.floor((result.scene.drive_angle_deg - result.scene.drive_angle_deg[0]) / 360)
     # What is left behind the last turn is too little for a turn of its own.
     turn = np.minimum(turn, 7)
-    values = result.values["speed_ratio"]
-    axes = panels(figure)[1]
+    values = np.degrees(result.values["angle_error"])
+    axes = panels(figure)[0]
     (band,) = bands(axes)
     largest, edges, least = band.get_data()
     (line,) = axes.get_lines()
@@ -240,7 +243,7 @@ def test_many_turns_are_bands_of_the_extremes_of_each() -> None:
     for i in range(8):
         own = values[turn == i]
         assert (np.asarray(least)[i], largest[i]) == (own.min(), own.max())
-        assert np.asarray(line.get_ydata())[i] == pytest.approx(own.mean(), rel=1e-12)
+        assert np.asarray(line.get_ydata())[i] == pytest.approx(own.mean(), rel=1e-9)
     assert axes.get_xlabel() == "turns of the drive"
     assert any("Bands: from the least to the largest" in text for text in page_texts(figure))
 
@@ -292,7 +295,7 @@ def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     figure.set_dpi(200)
     page = figure.bbox
     found = texts(figure, monkeypatch, largest=11.0)
-    assert len(found) > 40
+    assert len(found) > 25
     for text, box in found:
         assert page.x0 <= box.x0 <= box.x1 <= page.x1, text
         assert page.y0 <= box.y0 <= box.y1 <= page.y1, text
@@ -365,10 +368,54 @@ def test_rounding_does_not_fill_a_panel() -> None:
     scene = "[driveline]\nbends_deg = [33, 33]\ntwists_deg = [10]\nphases_deg = [190]\n"
     scene += "[load]\noutput_torque_Nm = 5000\n"
     figure = drawn(Scene.parse(scene).run())
-    limits = dict(zip(headings(figure), (axes.get_ylim() for axes in panels(figure)), strict=True))
-    assert limits["angle error, shaft 2 [deg]"] == pytest.approx((-1, 1))
-    assert limits["speed ratio, shaft 2"] == pytest.approx((0.95, 1.05))
-    assert limits["torque, shaft 2 [N m]"] == pytest.approx((4750, 5250))
+    said = "angle error, shaft 2: 0°; speed ratio, shaft 2: 1; acceleration ratio, shaft 2: 0; "
+    assert f"Without a curve: {said}torque, shaft 2: 5000 N m." in " ".join(page_texts(figure))
+    assert [name[:6] for name in headings(figure)] == ["moment"] * 3
+
+
+def test_what_varies_by_less_than_a_hundredth_is_a_line_of_text() -> None:
+    """A joint of 5.7° makes a torque of 1 % of its size; one of 5.8° has a curve."""
+    for bend, is_line in ((5.7, True), (5.8, False)):
+        text = f"[driveline]\nbends_deg = {bend}\n[load]\noutput_torque_Nm = 1000\n"
+        text += "[output]\nshafts = [0, 1]\nquantities = ['torque', 'angle_error']\n"
+        figure = drawn(Scene.parse(text).run())
+        assert ("torque [N m]" in headings(figure)) == (not is_line)
+        assert "angle error [deg]" in headings(figure)
+        low, high = 1000.0 * np.array([np.cos(np.radians(bend)), 1.0 / np.cos(np.radians(bend))])
+        said = f"torque of shaft 0: {low:.2f} to {high:.2f} N m, 1: 1000 N m."
+        assert any(said in each for each in page_texts(figure)) == is_line
+
+
+@pytest.mark.parametrize("turns", [3, 4])
+def test_the_angle_of_many_turns_needs_no_panel(turns: int) -> None:
+    text = f"[driveline]\nbends_deg = 10\n[sweep]\nturns = {turns}\n"
+    text += "[output]\nquantities = ['angle', 'angle_error']\n"
+    figure = drawn(Scene.parse(text).run())
+    assert ("angle, shaft 1 [deg]" in headings(figure)) == (turns == 3)
+    assert (
+        f"Without a curve: angle, shaft 1: 0 to {360 * turns}°." in " ".join(page_texts(figure))
+    ) == (turns == 4)
+
+
+def test_magnitudes_of_a_torque_that_reverses_have_its_sign() -> None:
+    """They pass through 0 without a cusp: no step of their slope is larger than that of a sine."""
+    text = "[driveline]\nbends_deg = [35, 35]\nphases_deg = 90\n[load]\nspeed_rpm = 540\n"
+    text += "output_torque_Nm = 600\ninertias_kgm2 = [0, 0.2, {}]\n"
+    text += "[output]\nquantities = ['pin_moment', 'bending_driven']\n"
+    for inertia, reverses in ((0.02, False), (3.0, True)):
+        result = Scene.parse(text.format(inertia)).run()
+        figure = drawn(result)
+        ending = ", with the sign of the torque" if reverses else ""
+        names = [f"{name}{ending} [N m]" for name in ("pin moment", "bending, driven side")]
+        assert headings(figure) == names
+        for axes, name in zip(panels(figure), ("pin_moment", "bending_driven"), strict=True):
+            for line, size in zip(axes.get_lines(), result.values[name], strict=True):
+                curve = np.asarray(line.get_ydata(), np.float64)
+                np.testing.assert_allclose(np.abs(curve), size, rtol=1e-12)
+                assert (np.min(curve) < 0.0) == reverses
+                if reverses and name == "pin_moment":
+                    bow = np.abs(np.diff(curve, 2))
+                    assert bow.max() < 0.05 * np.abs(np.diff(curve)).max()
 
 
 @pytest.mark.parametrize(
@@ -498,6 +545,8 @@ def test_frames_hold_what_they_show_and_are_little_larger(
     figure = figure_of(command, text, monkeypatch, tmp_path, *option)
     figure.draw_without_rendering()
     for axes in figure.axes:
+        if axes.get_label() == "driveline":
+            continue
         ends = zip(axes.dataLim.intervalx, axes.dataLim.intervaly, strict=True)
         (left, low), (right, high) = ends
         for first, last, view in (
@@ -514,9 +563,9 @@ def test_frames_hold_what_they_show_and_are_little_larger(
         named = any(other.get_legend_handles_labels()[0] for other in same)
         assert named == any(other.get_legend() for other in same)
         if axes.yaxis_inverted():
-            # Bars begin at 0 and leave room for their sizes, which are written to their right.
+            # Bars begin at 0; their sizes are written beside the axes, where no line crosses them.
             assert axes.get_xlim()[0] == left == 0.0
-            assert right < 0.9 * axes.get_xlim()[1]
+            assert all(label.get_window_extent().x0 >= axes.bbox.x1 for label in axes.texts)
             assert all(label.get_window_extent().x1 <= figure.bbox.x1 for label in axes.texts)
 
 
@@ -1292,7 +1341,10 @@ def test_lengths_that_are_not_known_or_not_wanted_are_not_named() -> None:
     assert named_lengths(plots.plot_driveline(TRUCK, points=POINTS)) == []
     line = Driveline.from_bends([5, 5], degrees=True)
     assert named_lengths(plots.plot_driveline(line, length_unit="mm")) == []
-    assert len(named_lengths(plots.plot_driveline(TRUCK, length_unit="m"))) == 2
+    assert (
+        len(named_lengths(plots.plot_driveline(Driveline.from_points(POINTS), length_unit="m")))
+        == 2
+    )
     with pytest.raises(ValueError, match="length_unit is 'inch'; it must be 'mm' or 'm'"):
         plots.plot_driveline(line, length_unit="inch")  # type: ignore[arg-type]
 

@@ -29,9 +29,11 @@ _ENTRIES: Mapping[str, tuple[str, str, int]] = MappingProxyType(
 _REDUCED = MappingProxyType({"peak": "largest", "min": "minimum", "max": "maximum"})
 
 
-def key_name(key: str) -> str:
-    """Return what a scene's key is.
+def key_name(key: str, joints: int | None = None) -> str:
+    """Return what a scene's key is, points by the joints whose number is given.
 
+    >>> key_name("points_mm.2.y", 3)
+    'height of joint 1 [mm]'
     >>> key_name("phases_deg.0")
     'phase, shaft 1 [deg]'
     >>> key_name("points_mm.2-3.y")
@@ -45,6 +47,10 @@ def key_name(key: str) -> str:
         quantity, ending = split(of_bearing)
         return f"{quantity}, bearing {number}" + _bracketed(ENDINGS[ending].symbol)
     quantity, ending = split(name)
+    if joints is not None and quantity == "points" and len(places) == 2:
+        ends = [_point_name(int(end), joints) for end in places[0].split("-")]
+        what = {"y": "height"}.get(places[1], f"{places[1]} coordinate")
+        return f"{what} of {' to '.join(ends)}" + _bracketed(ENDINGS[ending].symbol)
     entry, of, first = _ENTRIES.get(quantity, (quantity, "", 0))
     words = [entry if places else quantity.replace("_", " ")]
     for place in places:
@@ -54,6 +60,11 @@ def key_name(key: str) -> str:
         several = "s" if len(ends) > 1 else ""
         words.append(f"{of}{several} {numbers}" if numbered else place)
     return ", ".join(filter(None, words)) + _bracketed(ENDINGS[ending].symbol if ending else "")
+
+
+def _point_name(point: int, joints: int) -> str:
+    ends = {0: "the upstream end", joints + 1: "the downstream end"}
+    return ends.get(point, f"joint {point - 1}")
 
 
 def column_name(column: Column) -> str:

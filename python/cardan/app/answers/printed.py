@@ -8,7 +8,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 from typing import Any
 
+import numpy as np
+
+from cardan.app.answers.rounding import ROUNDING
 from cardan.app.answers.rows import UNITS, Entry, Judged, Row, item_of, rows_of
+from cardan.arrays import FloatArray
 from cardan.design.wrapping import fill
 
 _WIDTH, _SHORT = 79, 16
@@ -358,3 +362,22 @@ def figure_text(value: float) -> str:
     if not -5 < exponent < 7:
         return f"{value:.3e}"
     return f"{value:.{max(0, 3 - exponent)}f}"
+
+
+def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:
+    """Return from where to where curves go, by their labels where they differ.
+
+    >>> curves_text([("shaft 1", np.array([1500.0, 1501.0])), ("2", np.array([1500.0]))], "N m")
+    'shaft 1: 1500.00 to 1501.00 N m, 2: 1500 N m'
+    """
+    texts = {}
+    for label, curve in curves:
+        low, high = float(np.nanmin(curve)), float(np.nanmax(curve))
+        noise = ROUNDING * max(scale, abs(low), abs(high))
+        middle = 0.5 * (low + high) if 0.5 * abs(low + high) > noise else 0.0
+        ends = range_ends(low, high) if high - low > noise else (short(middle),)
+        texts[label] = in_unit([" to ".join(ends)], "deg" if unit == "deg" else "", radians=False)
+        texts[label] += "" if unit in ("", "deg") else f" {unit}"
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return ", ".join(f"{label}: {text}" for label, text in texts.items())

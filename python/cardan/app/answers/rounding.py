@@ -21,6 +21,29 @@ def alike(low: float, high: float) -> bool:
     return high - low <= ROUNDING * max(abs(low), abs(high))
 
 
+STEADY = 0.01
+"""Curves that vary by less than this share of their size are a line of text, no picture."""
+
+
+def is_steady(curve: FloatArray, scale: float) -> bool:
+    """Return whether a curve is a line of text; ``scale`` is what 0 would be measured in."""
+    low, high = float(np.nanmin(curve)), float(np.nanmax(curve))
+    return high - low <= max(STEADY * max(abs(low), abs(high)), ROUNDING * scale)
+
+
+MAGNITUDES = ("pin_moment", "bending_driving", "bending_driven")
+"""Outputs of a joint that are magnitudes in proportion to its torque."""
+
+
+def signed(size: FloatArray, torque: FloatArray) -> FloatArray:
+    """Return a magnitude with the sign of the torque that leaves its joint, if that reverses.
+
+    Without the sign it would have a cusp wherever the torque passes through 0.
+    """
+    reverses = np.nanmin(torque) < 0.0 < np.nanmax(torque)
+    return np.asarray(np.copysign(size, torque)) if reverses else size
+
+
 def first_peak(sizes: FloatArray) -> tuple[int, bool]:
     """Return the place of the first of equal peaks, however they are rounded, and whether all are.
 

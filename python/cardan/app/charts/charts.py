@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.app.answers.printed import curves_text
+from cardan.app.answers.rounding import is_steady
 from cardan.arrays import FloatArray
 
 
@@ -32,6 +34,18 @@ class Panel:
     curves: tuple[Curve, ...]  # the lines
     scale: float = 1.0  # a size beside which a billionth is rounding
     left_out: int = 0  # the number of smaller curves that are not drawn
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether its line of text says as much as the chart."""
+        return all(is_steady(curve.values, self.scale) for curve in self.curves)
+
+    @property
+    def line(self) -> str:
+        """The curves as text: ``"torque of shaft 0: 1500 N m"``."""
+        curves = [(curve.label, curve.values) for curve in self.curves]
+        between = " of " if len(curves) > 1 else f" of {self.curves[0].label}: "
+        return f"{self.heading}{between}{curves_text(curves, self.unit, self.scale)}"
 
 
 class Table(NamedTuple):

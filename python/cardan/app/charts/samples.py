@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cardan.app.answers.rounding import alike, first_peak, is_cancelled
+from cardan.app.answers.rounding import MAGNITUDES, alike, first_peak, is_cancelled, signed
 from cardan.app.answers.turn.extremes import magnitudes, peak, peaks, shortest_arm, values_of
 from cardan.app.charts.charts import Curve, Panel
 from cardan.app.pictures.space import pins
@@ -158,6 +158,8 @@ class Samples:
             # The drive's own motion is no curve to look at.
             if output.needs_load or output.per == "joint" or item > 0:
                 sizes = np.linalg.norm(values, axis=-1) if output.vector else values
+                if output.name in MAGNITUDES:
+                    sizes = signed(sizes, self.result.values["torque"][item + 1])
                 found.setdefault(output, {})[item] = sizes
         panels = []
         if scene.time is not None and scene.load_case is not None:
@@ -170,6 +172,8 @@ class Samples:
             scale = self.largest_torque if output.needs_load else 1.0
             if output.vector:
                 heading += ", magnitude"
+            if output.name in MAGNITUDES and any(np.min(curve) < 0.0 for curve in curves.values()):
+                heading += ", with the sign of the torque"
             if unit == "rad":
                 unit, factor = "deg", math.degrees(1.0)
             if output.name == "acceleration_ratio" and scene.speed:

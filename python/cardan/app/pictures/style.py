@@ -245,24 +245,30 @@ def write_angle(axes: Axes, degrees: float, point: FloatArray, away: FloatArray)
 
 
 def draw_bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> BarContainer:
-    """Draw bars of labels, sizes and texts at their ends, from the top down; return them."""
-    rows = range(len(bars))
-    drawn = axes.barh(rows, [size for _, size, _ in bars], 0.62, color=LINES[0]["color"])
-    for row, (_, size, text) in enumerate(bars):
+    """Draw bars of labels, sizes and texts, from the top down; return them.
+
+    The texts are in a column beside the axes, where no line is.
+    """
+    from matplotlib import rcParams
+
+    rows, size = range(len(bars)), float(rcParams["font.size"])
+    longest = max((text for *_, text in bars), key=lambda text: text_width(text, size), default="")
+    drawn = axes.barh(rows, [length for _, length, _ in bars], 0.62, color=LINES[0]["color"])
+    for row, (_, _, text) in enumerate(bars):
         axes.annotate(
             text,
-            (size, row),
-            xytext=(2.0, 0.0),
+            (1.0, row),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(text_width(longest, size) + 4.0, 0.0),
             textcoords="offset points",
+            ha="right",
             va="center",
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-            zorder=4.0,
+            annotation_clip=False,
         )
     axes.set_yticks(list(rows), [label for label, _, _ in bars], parse_math=False)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)
-    # Room for the texts.
-    axes.set_xlim(0.0, 1.2 * max((size for _, size, _ in bars), default=0.0) or 1.0)
+    axes.set_xlim(0.0, 1.05 * max((length for _, length, _ in bars), default=0.0) or 1.0)
     return drawn
 
 

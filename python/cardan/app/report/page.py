@@ -54,7 +54,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     fixed = scene.line.n_joints > 1 and not scene.line.shape
     fixed = fixed and not (scene.states and scene.states.set_phases)
     yokes = yoke_settings(scene) if fixed else None
-    panels, (x, x_label) = samples.panels(), _abscissa(samples)
+    known_panels, (x, x_label) = samples.panels(), _abscissa(samples)
+    panels = [panel for panel in known_panels if not panel.is_steady]
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     table = result.study
     speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
@@ -74,6 +75,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
+        steady=[panel.line for panel in known_panels if panel.is_steady],
         parts=_parts(answer),
         catalogue=results.catalogue(scene, yokes),
         data=_data(samples, panels),

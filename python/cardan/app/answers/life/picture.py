@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
-from cardan.app.answers.printed import given
+from cardan.app.answers.printed import curves_text, given
+from cardan.app.answers.rounding import is_steady, signed
 from cardan.app.charts.charts import Curve, Panel, bars, chart
 from cardan.app.pictures.style import (
     LINES,
@@ -55,11 +56,18 @@ def drawn(_: Answer, found: LifeFigures) -> dict[str, Any]:
 
 
 def _moments(line: Driveline, load: Load, angle: FloatArray) -> list[tuple[str, FloatArray]]:
-    return [(f"joint {i}", pins_at(line, load, i, angle).moment) for i in range(line.n_joints)]
+    """The moments by joint, with the sign of the torque where it reverses: they have no cusps."""
+    found = []
+    for joint in range(line.n_joints):
+        pins = pins_at(line, load, joint, angle)
+        found.append((f"joint {joint}", signed(pins.moment, pins.entering_torque)))
+    return found
 
 
 def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axes:
     """Draw the moment that the pins of each joint bear over the turn.
+
+    It is a magnitude; where the torque of the joint reverses, it has the sign of the torque.
 
     Args:
         line: one driveline.
@@ -164,7 +172,7 @@ def _whole(answer: Answer) -> Figure:
     found = needed(answer)
     line, load, *_ = found.hardest()
     panels: list[tuple[float, Callable[[Axes], object]]]
-    panels = [(50.0, lambda axes: plot_pin_load(line, load, ax=axes))]
+    panels = [_pin_panel(line, load)]
     if sizes := _bars(found):
         panels.insert(0, (_height(len(sizes)), lambda axes: plot_sizes(found, ax=axes)))
     hot = [joint.largest_heat or joint.heat for joint in found.joints]
@@ -172,7 +180,23 @@ def _whole(answer: Answer) -> Figure:
         hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))
         bearings = friction_of(found.types)
         panels.append((50.0, lambda axes: plot_heat(*hottest[:2], **bearings, ax=axes)))
-    return stacked(panels)
+    return stacked(panels, answer.of.title)
+
+
+def _pin_panel(line: Driveline, load: Load) -> tuple[float, Callable[[Axes], object]]:
+    """Height and drawing of the load of the pins: curves, or a line of text if they are steady."""
+    moments, scale = _moments(line, load, np.asarray(panel.TURN)), abs(float(load.torque))
+    if not all(is_steady(curve, scale) for _, curve in moments):
+        return 50.0, lambda axes: plot_pin_load(line, load, ax=axes)
+
+    lines = ["moment of the pins", *curves_text(moments, "N m", scale).split(", ")]
+
+    def write(axes: Axes) -> None:
+        axes.set_axis_off()
+        place: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "center"}
+        axes.text(0.5, 0.5, "\n".join(lines), **place)
+
+    return 5.0 + 3.5 * len(lines), write
 
 
 PICTURES = {"life": _whole}

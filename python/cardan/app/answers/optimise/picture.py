@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.names import key_name
 from cardan.app.answers.optimise.figures import Optimised
 from cardan.app.answers.optimise.text import by_state
 from cardan.app.answers.printed import symbol_of, table_of, with_unit
@@ -61,7 +62,12 @@ def _chart(found: Optimised, number: int) -> dict[str, Any]:
     if np.any(np.isfinite(over.beyond)):
         curves.append(Curve("beyond a limit", over.beyond[known]))
     panel = Panel(found.goal_words, symbol_of(found.minimised.unit), tuple(curves), 1.0)
-    return chart(panel, over.x[known], with_unit(variable.axis.key, variable.unit))
+    return chart(panel, over.x[known], _name(found, number))
+
+
+def _name(found: Optimised, number: int) -> str:
+    """A variable in words, with its unit."""
+    return key_name(found.asked.variables[number].axis.key, found.scene.line.n_joints)
 
 
 def plot_optimise(found: Optimised) -> Figure:
@@ -136,7 +142,7 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
             axes.set_xlim(ends[0] - room, ends[1] + room)
         axes.set_ylim(bottom=0.0)
         goal = with_unit(found.goal_words, found.minimised.unit)
-        finish(axes, with_unit(own.axis.key, own.unit), ",\n".join(goal.rsplit(", ", 1)))
+        finish(axes, _name(found, variable), ",\n".join(goal.rsplit(", ", 1)))
     return axes
 
 

@@ -176,7 +176,8 @@ def _whole(answer: Answer) -> Figure:
         (
             (_PANEL, lambda axes: plot_tolerances(found, ax=axes)),
             (_height(count), lambda axes: plot_tolerance_shares(found, ax=axes)),
-        )
+        ),
+        answer.of.title,
     )
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
 from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import (
@@ -175,14 +177,8 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         axes.axvspan(low, high, color="0.93", linewidth=0.0, label="speed range")
         frequencies = [mode.frequency / (2.0 * np.pi) for mode in found.modes]
-        for number, (mode, frequency) in enumerate(zip(found.modes, frequencies, strict=True)):
+        for number, frequency in enumerate(frequencies):
             axes.axhline(frequency, label="natural frequency" if number == 0 else None, **_CRITICAL)
-            axes.annotate(
-                f"shaft {mode.shaft}",
-                (0.0, frequency),
-                xytext=(2.0, 1.5),
-                textcoords="offset points",
-            )
         for number, order in enumerate(found.torsion.orders):
             axes.plot(
                 [0.0, right],
@@ -198,7 +194,30 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
         finish(axes, _SPEED, "frequency [Hz]", (0.0, right), (0.0, 1.25 * max(frequencies)))
         axes.set_axisbelow(True)
+        _name_modes(axes, found)
     return axes
+
+
+def _name_modes(axes: Axes, found: TorsionFigures) -> None:
+    """Write frequency and shaft of each mode beside the axes, where no line crosses them."""
+    top = axes.get_ylim()[1]
+    # Two lines each, and as far from each other as they need.
+    height = _PANEL - _AROUND / 2.0
+    apart = 2.2 * 25.4 / 72.0 * 7.0 / height * top
+    below = -math.inf
+    for mode in sorted(found.modes, key=lambda mode: mode.frequency):
+        frequency = mode.frequency / math.tau
+        below = max(frequency, below + apart)
+        axes.annotate(
+            f"{quantity(mode.frequency, 'Hz')}\nshaft {mode.shaft}",
+            (1.0, below),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(3.0, 0.0),
+            textcoords="offset points",
+            va="center",
+            linespacing=1.0,
+            annotation_clip=False,
+        )
 
 
 def plot_stability(

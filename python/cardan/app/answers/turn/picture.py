@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cardan.app.answers.printed import curves_text
+from cardan.app.answers.rounding import MAGNITUDES, is_steady, signed
 from cardan.app.answers.rows import UNITS
 from cardan.app.answers.states.picture import height_mm, plot_states
 from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.figures import SummaryRow, summary
-from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, frame_values, in_unit
+from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, frame_values
 from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
 from cardan.app.pictures.style import (
@@ -32,7 +34,7 @@ from cardan.app.pictures.style import (
     text_width,
     value_ticks,
 )
-from cardan.app.scene.language.units import RPM
+from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -44,7 +46,7 @@ if TYPE_CHECKING:
 
 # Millimetres: A4 across, its margin, the sketch and the table beside it, the panels below.
 _PAGE, _MARGIN = (297.0, 210.0), 12.0
-_SKETCH, _SKETCH_HEIGHTS = 176.0, (60.0, 80.0)
+_SKETCH, _SKETCH_HEIGHTS = 176.0, (60.0, 80.0, 100.0)
 _GAP, _BESIDE, _OVER, _UNDER = 4.0, 14.0, 10.0, 5.0
 _TITLE_LINE, _LINE = 5.2, 3.4
 # Lines of the key figures that long values may take.
@@ -57,7 +59,8 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
     """Return a page, A4 across, of everything that the scene evaluates.
 
     It has a sketch of the driveline, the key figures, and a panel for each quantity, with a curve
-    for each shaft or joint on one scale: at most 6, those that vary most. The components of a
+    for each shaft or joint on one scale: at most 6, those that vary most. What varies by less than
+    1 % of its size, and angles of many turns, are lines of text instead. The components of a
     vector have a panel each; those across the driveline share a scale, that along it has its own.
     Up to three turns are drawn over the drive angle in degrees; of more turns bands show the
     extremes of each turn, or span of time, and lines the mean of its samples. With the speed of the
@@ -78,13 +81,16 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
 
         figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
         along = abscissa(result.scene, over)
-        drawn = quantities(result)
+        every = quantities(result)
+        drawn = [quantity for quantity in every if over == "orders" or not quantity.is_line(along)]
+        lines = [quantity.line for quantity in every if quantity not in drawn]
         top = _title(figure, result.scene)
-        height = _SKETCH_HEIGHTS[len(drawn) <= _IN_ONE_ROW]
+        height = _SKETCH_HEIGHTS[0 if len(drawn) > _IN_ONE_ROW else 1 if drawn else 2]
         _sketch(figure, result.scene, top, height)
         _key_figures(figure, result, top, height)
-        foot = _notes(figure, result.scene, drawn, along)
-        _panels(figure, drawn, along, top - height - _GAP, foot)
+        foot = _notes(figure, result.scene, drawn, lines, along)
+        if drawn:
+            _panels(figure, drawn, along, top - height - _GAP, foot)
     return figure
 
 
@@ -223,14 +229,20 @@ def _panels(
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
-def _notes(figure: Figure, scene: Scene, drawn: Sequence[DrawnQuantity], along: Abscissa) -> float:
-    """Write what the panels cannot say; return the height above it."""
-    said = []
+def _notes(
+    figure: Figure,
+    scene: Scene,
+    drawn: Sequence[DrawnQuantity],
+    lines: Sequence[str],
+    along: Abscissa,
+) -> float:
+    """Write what has no panel and what the panels cannot say; return the height above it."""
+    said = [f"Without a curve: {'; '.join(lines)}."] if lines else []
     if scene.line.shape:
         said.append("The driveline is drawn with the bends of the first sample.")
     if scene.driven_angle_deg is not None:
         said.append("Angles among the key figures are drive angles.")
-    if along.note:
+    if along.note and drawn:
         said.append(along.note)
     if any(quantity.left_out for quantity in drawn):
         said.append(
@@ -240,11 +252,11 @@ def _notes(figure: Figure, scene: Scene, drawn: Sequence[DrawnQuantity], along: 
     if vectors := list(dict.fromkeys(quantity.vector for quantity in drawn if quantity.vector)):
         what = " and ".join(vectors).capitalize()
         said.append(f"{_axes_named(scene)}. {what} across the driveline have a separate scale.")
-    lines = textwrap.wrap(" ".join(said), 200)
-    for i, line in enumerate(reversed(lines)):
-        _text(figure, _MARGIN, _LOW + _LINE * i, line)
+    notes = textwrap.wrap(" ".join(said), 200)
+    for i, note in enumerate(reversed(notes)):
+        _text(figure, _MARGIN, _LOW + _LINE * i, note)
     # Between the panels and the notes are the name of what is along them, and some room.
-    return _LOW + _LINE * len(lines) + 5.0
+    return _LOW + _LINE * len(notes) + 5.0
 
 
 def _axes_named(scene: Scene) -> str:
@@ -298,7 +310,8 @@ _KINDS = {"N m": "moments", "N": "forces"}
 class DrawnQuantity:
     """A panel: a curve, ``(samples,)``, for each shaft, joint or bearing that there is room for."""
 
-    heading: str
+    name: str
+    unit: str
     per: str
     items: tuple[int, ...]
     curves: tuple[FloatArray, ...]
@@ -313,14 +326,33 @@ class DrawnQuantity:
     # there does not set the scale.
     ends: int = 0
 
+    @property
+    def heading(self) -> str:
+        """What is drawn, with its unit."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+    def is_line(self, over: Abscissa) -> bool:
+        """Return whether a line of text says as much as the panel."""
+        # The angle of many turns rises, whatever else it does.
+        many = self.scale == "angle" and bool(over.note)
+        return many or all(is_steady(curve, self.unit_size) for curve in self.curves)
+
+    @property
+    def line(self) -> str:
+        """The panel as text: ``"torque, shaft 2: 600 N m"``."""
+        between = " of " if len(self.items) > 1 else ": "
+        return f"{self.name}{between}{curves_text(self._labelled(), self.unit, self.unit_size)}"
+
+    def _labelled(self) -> list[tuple[str, FloatArray]]:
+        names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
+        return list(zip(names if len(names) > 1 else [""], self.curves, strict=True))
+
     def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
         """Draw the panel with its heading and, of several curves, its legend.
 
         These begin so many points to the left of the axes.
         """
-        names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
-        labels = names if len(self.items) > 1 else [""]
-        curves = list(zip(labels, self.curves, strict=True))
+        curves = self._labelled()
         over.draw(axes, curves=curves, scale=self.unit_size)
         inner = np.stack(self.curves)[:, self.ends : -self.ends or None]
         if self.ends and over.is_of_samples and not np.isnan(inner).all():
@@ -346,12 +378,12 @@ def quantities(result: SceneResult) -> list[DrawnQuantity]:
         curves.append(values)
     scene, panels = result.scene, []
     if scene.speed_recorded and scene.load_case:
-        for heading, values in (
-            ("drive speed [rpm]", scene.load_case.speed / RPM),
-            ("drive acceleration [rad/s²]", scene.load_case.acceleration),
+        for name, unit, values in (
+            ("drive speed", "rpm", scene.load_case.speed / RPM),
+            ("drive acceleration", "rad/s²", scene.load_case.acceleration),
         ):
-            ends = 0 if "speed" in heading else _ends(scene)
-            panels.append(DrawnQuantity(heading, "shaft", (0,), (values,), heading, ends=ends))
+            ends = 0 if "speed" in name else _ends(scene)
+            panels.append(DrawnQuantity(name, unit, "shaft", (0,), (values,), name, ends=ends))
     for output, items, curves in found.values():
         if output.vector:
             along = _along(result)
@@ -373,22 +405,28 @@ def _panel(
     component: str,
     scale: str,
 ) -> DrawnQuantity:
-    heading, size = f"{output.label}{component}", 1.0
-    every, unit = in_unit(output, np.stack(curves))
+    name, size = f"{output.label}{component}", 1.0
+    if output.name in MAGNITUDES:
+        torque = _torques(result, items)
+        curves = [signed(curve, own) for curve, own in zip(curves, torque, strict=True)]
+        if any(np.nanmin(curve) < 0.0 for curve in curves):
+            name += ", with the sign of the torque"
+    every, unit = in_degrees(np.stack(curves), output.unit)
     if output.name == "acceleration_ratio" and result.scene.speed:
         size = result.scene.speed**2
         speed = result.scene.load_case.speed if result.scene.load_case else 0.0
-        every, unit = every * speed**2, " [rad/s²]"
-        heading = "acceleration" + " at steady drive" * result.scene.accelerates
+        every, unit = every * speed**2, "rad/s²"
+        name = "acceleration" + " at steady drive" * result.scene.accelerates
     extents = np.array([_extent(values) for values in every])
     # Those that vary most, of equal ones the first, in the order of the driveline.
     shown = np.sort(np.argsort(-extents, kind="stable")[:MOST])
     if len(items) == 1:
-        heading += f", {output.per} {items[0]}"
+        name += f", {output.per} {items[0]}"
     elif len(items) > len(shown):
-        heading += f", {len(shown)} of {len(items)} {output.per}s"
+        name += f", {len(shown)} of {len(items)} {output.per}s"
     return DrawnQuantity(
-        heading + unit,
+        name,
+        unit,
         output.per,
         tuple(items[i] for i in shown),
         tuple(every[shown]),
@@ -403,6 +441,13 @@ def _panel(
 def _ends(scene: Scene) -> int:
     """Samples at each end whose acceleration has a filter on one side only."""
     return max((signal.reach for signal in scene.signals), default=0)
+
+
+def _torques(result: SceneResult, joints: Sequence[int]) -> FloatArray:
+    """Return the torques that leave joints, ``(joints, samples)``."""
+    shafts = tuple(joint + 1 for joint in joints)
+    scene = replace(result.scene, quantities=("torque",), shafts=shafts, study=None)
+    return np.asarray(scene.run().values["torque"])
 
 
 def _extent(values: FloatArray) -> float:
