@@ -75,6 +75,15 @@ def test_grossmann_6_to_8_moments(bend: float) -> None:
 
 
 @pytest.mark.parametrize("bend", BENDS)
+def test_thoma_3_and_4_rotation(bend: float) -> None:
+    # tan psi = tan phi / cos alpha without its poles; (3) is its square.
+    turned, cosine = joint(bend).angle, math.cos(bend)
+    close(np.sin(turned) * np.cos(ANGLES) * cosine, np.cos(turned) * np.sin(ANGLES))
+    square = np.sin(ANGLES) ** 2
+    close(np.sin(turned) ** 2, square / (cosine**2 + (1.0 - cosine**2) * square), 2.0)
+
+
+@pytest.mark.parametrize("bend", BENDS)
 def test_thoma_introduction_the_moment_bends_one_of_the_shafts(bend: float) -> None:
     line = Driveline.from_bends([bend])
     least = math.atan(math.sqrt(math.cos(bend)))  # where both shafts are equally far from it
