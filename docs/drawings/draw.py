@@ -345,6 +345,121 @@ def tilts() -> Drawing:
     return d
 
 
+def sphere() -> Drawing:
+    """Grossmann's figure 2: shafts and moment as points of a sphere."""
+    d = Drawing(640, 330, "Shafts and moment vector as points of a sphere")
+    bend, turned = math.radians(55), math.radians(50)
+    first = np.array([1.0, 0.0, 0.0])
+    second = np.array([math.cos(bend), math.sin(bend), 0.0])
+    # The moment stays in the plane across pin 1, which the drive angle turns about shaft I.
+    along = math.sin(turned) * np.array([0.0, 1.0, 0.0]) + math.cos(turned) * np.array([0, 0, 1.0])
+    tilt = math.atan(math.tan(bend) * math.sin(turned))
+    moment = math.cos(tilt) * first + math.sin(tilt) * along
+    viewer = first + second + 0.5 * np.array([0.0, 0.0, 1.0])
+    viewer = viewer / np.linalg.norm(viewer)
+    right = np.cross([0.0, 0.0, 1.0], viewer)
+    right = right / np.linalg.norm(right)
+    up, centre, radius = np.cross(viewer, right), (205.0, 165.0), 145.0
+
+    def see(vector: Vector) -> Point:
+        return centre[0] + radius * float(vector @ right), centre[1] + radius * float(vector @ up)
+
+    def corner(at: Vector, one: Vector, other: Vector) -> list[Point]:
+        return [see(math.cos(0.26) * at + math.sin(0.26) * way) for way in between(one, other)]
+
+    d.line(*arc(centre, radius, 0, 360), colour=GREY, width=1.2)
+    for ends, label, colour, aside in (
+        ((first, second), "*φ", BLUE, (0, -20)),
+        ((first, moment), "*ψ_1", GREEN, (16, -22)),
+        ((second, moment), "*ψ_2", RED, (24, 4)),
+    ):
+        points = [see(v) for v in between(*ends)]
+        d.line(*points, colour=colour, width=2.4)
+        x, y = points[len(points) // 2]
+        d.text((x + aside[0], y + aside[1]), label, colour=colour, size=17)
+    start = np.array([0.0, 0.0, 1.0])
+    d.line(
+        *(see(math.cos(a) * first + math.sin(a) * start) for a in np.linspace(0, 0.62, 20)),
+        colour=GREY,
+        dash="4 4",
+        width=1.2,
+    )
+    d.arrow(*corner(first, start, along), colour=GREEN)
+    to_first, to_moment = (
+        (v - (v @ second) * second) / np.linalg.norm(v - (v @ second) * second)
+        for v in (first, moment)
+    )
+    d.arrow(*corner(second, to_first, to_moment), colour=RED)
+    for at, ways, label, colour in (
+        (first, start + along, "*α_1", GREEN),
+        (second, to_first + to_moment, "*α_2", RED),
+    ):
+        x, y = see(at + 0.42 * ways / np.linalg.norm(ways))
+        d.text((x, y + (4 if at is first else -6)), label, colour=colour, size=17)
+    for vector, label, dx, dy in (
+        (first, "I", -14, -12),
+        (second, "II", 14, -12),
+        (moment, "M", 4, 12),
+    ):
+        d.dot(see(vector), 4)
+        d.text((see(vector)[0] + dx, see(vector)[1] + dy), label, size=17)
+    for row, text in enumerate(
+        (
+            "I, II: the shafts; M: the moment",
+            "right angle at M: cos φ = cos ψ₁ cos ψ₂",
+            "tan ψ₁ = tan φ sin α₁",
+            "tan ψ₂ = tan φ cos α₂",
+            "dashed: where M moves from I at first",
+        )
+    ):
+        d.text((372, 250 - 26 * row), text, size=12, anchor="start")
+    return d
+
+
+def signs() -> Drawing:
+    """A chain of four joints with the signs of the root rule (Bild 20)."""
+    d = Drawing(640, 210, "A chain of joints with the signs of the root rule")
+    points = [
+        (20.0, 120.0),
+        (110.0, 120.0),
+        (270.0, 92.0),
+        (420.0, 110.0),
+        (540.0, 84.0),
+        (622.0, 90.0),
+    ]
+    for start, end in pairwise(points):
+        d.line(start, end, width=5, colour="#c9c9c9")
+    # Whether the driving yoke of each joint lies in its bend plane, which is the plane of the page.
+    for joint, (inside, sign) in enumerate(((True, "+"), (False, "−"), (False, "−"), (True, "+"))):
+        at = points[joint + 1]
+        for other, lies in ((points[joint], inside), (points[joint + 2], not inside)):
+            way = math.degrees(math.atan2(other[1] - at[1], other[0] - at[0]))
+            root = polar(at, 30, way)
+            colour = BLUE if other is points[joint] else RED
+            if lies:
+                for side in (90, -90):
+                    d.line(
+                        root,
+                        polar(root, 16, way + side),
+                        polar(at, 16, way + side),
+                        colour=colour,
+                        width=3,
+                    )
+            else:
+                d.line(root, at, colour=colour, width=6)
+        d.dot(at, 5)
+        d.text((at[0], at[1] + 34), f"*{sign}β_{joint}", size=17)
+    d.text(
+        (320, 44),
+        "blue: driving yokes, red: driven yokes; all bends in the plane of the page",
+        size=13,
+    )
+    d.text(
+        (320, 20), "+: the driving yoke lies in the bend plane; −: it is across that plane", size=13
+    )
+    return d
+
+
 def between(first: Vector, second: Vector) -> list[Vector]:
     """Return the unit vectors of the shortest turn from one unit vector to another."""
     across = second - (first @ second) * first
@@ -481,4 +596,15 @@ def ball() -> Drawing:
     return d
 
 
-DRAWINGS = (driveline, joint, along_the_shaft, tilts, deviations, views, projected, ball)
+DRAWINGS = (
+    driveline,
+    joint,
+    along_the_shaft,
+    tilts,
+    sphere,
+    signs,
+    deviations,
+    views,
+    projected,
+    ball,
+)

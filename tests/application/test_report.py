@@ -230,8 +230,9 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
     drawings = re.findall(r'<svg id="view-\d".*?</svg>', page, re.S)
     names = [re.findall(r"<text[^>]*>(.*?)</text>", drawing) for drawing in drawings]
     assert names == [
-        ["x", "y", "drive", "output", "12°", "9°"],
-        ["x", "z", "drive", "output", "12°", "9°"],
+        # Of 9 deg in a plane that is turned by 10 deg.
+        ["x", "y", "drive", "output", "12°", "8.87°"],
+        ["x", "z", "drive", "output", "0°", "1.56°"],
         ["x", "y", "z", "drive", "output"],
     ]
     for drawing in drawings:

@@ -152,13 +152,21 @@ def test_side_view_and_top_view_have_bends_and_lengths(name: str, answered: Answ
     for view in (0, 1):
         above, below = dimensions(page, view)
         shown = [float(bend.removesuffix("°")) for bend in above]
-        np.testing.assert_allclose(shown, np.degrees(scene.line.bends), rtol=5e-3)
+        slopes = np.degrees(np.arctan2(*scene.line.directions[:, [view + 1, 0]].T))
+        np.testing.assert_allclose(shown, np.abs(np.diff(slopes)), rtol=5e-3, atol=1e-6)
         at = centres(page, view)[:, 0]
         for ends, (left, right, words), length in zip(pairwise(at), below, lengths, strict=True):
             np.testing.assert_allclose((left, right), ends, atol=0.2)
             number, unit = words.split()
             assert unit == "mm"
             assert float(number) == pytest.approx(length, rel=5e-4)
+
+
+def test_views_have_the_projected_bends_of_the_catalogues_example(answered: Answers) -> None:
+    """Its Bild 19: 15 and 11.5 deg in side view, 7 and 12 deg in top view; 16.4 deg in space."""
+    page = answered(example("spatial_shaft.toml")).page
+    assert dimensions(page, 0)[0] == ["15°", "11.5°"]
+    assert dimensions(page, 1)[0] == ["7°", "12°"]
 
 
 def test_dimensions_are_those_that_are_known(tmp_path: Path, answered: Answers) -> None:
@@ -176,7 +184,7 @@ def test_dimensions_are_those_that_are_known(tmp_path: Path, answered: Answers) 
 def test_dimensions_without_room_are_left_out(tmp_path: Path) -> None:
     long = ", ".join(["1000"] * 13)
     page = page_of(f"[driveline]\nbends_deg = {[1.25] * 12}\nlengths_mm = [{long}]\n", tmp_path)
-    assert dimensions(page, 1) == ([], [])
+    assert dimensions(page, 0) == ([], [])
 
 
 def test_without_bends_all_curves_are_lines_of_text(tmp_path: Path) -> None:

@@ -196,3 +196,14 @@ def test_catalogue_6_4_tolerance() -> None:
     # 3 degrees stand for a non-uniformity of 0.0027.
     found = Driveline.from_bends([3], degrees=True).equivalent().non_uniformity
     assert found == pytest.approx(0.0027, abs=5e-5)
+
+
+def test_catalogue_bild_20_signs_of_a_chain() -> None:
+    """As drawn on the page on chains: parallel, crossed and parallel yokes in one plane."""
+    line = Driveline.from_bends([5, 4, 6, 3], [0] * 3, [0, 90, 0], degrees=True)
+    signs, off = line.fork_signs()
+    assert signs.tolist() == [1, -1, -1, 1]
+    close(off, np.zeros(3))
+    rule = math.sqrt(abs(25 - 16 - 36 + 9))
+    assert math.degrees(line.catalogue_bend(signs)) == pytest.approx(rule, rel=1e-12)
+    assert math.degrees(line.equivalent().bend) == pytest.approx(rule, rel=2e-3)

@@ -127,7 +127,7 @@ def _view(
         "arrows": [
             *_triad(axes, height + _STRIP / 2.0),
             _flow(along, height + _STRIP / 2.0),
-            *(_dimensions(scene, joints, height, rows) if scene else ()),
+            *(_dimensions(scene, axes, joints, height, rows) if scene else ()),
         ],
     }
 
@@ -141,11 +141,14 @@ def _rows(scene: Scene | None, count: int) -> tuple[float, float]:
 
 
 def _dimensions(
-    scene: Scene, joints: FloatArray, height: float, rows: tuple[float, float]
+    scene: Scene, axes: FloatArray, joints: FloatArray, height: float, rows: tuple[float, float]
 ) -> list[dict[str, Any]]:
+    """Bends as the view shows them, and the lengths of the shafts."""
     made = []
     if rows[0]:
-        bends = [f"{bend:.3g}°" for bend in np.degrees(scene.line.bends).ravel()]
+        flat = scene.line.directions.reshape(-1, 3) @ axes[:2].T
+        slopes = np.arctan2(flat[:, 1], flat[:, 0])
+        bends = [f"{bend:.3g}°" for bend in np.degrees(np.abs(np.diff(np.unwrap(slopes))))]
         made += _bend_texts(joints, bends, _ROW)
     if rows[1]:
         each = scene.line.lengths().each.ravel()[1:-1]
