@@ -171,6 +171,7 @@ TORSIONAL = cardan.TorsionalSystem(
     LINE, inertias=[0.1] * 3, stiffnesses=[1e4, np.inf, np.inf], dampings=[1.0, 0.0, 0.0]
 )
 OBJECTS = [
+    cardan.Answer(SCENE),
     LINE,
     BATCH,
     LOAD,
@@ -246,6 +247,10 @@ def same(one: object, other: object) -> None:
         assert isinstance(other, cardan.Transmission)
         same(one.q, other.q)
         same(one.motion(GRID), other.motion(GRID))
+    elif isinstance(one, cardan.Answer):
+        assert isinstance(other, cardan.Answer)
+        same(one.of, other.of)
+        assert one.verdict == other.verdict
     elif isinstance(one, cardan.Tolerances):
         assert isinstance(other, cardan.Tolerances)
         same(one.worst, other.worst)
