@@ -85,6 +85,16 @@ def test_metres_and_inline_tables_are_the_same() -> None:
             assert float(place) == pytest.approx(position, rel=1e-15)
 
 
+def test_two_bearings_in_one_place_but_for_rounding() -> None:
+    """300 - 250 and 50 mm differ by rounding, and their forces would be those of nothing."""
+    text = replaced(TEXT, ("position_mm = 220", "from_end_mm = 250"))
+    with pytest.raises(
+        SceneError, match="from_end_mm is 250 mm on shaft 0, the place of bearing 0"
+    ):
+        Scene.parse(text)
+    assert Scene.parse(text.replace("= 250", "= 249.999")).line.n_bearings == 5
+
+
 def test_columns_are_the_forces_of_the_library() -> None:
     scene = Scene.parse(TEXT)
     table = columns(scene.run())

@@ -902,6 +902,20 @@ def test_figure_of_a_study_that_is_unknown(tmp_path: Path, monkeypatch: pytest.M
             for given, column in (("8,5", 14), ("8.5, 9", 16), ("-12 ,3", 17))
         ),
         (
+            "[load]\ninertias_kgm2 = [0, .5]\n",
+            "not TOML: Invalid value (at line 2, column 21); "
+            "a decimal has a digit before its point (0.5)",
+        ),
+        (
+            "[driveline]\nphases_deg = [\u221230]\n",
+            "not TOML: Invalid value (at line 2, column 15); the minus of a number is -",
+        ),
+        (
+            "[driveline]\nbends_deg = [1]\n[states]\nbearing.0.position_mm = [1, 2]\n",
+            "line 4: [states] unknown key 'bearing'; [states] varies numbers of [driveline] and "
+            "[load]",
+        ),
+        (
             "# a\u2028b\n[driveline]\nbends_deg = [2021-01-01]\n",
             "line 3: [driveline] bends_deg[0] is 2021-01-01; it must be a number",
         ),

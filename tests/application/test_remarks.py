@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.scene import Scene
+from cardan.arrays import FloatArray
 
 RIGHT = """\
 [driveline]
@@ -70,6 +73,62 @@ def test_what_may_be_meant_is_not(old: str, new: str) -> None:
     if "10,5]" in new:
         text = text.replace("[30]", "[30, 30]").replace("300, 1200", "300, 1200, 500")
     assert remarks(text) == {}
+
+
+BEARING = "[[bearing]]\nshaft = 1\nposition_mm = 0.2\n"
+JOINTS = "[joints]\nrating_Nm = 500\nfriction = 0.01\npin_radius_mm = 10\narm_mm = 0.04\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "about", "says"),
+    [
+        (BEARING, "[[bearing]][0] position_mm", "a value is 0.2 mm"),
+        (BEARING.replace("position", "from_end"), "[[bearing]][0] from_end_mm", "0.2 mm"),
+        (JOINTS, "[joints] arm_mm", "a value is 0.04 mm; the key takes millimetres"),
+        (
+            TUBES.replace("70", "0.07").replace("= 2", "= 0.002"),
+            "[tubes] outer_diameter_mm",
+            "0.07",
+        ),
+        ("[load]\nspeed_rad_s = 3000\n", "[load]", "the drive turns at 28648 rpm"),
+        ("[load]\nspeed_rpm = -30000\n", "[load]", "the drive turns at 30000 rpm"),
+    ],
+)
+def test_a_size_or_a_speed_of_no_machine(more: str, about: str, says: str) -> None:
+    found = remarks(RIGHT + more)
+    assert list(found) == [about]
+    assert says in found[about]
+    usual = (("0.2", "1"), ("0.04", "40"), ("= 0.07", "= 70"), ("0.002", "2"), ("000", "00"))
+    for old, new in usual:
+        more = more.replace(old, new)
+    assert remarks(RIGHT + more) == {}
+
+
+@pytest.mark.parametrize(
+    ("angles", "bends", "about"),
+    [
+        (np.arange(2000) * 0.1 % (2 * np.pi), 10.0, ["[angles] angle_column_deg"]),
+        (np.arange(2000) * 0.1 % (2 * np.pi) - np.pi, 10.0, ["[angles] angle_column_deg"]),
+        (np.arange(2000) * 6.0 % 360.0, 0.17, ["[angles] bend_columns_deg"]),
+        (np.arange(2000) * 6.0 % 360.0, 10.0, []),
+        (np.arange(2000) * 6.25, 10.0, []),  # Steps of about 2 pi are no jumps.
+        # A gap of 6.2° in a slow turn, and one of 4.5° within less than 2 pi degrees.
+        (np.arange(2000) * 0.1 + np.where(np.arange(2000) > 99, 6.1, 0.0), 10.0, []),
+        (np.arange(100) * 0.01 + np.where(np.arange(100) > 50, 4.5, 0.0), 10.0, []),
+        (3.1 * np.sin(np.arange(2000) * 0.1), 10.0, []),  # To and fro, by less than a turn in rad.
+    ],
+)
+def test_a_recording_in_radians(
+    tmp_path: Path, angles: FloatArray, bends: float, about: list[str]
+) -> None:
+    table = np.column_stack([angles, np.full(angles.size, bends)])
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header="angle,bend", comments="")
+    text = (
+        "[driveline]\n[angles]\nfile = 'run.csv'\nangle_column_deg = 'angle'\n"
+        "bend_columns_deg = ['bend']\n"
+    )
+    scene = Scene.parse(text, folder=tmp_path)
+    assert [each.about for each in Answer(scene)["remarks"]] == about
 
 
 def test_points_in_another_unit() -> None:

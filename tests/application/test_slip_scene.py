@@ -189,6 +189,11 @@ def test_one_position_has_no_travel() -> None:
     found = figures(text)
     assert found.drivelines == 1
     assert "These are figures of one position" in SPLINE.text(found)
+    for several in ("", "[study]\nspeed_rpm = [100, 200]\n"):
+        own = figures(text + several)
+        assert own.travel is not None
+        assert (own.travel.verdict, own.travel.value) == ("not judged", None)
+        assert own.travel.why == "needs [states] or a [study] of points"
     assert found.torque is not None
     bend = math.atan(math.hypot(110, 40) / 1200)
     assert found.torque.value == pytest.approx(400 / math.cos(bend), rel=1e-9)

@@ -327,3 +327,27 @@ def test_no_code_of_the_package_reads_the_text_of_an_error() -> None:
     }
     assert len(list(package.rglob("*.py"))) > 50
     assert not found
+
+
+@pytest.mark.parametrize(
+    ("call", "argument", "problem"),
+    [
+        (lambda: cardan.Answer(3), "of", "is 3; it must be a cardan.Scene"),  # type: ignore[arg-type]
+        (lambda: Machine(3), "states", "is 3; it must be a driveline"),  # type: ignore[arg-type]
+        (lambda: cardan.Scene.parse(b"x"), "text", "it must be the text of a scene"),  # type: ignore[arg-type]
+        (lambda: TWO.evaluate(0.1, tolerance="0"), "tolerance", "it must be a number"),  # type: ignore[arg-type]
+        (lambda: TWO.evaluate([[1], [1, 2]]), "angle", "is no array of numbers"),
+        (lambda: TWO.plot(NAN), "angle", "is nan; it must be finite"),
+        (lambda: TWO.plot([0.1]), "angle", "it must be one number"),  # type: ignore[arg-type]
+        (
+            lambda: TWO.with_bearings([(0, 0.1), (0, 0.3 - 0.2)], [1, 1, 1]),
+            "bearings",
+            "",
+        ),
+    ],
+)
+def test_what_no_argument_is(call: Callable[[], object], argument: str, problem: str) -> None:
+    with pytest.raises(ArgumentError) as caught:
+        call()
+    assert caught.value.argument == argument
+    assert problem in caught.value.problem

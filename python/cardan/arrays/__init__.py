@@ -30,7 +30,10 @@ def as_float64(name: str, value: ArrayLike) -> FloatArray:
     """
     if type(value) is not np.ndarray:
         _refuse_more_than_numbers(name, value)
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise ArgumentValueError(name, f"is no array of numbers: {error}") from None
     if array.dtype.kind == "O" and any(_is_too_large(item) for item in array.flat):
         largest = np.finfo(np.float64).max
         problem = f"has an integer of magnitude above {largest:.4g}, the largest double"

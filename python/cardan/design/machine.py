@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
-from cardan.arrays.errors import ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
@@ -358,6 +358,8 @@ class Machine:
 
 
 def _states_of(name: str, line: Driveline) -> Driveline:
+    if not hasattr(line, "n_joints"):
+        raise ArgumentTypeError(name, f"is {line!r}; it must be a driveline")
     right = len(line.shape) <= 1
     check_shape(name, line, right, "it is one driveline or a batch of one axis")
     return line.reshape(-1)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+import operator
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -60,7 +61,8 @@ def checked_dtype(dtype: DTypeLike) -> np.dtype[Any]:
 def checked_tolerance(tolerance: float) -> float:
     """Return the tolerance as a number that is not negative."""
     try:
-        permitted = float(tolerance)
+        # Of a text, float would make a number as well.
+        permitted = float(operator.pos(tolerance))
     except OverflowError:
         problem = "is an integer above the largest double; it must be a number that a double holds"
         raise ArgumentTypeError("tolerance", problem) from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, TypeAlias
 
 import numpy as np
@@ -343,6 +344,11 @@ def in_metres(line: Driveline, unit: float) -> Driveline:
     return line._of(own._replace(lengths=lengths, positions=positions))
 
 
+def same_place(one: ArrayLike, other: ArrayLike, length: FloatArray) -> NDArray[np.bool_]:
+    """Return whether positions on a shaft of this length differ by rounding at most."""
+    return np.asarray(np.abs(np.subtract(one, other)) <= 1e-12 * length)
+
+
 def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:
     if isinstance(bearings, str) or not isinstance(bearings, Iterable):
         raise ArgumentTypeError("bearings", f"is {bearings!r}; it must be a list of pairs")
@@ -378,6 +384,11 @@ def _mounted(
         positions[..., i] = place
     full = np.array(np.broadcast_to(known, (*shape, known.shape[-1])))
     if known.shape[-1]:
+        for i, j in combinations(range(len(shafts)), 2):
+            if shafts[i] == shafts[j]:
+                one, other = positions[..., i], positions[..., j]
+                same = same_place(one, other, full[..., shafts[i]])
+                positions[..., j] = np.where(same, one, other)
         try:
             _core.check_bearings(n, shape, shafts, full.reshape(-1), positions.reshape(-1))
         except ArgumentValueError as error:

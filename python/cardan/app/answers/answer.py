@@ -11,6 +11,7 @@ from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.scene import BallJointScene, Scene
+from cardan.arrays.errors import ArgumentTypeError
 from cardan.design.check import Check
 
 _FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")
@@ -50,7 +51,14 @@ class Answer:
     """
 
     def __init__(self, of: Scene | BallJointScene, progress: Progress | None = None) -> None:
-        """Take a scene; ``progress`` is called after each block of its study with rows and all."""
+        """Take a scene; ``progress`` is called after each block of its study with rows and all.
+
+        Raises:
+            TypeError: it is no scene.
+        """
+        if not isinstance(of, Scene | BallJointScene):
+            problem = f"is {of!r}; it must be a cardan.Scene, as cardan.Scene.load(path) makes it"
+            raise ArgumentTypeError("of", problem)
         self.of = of
         self._progress = progress
         self._found: dict[str, Any] = {}

@@ -135,7 +135,7 @@ _PARTS = (
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),
     Part("as_built", "Joints as built", "the joints", ("joints", "tolerances"), _ALL),
     Part("backlash", "Backlash", "the driveline", ("joints",), _ALL),
-    Part("forces", "Forces", "the bearings", ("load",), _ALL),
+    Part("forces", "Forces", "", ("load",), _ALL),
     Part("spline", "Spline", "the spline", ("slip",), _ALL),
     Part("axial_travel", "Axial travel of offset axes", "the shafts", ("offsets",), _ALL),
     Part("steering", "Steering", "the steering", ("steering",), _ALL),

@@ -27,6 +27,12 @@ from cardan.torsion.tube import WIDEST
 _LONGEST, _SHORTEST = 50.0, 1e-3
 """Lengths in m beyond which no shaft of a machine lies."""
 
+_SMALLEST = 1e-3
+"""A length in m below which no pin, tube or spline is wide, and no bearing far from an end."""
+
+_FASTEST = 20_000.0
+"""A speed in rpm that no universal joint reaches."""
+
 _LEAST_BEND = 0.5
 """In degrees: where all bends are below, they are probably in radians."""
 
@@ -42,7 +48,7 @@ class Remark:
 def find(answer: Answer) -> tuple[Remark, ...]:
     """Return the remarks on a scene."""
     scene = answer.scene
-    found = (_commas, _lengths, _angles, _tubes, _states, _torques)
+    found = (_commas, _lengths, _angles, _recorded, _tubes, _small, _speeds, _states, _torques)
     return tuple(remark for own in found for remark in own(scene))
 
 
@@ -115,6 +121,61 @@ def _is_share_of_pi(value: float) -> bool:
     steps = round(12.0 * value / math.pi)
     apart = abs(value - steps * math.pi / 12.0)
     return 0 < abs(steps) <= 48 and apart < 5.1e-4 and abs(value - round(value, 2)) > 1e-9
+
+
+def _recorded(scene: Scene) -> Iterator[Remark]:
+    """Recorded angles and bends in radians whose keys take degrees."""
+    if scene.recording is None:
+        return
+    largest = math.degrees(float(np.max(scene.without_missing().line.bends)))
+    if scene.line.shape and 0.0 < largest < _LEAST_BEND:
+        yield Remark(
+            "[angles] bend_columns_deg",
+            f"every bend is below {_LEAST_BEND:g}°; the key takes degrees, not radians",
+        )
+    given = scene.driven_angle_deg if scene.driven_angle_deg is not None else scene.drive_angle_deg
+    known = given[np.isfinite(given)]
+    steps = np.abs(np.diff(known))
+    jumps = steps[steps > 4.0]
+    if (
+        jumps.size
+        and float(np.ptp(known)) < math.tau + 1e-3
+        and float(np.median(steps)) < 0.5
+        and float(np.min(jumps)) > math.tau - 1.0
+    ):
+        yield Remark(
+            "[angles] angle_column_deg",
+            "the angle jumps back by 2 pi again and again; the key takes degrees, not radians",
+        )
+
+
+def _small(scene: Scene) -> Iterator[Remark]:
+    """Lengths that are probably in metres although their keys take millimetres."""
+    found: list[tuple[str, float]] = []
+    for size in scene.sizes.each if scene.sizes else ():
+        found += [("[joints] pin_radius_mm", size.pin_radius or 1.0)]
+        found += [("[joints] arm_mm", size.arm or 1.0)]
+    if scene.tubes is not None:
+        outer = float(np.min(scene.tubes.given["outer_diameter"]))
+        found.append(("[tubes] outer_diameter_mm", outer))
+    if scene.slip is not None:
+        found.append(("[slip] engaged_mm", 1e-3 * (scene.slip.engaged or 1e3)))
+        found.append(("[slip] radius_mm", scene.slip.radius or 1.0))
+    for i, each in enumerate(scene.layout.mounting.bearings if scene.layout else ()):
+        if each.unit == "mm":
+            found.append((f"[[bearing]][{i}] {each.key}", 1e-3 * float(np.min(each.value))))
+    for key, value in dict(reversed(found)).items():
+        if value < _SMALLEST:
+            yield Remark(key, f"a value is {1e3 * value:g} mm; the key takes millimetres")
+
+
+def _speeds(scene: Scene) -> Iterator[Remark]:
+    rpm = abs(scene.speed) * 30.0 / math.pi
+    if rpm > _FASTEST:
+        yield Remark(
+            "[angles]" if scene.speed_recorded else "[load]",
+            f"the drive turns at {rpm:.0f} rpm, faster than universal joints do",
+        )
 
 
 def _tubes(scene: Scene) -> Iterator[Remark]:

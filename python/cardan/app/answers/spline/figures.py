@@ -119,7 +119,10 @@ def find(answer: Answer) -> SplineFigures | None:
         supports = _supports(slip, forces, bends)
     shafts = scene.line.spline_force(slip.shaft, 0.0, 0.0, 1.0).bearings
     travelled = np.max(lengths, axis=0) - np.min(lengths, axis=0)
-    travel = Judged(longest.value - shortest.value, _m(slip.travel), size=length)
+    if moves(scene):
+        travel = Judged(longest.value - shortest.value, _m(slip.travel), size=length)
+    else:
+        travel = Judged(None, _m(slip.travel), why="needs [states] or a [study] of points")
     return SplineFigures(
         slip.shaft,
         len(own),
@@ -145,6 +148,14 @@ def find(answer: Answer) -> SplineFigures | None:
             for shaft, travel in enumerate(travelled)
             if shaft != slip.shaft and travel > _FIXED
         ),
+    )
+
+
+def moves(scene: Scene) -> bool:
+    """Return whether states or a study give shafts several lengths."""
+    given = scene.states or scene.study
+    return any(
+        axis.name.startswith(("points", "lengths")) for axis in (given.axes if given else ())
     )
 
 
@@ -241,7 +252,7 @@ def _verdict(found: SplineFigures) -> Iterator[str]:
         yield f"The spline does not suffice: {'; '.join(faults)}."
     elif any(each.verdict == "within" for each in judged):
         yield "The spline is within the limits that the scene gives."
-    else:
+    elif not any(each.limit is not None for each in judged):
         yield (
             "The spline is not judged: "
             "the scene gives no travel_mm, least_engaged_mm or push_in_mm."

@@ -15,7 +15,13 @@ from cardan.app.scene.language.errors import Location, SceneError, path_of
 from cardan.app.scene.language.rules import shown
 from cardan.app.scene.language.section import Section
 from cardan.app.scene.language.units import units_of
-from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
+
+_VARIED = {
+    "study": "[study] varies numbers of [driveline], [load] and [[bearing]]",
+    "states": "[states] varies numbers of [driveline] and [load]",
+}
+"""What the keys of sections are that vary those of others."""
 
 _LIST_OF_NUMBERS = re.compile(r"\[[-+.,\d \t]*\]")
 
@@ -34,7 +40,12 @@ class Document:
     def __init__(
         self, text: str, name: str, sections: Mapping[str, Section[Any]], *, gather: bool = False
     ) -> None:
-        """Read the text; raises ValueError at the first problem unless they are gathered."""
+        """Read the text; raises ValueError at the first problem unless they are gathered.
+
+        Anything but text is a TypeError.
+        """
+        if not isinstance(text, str):
+            raise ArgumentTypeError("text", f"is {shown(text)}; it must be the text of a scene")
         self.name, self.format = name, sections
         self.sections: dict[str, dict[str, Any]] = {}
         self.tables: dict[str, list[dict[str, Any]]] = {}
@@ -83,7 +94,7 @@ class Document:
         for key, value in values.items():
             with self.within(name, key):
                 if key not in section.keys:
-                    hint = self._meant(key, section.keys, studied=name == "study")
+                    hint = self._meant(key, section.keys, _VARIED.get(name, ""))
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")
@@ -163,13 +174,11 @@ class Document:
                 found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
         return found
 
-    def _meant(self, key: str, known: Iterable[str], *, studied: bool = False) -> str:
+    def _meant(self, key: str, known: Iterable[str], varied: str = "") -> str:
         known = list(known)
         for name, section in self.format.items():
             if name and key in section.keys:
-                if studied:
-                    return "[study] varies numbers of [driveline], [load] and [[bearing]]"
-                return f"it belongs in {section.heading}"
+                return varied or f"it belongs in {section.heading}"
         stem, column, _ = key.partition("_column")
         stems = [name.partition("_column")[0] for name in known]
         if column and not difflib.get_close_matches(stem, stems):
@@ -234,6 +243,11 @@ _HINTS = (
         re.compile(r"^[^#\[{\"'\n]*=\s*[-+]?[\d.]+\s*,", re.MULTILINE),
         "; a decimal has a point (8.5), a list has brackets ([8, 5])",
     ),
+    (
+        re.compile(r"^[^#\"'\n]*[=\[,\s][-+]?\.\d", re.MULTILINE),
+        "; a decimal has a digit before its point (0.5)",
+    ),
+    (re.compile(r"^[^#\"'\n]*[\u2212\u2013]\d", re.MULTILINE), "; the minus of a number is -"),
 )
 """What people write that is not TOML, and what to say of it."""
 

@@ -15,6 +15,7 @@ from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_l
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
+from cardan.geometry.geometry import same_place
 
 if TYPE_CHECKING:
     from cardan.app.scene.study.axes import Axis
@@ -114,7 +115,8 @@ class Mounting:
                 other = next(
                     i
                     for i, (shaft, position) in enumerate(pairs[:number])
-                    if shaft == pairs[number][0] and np.any(position == pairs[number][1])
+                    if shaft == bearing.shaft
+                    and np.any(same_place(position, pairs[number][1], lengths[..., shaft]))
                 )
                 problem = f"{at}, the place of bearing {other}"
             else:
