@@ -205,6 +205,11 @@ def test_labelled_angles_of_dask() -> None:
         (lambda: lazily(BENDS, 7, 1, 2).evaluate(0.1, "spin"), ValueError, "outputs[0] is 'spin'"),
         (lambda: lazily(BENDS, 7, 1, 2).equivalent(3), IndexError, "shaft is 3"),
         (
+            lambda: lazily(BENDS, 7, 1, 2).evaluate(0.1, "speed_ratio", angle_of="driven"),
+            ValueError,
+            "angle_of is 'driven'; drivelines of dask arrays take the drive angle",
+        ),
+        (
             lambda: lazily(BENDS + 1, 7, 1, 2).evaluate(0.1).compute(),
             ValueError,
             "a bend must lie in [0, pi/2), with pi/2 as a double",

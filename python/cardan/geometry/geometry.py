@@ -346,7 +346,9 @@ def in_metres(line: Driveline, unit: float) -> Driveline:
 
 def same_place(one: ArrayLike, other: ArrayLike, length: FloatArray) -> NDArray[np.bool_]:
     """Return whether positions on a shaft of this length differ by rounding at most."""
-    return np.asarray(np.abs(np.subtract(one, other)) <= 1e-12 * length)
+    # A stand-in for lengths that are not yet known is longer than any shaft.
+    size = np.minimum(length, 1e3 * np.maximum(np.abs(one), np.abs(other)))
+    return np.asarray(np.abs(np.subtract(one, other)) <= 1e-12 * size)
 
 
 def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:

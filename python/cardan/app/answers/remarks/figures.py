@@ -13,11 +13,11 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import varies
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import given, quantity
 from cardan.app.answers.rows import item, word
 from cardan.app.answers.turn.extremes import signed_ends
 from cardan.app.answers.turn.figures import noise
-from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
 from cardan.design.wrapping import wrap
@@ -133,8 +133,9 @@ def _recorded(scene: Scene) -> Iterator[Remark]:
             "[angles] bend_columns_deg",
             f"every bend is below {_LEAST_BEND:g}°; the key takes degrees, not radians",
         )
-    given = scene.driven_angle_deg if scene.driven_angle_deg is not None else scene.drive_angle_deg
-    known = given[np.isfinite(given)]
+    driven = scene.driven_angle_deg
+    angles = scene.drive_angle_deg if driven is None else driven
+    known = angles[np.isfinite(angles)]
     steps = np.abs(np.diff(known))
     jumps = steps[steps > 4.0]
     if (
@@ -166,15 +167,15 @@ def _small(scene: Scene) -> Iterator[Remark]:
             found.append((f"[[bearing]][{i}] {each.key}", 1e-3 * float(np.min(each.value))))
     for key, value in dict(reversed(found)).items():
         if value < _SMALLEST:
-            yield Remark(key, f"a value is {1e3 * value:g} mm; the key takes millimetres")
+            yield Remark(key, f"a value is {given(value, 'mm')}; the key takes millimetres")
 
 
 def _speeds(scene: Scene) -> Iterator[Remark]:
-    rpm = abs(scene.speed) * 30.0 / math.pi
-    if rpm > _FASTEST:
+    speed = abs(scene.speed)
+    if speed > _FASTEST * RPM:
         yield Remark(
             "[angles]" if scene.speed_recorded else "[load]",
-            f"the drive turns at {rpm:.0f} rpm, faster than universal joints do",
+            f"the drive turns at {quantity(speed, 'rpm')}, faster than universal joints do",
         )
 
 
