@@ -126,23 +126,26 @@ impl VibratingDriveline {
         const SAMPLES: usize = 1024;
         let pieces = self.unknowns() + 1;
         let still = vec![0.0; pieces];
-        let mut sums = vec![0.0; self.inertias.len()];
+        let (mut of_ends, mut of_pieces) = (vec![0.0; self.inertias.len()], vec![0.0; pieces]);
         for i in 0..SAMPLES {
             let angle = TAU * i as f64 / SAMPLES as f64;
-            let at = self.at(&vec![angle; pieces], &still);
-            for (sum, end) in sums.iter_mut().zip(&at.ends) {
+            // Without twist a piece begins where the shaft before it ends; one after the other.
+            let mut angles = vec![angle; pieces];
+            for _ in 1..pieces {
+                for ends in self.at(&angles, &still).ends.chunks(2) {
+                    if ends[1].piece > ends[0].piece {
+                        angles[ends[1].piece] = ends[0].angle;
+                    }
+                }
+            }
+            for (sum, end) in of_ends.iter_mut().zip(&self.at(&angles, &still).ends) {
                 *sum += (end.angle - angle) / SAMPLES as f64;
             }
-        }
-        let at = self.at(&still, &still);
-        let mut of_pieces = vec![0.0];
-        for (ends, own) in at.ends.chunks(2).zip(sums.chunks(2)) {
-            if ends[1].piece > ends[0].piece {
-                of_pieces.push(of_pieces[ends[0].piece] + own[0]);
+            for (sum, own) in of_pieces.iter_mut().zip(&angles) {
+                *sum += (own - angle) / SAMPLES as f64;
             }
         }
-        let of_ends = sums.iter().zip(&at.ends).map(|(own, end)| own + of_pieces[end.piece]);
-        (of_ends.collect(), of_pieces)
+        (of_ends, of_pieces)
     }
 
     /// Derivatives of a state by time.
