@@ -312,7 +312,7 @@ def _continuous(drive: FloatArray) -> FloatArray:
 
 
 def _check_spread(drive: FloatArray) -> None:
-    """Refuse angles that do not tell order 2 from the mean and the orders beside it."""
+    """Refuse angles that cannot separate order 2 from the mean and the neighbouring orders."""
     places = np.sort(np.remainder(drive - drive[0], math.tau))
     count, place = 0, 0
     # The last of them lie beside the first.
@@ -406,7 +406,7 @@ def _fitted(
     rest, matrix, remaining = fit()
     left = rest - matrix @ remaining
     noise, inverse = spectral_noise(drive, left, matrix, turns)
-    # The drift is a mean speed of its own; that of a speed ratio is its mean.
+    # Angles have a slope that is the drift; speed ratios have it in their mean.
     place, scale = (3, turns * math.tau) if of_angle else (2, 1.0)
     drifts = float(remaining[place]) / scale
     unsure = math.sqrt(noise.variance * inverse[place, place]) / scale
@@ -482,7 +482,7 @@ def _compared(
         chosen = np.isin(turn, turns_of_part)
         columns = matrix[chosen]
         normal = columns.T @ columns
-        # A part without enough samples of its own has no bend.
+        # A part with too few samples has no bend.
         if np.linalg.matrix_rank(normal, hermitian=True) < normal.shape[0]:
             continue
         inverse = np.linalg.inv(normal)

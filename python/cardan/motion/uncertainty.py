@@ -38,10 +38,10 @@ def spectral_noise(
 ) -> tuple[Noise, FloatArray]:
     """Return the noise at order 2, and the inverse normal matrix of the fit.
 
-    The noise near order 2 follows from what the fit leaves at the orders beside it. What repeats in
-    every turn lies at whole orders alone; it adds what orders 4 to 28 have more than those between
-    them. A recording of less than two turns cannot tell these apart: its whole orders count. The
-    degrees of freedom are those of Welch and Satterthwaite.
+    The residual of the fit at the neighbouring orders gives the noise near order 2. Noise that
+    repeats in every turn lies at whole orders alone: what orders 4 to 28 have beyond the half
+    orders between them is added. A recording of less than two turns cannot tell these apart: its
+    whole orders count. The degrees of freedom are those of Welch and Satterthwaite.
 
     Args:
         drive: drive angles in rad, ``(samples,)``.

@@ -213,7 +213,7 @@ def _check_unlike(path: str, columns: Mapping[str, FloatArray]) -> None:
         if np.array_equal(one, another, equal_nan=True):
             raise ValueError(
                 f"{path}: columns {name!r} and {other!r} are the same in all rows; "
-                "each must have an encoder of its own"
+                "each shaft needs its own encoder"
             )
 
 

@@ -180,7 +180,7 @@ def _bending(tube: TubeFigures) -> Iterator[str]:
 
 
 def _speeds(critical: Judged | None, half: Judged) -> str:
-    """Return half the critical speed beside that speed, where the figure is worst, if known."""
+    """Return half the critical speed and that speed in the worst place, if they are known."""
     if critical is None or critical.value is None:
         return ""
     alike = not (critical.state or critical.at)

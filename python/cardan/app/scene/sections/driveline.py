@@ -90,8 +90,8 @@ def _from_double_joint(
     synchronous: ArrayLike,
     wear: ArrayLike = 0.0,
     single: ArrayLike | None = None,
-    twist: ArrayLike = 0.0,
-    phase: ArrayLike = 0.0,
+    twist: ArrayLike = (0.0,),
+    phase: ArrayLike = (0.0,),
     *,
     degrees: bool = False,
 ) -> Driveline:
@@ -110,15 +110,15 @@ def _from_double_joint(
     if single is None:
         return double
     factor = np.pi / 180.0 if degrees else 1.0
-    bends = [double.bends, *(factor * np.asarray(value, np.float64) for value in (single,))]
-    shape = np.broadcast_shapes(*(each.shape[:-1] for each in bends), np.shape(twist)[:-1])
-    shape = np.broadcast_shapes(shape, np.shape(phase)[:-1])
-    joints = [np.broadcast_to(each, (*shape, each.shape[-1])) for each in bends]
-    behind = [
-        np.stack([np.zeros(shape), factor * np.broadcast_to(value, (*shape, 1))[..., 0]], axis=-1)
-        for value in (twist, phase)
-    ]
-    return Driveline.from_bends(np.concatenate(joints, axis=-1), *behind)
+    own = (factor * np.asarray(value, dtype=np.float64)[..., 0] for value in (single, twist, phase))
+    joints = np.moveaxis(double.bends, -1, 0)
+    first, second, third, turn, yoke = np.broadcast_arrays(*joints, *own)
+    level = np.zeros_like(third)
+    return Driveline.from_bends(
+        np.stack([first, second, third], axis=-1),
+        np.stack([level, turn], axis=-1),
+        np.stack([level, yoke], axis=-1),
+    )
 
 
 FORMS = (
