@@ -322,9 +322,9 @@ impl<T: Number> JointAsBuilt<T> {
     /// range adds the shares of bend and deviations: their sum may exceed a right angle.
     #[inline(always)]
     pub(crate) fn angle_error(&self, range: AtanRange, s: T, c: T) -> T {
-        let one = |atan: fn(T, T) -> T| {
+        let one = |atan: fn(T) -> T| {
             let (y, x) = self.error_tangent(s, c);
-            atan(y, x)
+            atan(y / x)
         };
         match range {
             AtanRange::Hundredth | AtanRange::Tenth => one(T::atan_tenth),

@@ -268,17 +268,20 @@ pub(crate) fn steep_error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T
     (s * c, joint.inverse_exsecant.mul_add(c.mul_add(c, s2), s2))
 }
 
-/// Numerator and denominator of the tangent of the angle error, speed ratio and acceleration ratio,
-/// with shared squares and product.
+/// Tangent of the angle error, speed ratio and acceleration ratio at moderate bends, with shared
+/// squares and product. The reciprocal of the product of both denominators replaces two divisions, and
+/// each quotient is corrected for its error.
 #[inline(always)]
-pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T), (T, T)) {
+pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
-    let tangent = (joint.versine.times(product), c2.mul_add(joint.cos, s2));
-    let denominator = c2.mul_add(joint.cos2, s2);
-    let inverse = denominator.recip();
-    let ratio = (joint.cos * (c2 + s2)).over(denominator, inverse);
-    let rates = (ratio, (T::from_f64(-2.0) * joint.sin2 * (product * inverse)).times(ratio));
-    (tangent, rates)
+    let along = c2.mul_add(joint.cos, s2);
+    let across = c2.mul_add(joint.cos2, s2);
+    let both = (along * across).recip();
+    let (inverse, inverse_along) = (along * both, across * both);
+    let tangent = joint.versine.times(product).over(along, inverse_along);
+    let ratio = (joint.cos * (c2 + s2)).over(across, inverse);
+    let swing = product.over(across, inverse);
+    (tangent, (ratio, (T::from_f64(-2.0) * joint.sin2 * swing).times(ratio)))
 }
 
 /// Speed ratio `cos β (s² + c²)/(c² cos² β + s²)` and acceleration ratio
@@ -293,8 +296,16 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let c_cos = c * joint.cos;
     let denominator = c_cos.mul_add(c_cos, s2);
     let inverse = denominator.recip();
-    let ratio = (joint.cos * c.mul_add(c, s2)).over(denominator, inverse);
+    let ratio = (joint.cos * c.mul_add(c, s2)).quotient_by(denominator, inverse);
     (ratio, (T::from_f64(-2.0) * joint.sin2 * (s * c * inverse)).times(ratio))
+}
+
+/// The speed ratio of [`rates`] alone.
+#[inline(always)]
+pub(crate) fn speed_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
+    let c_cos = c * joint.cos;
+    let s2 = s.square();
+    (joint.cos * c.mul_add(c, s2)).quotient(c_cos.mul_add(c_cos, s2))
 }
 
 /// Jerk ratio, the derivative of the acceleration ratio with respect to the drive angle (derived

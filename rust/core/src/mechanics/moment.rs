@@ -102,12 +102,16 @@ impl<T: Real> Pose<T> {
     /// the last axis.
     #[inline(always)]
     pub(crate) fn moment<const PLANAR: bool>(&self, torsion: T, s: T, c: T) -> [T; 3] {
-        let TorsionParts { sine2, product, .. } = self.parts(torsion, s, c);
-        let in_plane = |i: usize| self.in_plane[i].mul_add(sine2, self.shaft_axis[i] * torsion);
+        let TorsionParts { sine2, product, .. } = self.unit_parts(s, c);
+        // The factors of a torsion that all samples share are products that they share as well.
+        let of_torsion = |vector: &[T; 3], i: usize| vector[i] * torsion;
+        let in_plane = |i: usize| {
+            of_torsion(&self.in_plane, i).mul_add(sine2, of_torsion(&self.shaft_axis, i))
+        };
         if PLANAR {
-            [in_plane(0), in_plane(1), self.plane_normal[2] * product]
+            [in_plane(0), in_plane(1), of_torsion(&self.plane_normal, 2) * product]
         } else {
-            let all = |i: usize| self.plane_normal[i].mul_add(product, in_plane(i));
+            let all = |i: usize| of_torsion(&self.plane_normal, i).mul_add(product, in_plane(i));
             [all(0), all(1), all(2)]
         }
     }
@@ -226,6 +230,13 @@ impl<T: Real> Pose<T> {
         TorsionParts::new(torsion, sine, cosine)
     }
 
+    /// The parts of a torsion of 1.
+    #[inline(always)]
+    fn unit_parts(&self, s: T, c: T) -> TorsionParts<T> {
+        let (sine, cosine) = self.turn(s, c);
+        TorsionParts::scaled((sine.square() + cosine.square()).recip(), sine, cosine)
+    }
+
     /// The parts of the torsion that this power gives, multiplied by the determinant of the map, from
     /// sine and cosine of the drive angle. If these have the squared length `l`, the power is to be
     /// divided by it.
@@ -289,9 +300,8 @@ impl<T: Real> Pose<T> {
     /// The parts of a torsion of 1, and `sec² ψ₁ = 1 + tan² β sin² α`.
     #[inline(always)]
     fn stretch(&self, s: T, c: T) -> (TorsionParts<T>, T) {
-        let one = T::from_f64(1.0);
-        let part = self.parts(one, s, c);
-        (part, self.tangent.square().mul_add(part.sine2, one))
+        let part = self.unit_parts(s, c);
+        (part, self.tangent.square().mul_add(part.sine2, T::from_f64(1.0)))
     }
 }
 

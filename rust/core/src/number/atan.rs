@@ -123,16 +123,21 @@ impl AtanRange {
     }
 }
 
-/// `atan(y/x)` for `x > 0`, one method per range of `|y/x|`.
+/// The inverse tangent, one method per range: of a number within a third or so, beyond that of `y/x`
+/// with `x > 0`.
 pub trait Atan: Real {
-    /// `|y| ≤ 0.008 x`.
-    fn atan_hundredth(y: Self, x: Self) -> Self;
-    /// `|y| ≤ 0.1004 x`.
-    fn atan_tenth(y: Self, x: Self) -> Self;
-    /// `|y| ≤ 0.32 x`.
-    fn atan_third(y: Self, x: Self) -> Self;
-    /// `|y| ≤ 0.4143 x`.
-    fn atan_eighth_turn(y: Self, x: Self) -> Self;
+    /// Of a number up to 0.008.
+    #[must_use]
+    fn atan_hundredth(self) -> Self;
+    /// Of a number up to 0.1004.
+    #[must_use]
+    fn atan_tenth(self) -> Self;
+    /// Of a number up to 0.32.
+    #[must_use]
+    fn atan_third(self) -> Self;
+    /// Of a number up to 0.4143.
+    #[must_use]
+    fn atan_eighth_turn(self) -> Self;
     /// `self` plus `eighths` times 45°.
     #[must_use]
     fn after_eighths(self, eighths: f64) -> Self;
@@ -143,7 +148,7 @@ pub trait Atan: Real {
         let size = y.abs();
         let steep = size.exceeds(x * Self::from_f64(TAN_EIGHTH));
         let (numerator, denominator) = if steep { (size - x, size + x) } else { (size, x) };
-        let a = Self::atan_eighth_turn(numerator, denominator);
+        let a = (numerator / denominator).atan_eighth_turn();
         a.after_eighths(if steep { 1.0 } else { 0.0 }).copysign(y)
     }
 
@@ -157,7 +162,8 @@ pub trait Atan: Real {
         let (numerator, denominator) = if steepest { (-x, size) } else { (numerator, denominator) };
         let eighths = if steep { 1.0 } else { 0.0 };
         let eighths = if steepest { 2.0 } else { eighths };
-        Self::atan_eighth_turn(numerator, denominator).after_eighths(eighths).copysign(y)
+        let a = (numerator / denominator).atan_eighth_turn();
+        a.after_eighths(eighths).copysign(y)
     }
 }
 
@@ -165,23 +171,23 @@ macro_rules! plain {
     ($($float:ident $hundredth:ident $tenth:ident $third:ident $one:ident)*) => {$(
         impl Atan for $float {
             #[inline(always)]
-            fn atan_hundredth(y: Self, x: Self) -> Self {
-                atan_polynomial(y / x, &$hundredth)
+            fn atan_hundredth(self) -> Self {
+                atan_polynomial(self, &$hundredth)
             }
 
             #[inline(always)]
-            fn atan_tenth(y: Self, x: Self) -> Self {
-                atan_polynomial(y / x, &$tenth)
+            fn atan_tenth(self) -> Self {
+                atan_polynomial(self, &$tenth)
             }
 
             #[inline(always)]
-            fn atan_third(y: Self, x: Self) -> Self {
-                atan_polynomial(y / x, &$third)
+            fn atan_third(self) -> Self {
+                atan_polynomial(self, &$third)
             }
 
             #[inline(always)]
-            fn atan_eighth_turn(y: Self, x: Self) -> Self {
-                atan_polynomial(y / x, &$one)
+            fn atan_eighth_turn(self) -> Self {
+                atan_polynomial(self, &$one)
             }
 
             #[inline(always)]
@@ -217,23 +223,23 @@ fn atan_with_error_term(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
 
 impl Atan for DoubleDouble {
     #[inline(always)]
-    fn atan_hundredth(y: Self, x: Self) -> Self {
-        atan_with_error_term(y / x, &ATAN_0_008)
+    fn atan_hundredth(self) -> Self {
+        atan_with_error_term(self, &ATAN_0_008)
     }
 
     #[inline(always)]
-    fn atan_tenth(y: Self, x: Self) -> Self {
-        atan_with_error_term(y / x, &ATAN_0_1)
+    fn atan_tenth(self) -> Self {
+        atan_with_error_term(self, &ATAN_0_1)
     }
 
     #[inline(always)]
-    fn atan_third(y: Self, x: Self) -> Self {
-        atan_with_error_term(y / x, &ATAN_0_32)
+    fn atan_third(self) -> Self {
+        atan_with_error_term(self, &ATAN_0_32)
     }
 
     #[inline(always)]
-    fn atan_eighth_turn(y: Self, x: Self) -> Self {
-        atan_with_error_term(y / x, &ATAN_0_41)
+    fn atan_eighth_turn(self) -> Self {
+        atan_with_error_term(self, &ATAN_0_41)
     }
 
     #[inline(always)]

@@ -109,6 +109,20 @@ pub trait Real:
     #[must_use]
     fn over(self, divisor: Self, inverse: Self) -> Self;
 
+    /// The same by one division, if that costs less.
+    #[must_use]
+    #[inline(always)]
+    fn quotient(self, divisor: Self) -> Self {
+        self.over(divisor, divisor.recip())
+    }
+
+    /// [`Real::quotient`], with its bits, given the divisor's reciprocal.
+    #[must_use]
+    #[inline(always)]
+    fn quotient_by(self, divisor: Self, inverse: Self) -> Self {
+        self.over(divisor, inverse)
+    }
+
     /// `a/divisor` and `b/divisor`.
     fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2];
 
@@ -198,6 +212,22 @@ macro_rules! plain {
                     return quotient;
                 }
                 $float::mul_add($float::mul_add(-quotient, divisor, self), inverse, quotient)
+            }
+
+            #[inline(always)]
+            fn quotient(self, divisor: Self) -> Self {
+                if $short { self.over(divisor, divisor.recip()) } else { self / divisor }
+            }
+
+            // A quotient within one unit in the last place becomes the nearest by one correction with
+            // the nearest reciprocal (P. W. Markstein, IBM J. Res. Dev. 34, 1990, p. 111).
+            #[inline(always)]
+            fn quotient_by(self, divisor: Self, inverse: Self) -> Self {
+                let near = self.over(divisor, inverse);
+                if $short {
+                    return near;
+                }
+                $float::mul_add($float::mul_add(-near, divisor, self), inverse, near)
             }
 
             #[inline(always)]

@@ -38,32 +38,15 @@ pub(crate) struct Costs {
     /// Reduction and tangent are cheaper in two loops. A vector holds more single-precision numbers
     /// than angles, and one double-double loop is too long for a core to overlap its iterations.
     pub(crate) separate_reduction: bool,
-    /// Where registers are wide, a loop that alone needs the pins of an array of angles finds them
-    /// itself, which saves storing them.
-    pub(crate) fresh_pins: bool,
-    /// Where registers are wide, the motion of one shaft at moderate bends goes by strips that find
-    /// their pins themselves.
-    pub(crate) pins_by_strips: bool,
 }
 
 impl Precision {
     /// The costs of the number type of this arithmetic.
     pub(crate) const fn costs(self) -> Costs {
-        let none = Costs {
-            double_angle: false,
-            turn_fractions: false,
-            separate_reduction: false,
-            fresh_pins: false,
-            pins_by_strips: false,
-        };
+        let none = Costs { double_angle: false, turn_fractions: false, separate_reduction: false };
         match self {
-            Self::Single => Costs {
-                turn_fractions: true,
-                separate_reduction: true,
-                pins_by_strips: true,
-                ..none
-            },
-            Self::Double => Costs { fresh_pins: true, ..none },
+            Self::Single => Costs { turn_fractions: true, separate_reduction: true, ..none },
+            Self::Double => none,
             Self::DoubleDouble => Costs { double_angle: true, separate_reduction: true, ..none },
         }
     }

@@ -22,10 +22,24 @@ pub enum Route {
     Rotation,
 }
 
+/// Where the loops of a chunk take sine and cosine of the drive angle from, up to a common factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pins {
+    /// From columns, which are filled first.
+    Stored,
+    /// The only loop that needs them computes them itself.
+    Fresh,
+    /// The strips of the only shaft that needs them compute them.
+    Strips,
+}
+
 /// The routes of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Routes {
     first_bent: usize,
+    /// Whether pins need not be stored: no other row or driveline of an array of angles uses the same
+    /// ones.
+    pub(crate) one_use: bool,
     /// The route of moderate bends; steep bends always take [`Route::Tangent`].
     moderate: Route,
     /// Whether sine and cosine of twice the sweep's angles are computed by rotations.
@@ -60,7 +74,11 @@ impl Routes {
     pub(crate) fn of_run(plan: &Plan, table: &Table<'_>, precision: Precision) -> Self {
         let per_sample = table.geometry_variation() == GeometryVariation::BySample;
         let period = period(plan, table);
-        let mut routes = Self { period, ..Self::of_arrays(plan, precision) };
+        let one_use = table.geometry_variation() == GeometryVariation::One
+            && table.rows() == 1
+            && table.sweep.is_none()
+            && table.error_terms.is_none();
+        let mut routes = Self { one_use, period, ..Self::of_arrays(plan, precision) };
         if plan.as_built {
             return routes;
         }
@@ -90,6 +108,7 @@ impl Routes {
         let double_angle = precision.costs().double_angle;
         Self {
             first_bent: plan.first_bent(),
+            one_use: false,
             moderate: if double_angle { Route::DoubleAngle } else { Route::Tangent },
             rotations: false,
             tangent_sum: None,

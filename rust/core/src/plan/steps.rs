@@ -77,8 +77,18 @@ impl ShaftStep {
         (!self.keep_ratio).then_some(both)
     }
 
-    /// Whether one loop computes everything, at moderate bends or at steep ones. That of the jerk is
-    /// so long that it does not count: with fresh pins it is slower.
+    /// The planes of speed ratio and acceleration ratio.
+    pub(crate) fn rates(&self) -> (Option<usize>, Option<usize>) {
+        (self.planes.get(Output::SpeedRatio), self.planes.get(Output::AccelerationRatio))
+    }
+
+    /// Whether the angle or the angle error is needed.
+    pub(crate) fn rotates(&self) -> bool {
+        [Output::Angle, Output::AngleError].iter().any(|&output| self.planes.get(output).is_some())
+    }
+
+    /// Whether one loop or its strips compute everything, at moderate bends or at steep ones. That of
+    /// the jerk is so long that it does not count: with fresh pins it is slower.
     pub(crate) fn has_one_loop(&self, moderate: bool) -> bool {
         let count = |outputs: &[Output]| {
             outputs.iter().filter(|&&output| self.planes.get(output).is_some()).count()
@@ -142,6 +152,11 @@ impl JointStep {
     /// Whether the joint contributes to a support moment.
     pub(crate) fn needs_support(&self) -> bool {
         self.support.iter().any(Option::is_some)
+    }
+
+    /// Whether its moment is needed.
+    pub(crate) fn is_moment(&self) -> bool {
+        self.planes.get(Output::Moment).is_some()
     }
 
     /// The number of loops over pins for the joint with the number `joint`. Those of the cross need

@@ -19,6 +19,7 @@ use crate::run::as_built_constants::{
     BuffersAsBuilt, FoldedAsBuilt, JointStage, MotionNeeds, has_angle,
 };
 use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::kernels::Chunk;
 use crate::run::map;
 use crate::run::motion::run_drive_shaft;
 use crate::run::scratch::Scratch;
@@ -197,19 +198,15 @@ fn run_motion<T: Number>(
 
 /// Copies motions and tilts to their planes, and what the load or a later period needs.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn store_motion<T: Number, W: Float>(
-    plan: &Plan,
-    drive: DriveAngles<'_>,
-    folded: &FoldedAsBuilt<T>,
-    geometry: GeometryIndex,
+    chunk: &Chunk<'_, T>,
     scratch: &mut Scratch<T>,
-    row_offset: usize,
     outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
     compact: bool,
 ) {
     const RATES: [Output; 3] = [Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio];
+    let &Chunk { plan, drive, geometry, size, row_offset, .. } = chunk;
+    let folded = &chunk.folded.as_built;
     let Scratch { as_built: buffers, rates: kept_rates, errors: kept_errors, .. } = scratch;
     let mut kept = kept_errors.iter_mut();
     for step in &plan.shafts {

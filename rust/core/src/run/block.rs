@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use cardan_memory::Plane;
+use cardan_memory::{Plane, Stores};
 
 use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
@@ -12,16 +12,19 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
-use crate::plan::route::Routes;
+use crate::plan::route::{Pins, Routes};
 use crate::plan::steps::Plan;
 use crate::run::constants::GeometryIndex;
 use crate::run::fold::Folded;
-use crate::run::kernels;
+use crate::run::kernels::{self, Chunk};
 use crate::run::level::{Level, is_compact};
+use crate::run::load::{self, has_even_torque};
+use crate::run::motion;
 use crate::run::reduce::samples_near_extrema;
 use crate::run::scratch::Scratch;
 use crate::run::scratch::{SHORT_CHUNK, chunk_length};
 use crate::run::sines;
+use crate::run::sink::Outputs;
 use crate::run::stores_as::StoresAs;
 use crate::run::threads::SweepTables;
 use crate::sincos::array::DriveAngles;
@@ -48,8 +51,6 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) folded: Option<&'a Folded<T>>,
     /// Whether the results exceed the caches, so that strips are stored past them.
     pub(crate) past_caches: bool,
-    /// Whether a loop may find its pins itself: no other row uses the same ones.
-    pub(crate) fresh_pins: bool,
     /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -95,9 +96,13 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     pub(crate) fn new(shared: &'a Shared<'a, 's, T>, rows: usize, staging: bool) -> Self {
         let Shared { plan, table, ref routes, .. } = *shared;
         let (row_length, one) = (table.row_length(), GeometryIndex::Shared(0));
-        let fresh = |folded| sines::are_fresh(plan, routes, folded, one, row_length);
-        let is_fresh = shared.fresh_pins && !staging && shared.folded.is_some_and(fresh);
-        let chunk_length = chunk_length::<T>(plan, routes, is_fresh, staging);
+        let even = plan.load.as_ref().is_some_and(|load| {
+            has_even_torque(load, table.locate(&table.columns[TORQUE].strides, 0))
+        });
+        let pins = shared.folded.filter(|_| !staging).map_or(Pins::Stored, |folded| {
+            sines::pins(shared.level, plan, routes, folded, one, row_length, even)
+        });
+        let chunk_length = chunk_length::<T>(plan, routes, pins, staging);
         let (longest, staged) =
             (chunk_length.min(row_length), if staging { plan.planes } else { 0 });
         let allocate = || {
@@ -331,8 +336,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
         let needed = sines::sines_needed(plan, routes, folded, geometry);
-        let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry, size);
-        if needed.pins && !fresh && (key.is_none() || self.pins_key != key) {
+        let torque = scratch.cursors.get(TORQUE).copied();
+        let even =
+            plan.load.as_ref().zip(torque).is_some_and(|(load, at)| has_even_torque(load, at));
+        let pins = sines::pins(level, plan, routes, folded, geometry, size, even);
+        if needed.pins && pins == Pins::Stored && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
@@ -353,30 +361,35 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Target::Reduced(..) => None,
         };
         let chains = table.lines.chains(plan.joint_count);
+        let chunk = Chunk {
+            level,
+            plan,
+            routes,
+            drive,
+            rotations,
+            folded,
+            chains,
+            geometry,
+            size,
+            row_offset,
+            pins,
+        };
+        let stored = Chunk { pins: Pins::Stored, ..chunk };
         let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
-            let mut motion = |scratch: &mut Scratch<T>, fresh| {
-                let window = window.clone();
-                kernels::run_motion(
-                    level, plan, routes, drive, rotations, folded, chains, geometry, scratch,
-                    planes, window, row_offset, fresh,
-                )
-            };
+            let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
             if plan.as_built {
-                let window = window.clone();
                 let joints = &folded.as_built;
                 let buffers = &mut scratch.as_built;
                 kernels::find_motion_as_built(level, plan, drive, joints, geometry, buffers, size);
-                kernels::store_motion_as_built(
-                    level, plan, drive, joints, geometry, scratch, planes, window, row_offset,
-                );
-            } else if !motion(scratch, fresh) {
+                kernels::store_motion_as_built(&chunk, scratch, outputs);
+            } else if !motion::run_motion(&chunk, scratch, outputs) {
                 if size > SHORT_CHUNK {
                     return false;
                 }
                 kernels::find_pins(level, plan, drive, None, scratch, size);
-                motion(scratch, false);
+                motion::run_motion(&stored, scratch, outputs);
             }
-            let Some(load) = &plan.load else { return true };
+            let Some(step) = &plan.load else { return true };
             for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
@@ -384,16 +397,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     table.columns[index].read(begin, step, &mut scratch.gathered[index][..size]);
                 }
             }
-            let mut load = |scratch: &mut Scratch<T>, fresh| {
-                let window = window.clone();
-                kernels::run_load(
-                    level, plan, load, table, drive, folded, chains, geometry, scratch, planes,
-                    window, fresh,
-                )
-            };
-            if !load(scratch, fresh) {
+            if !load::run_load(&chunk, step, table, scratch, outputs) {
                 kernels::find_pins(level, plan, drive, None, scratch, size);
-                load(scratch, false);
+                load::run_load(&stored, step, table, scratch, outputs);
             }
             true
         };

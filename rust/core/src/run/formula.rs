@@ -20,11 +20,13 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
     /// The same, by a quotient with fewer roundings at the steepest bends.
     fn steep_error_tangent(&self, s: T, c: T) -> (T, T);
 
+    /// Speed ratio.
     #[inline(always)]
     fn speed_ratio(&self, s: T, c: T) -> T {
         self.rates(s, c).0
     }
 
+    /// Acceleration ratio.
     #[inline(always)]
     fn acceleration_ratio(&self, s: T, c: T) -> T {
         self.rates(s, c).1
@@ -33,8 +35,8 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
     /// Jerk ratio.
     fn jerk_ratio(&self, s: T, c: T) -> T;
 
-    /// Tangent of the angle error, as a fraction, and rates.
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T));
+    /// Tangent of the angle error, and rates.
+    fn motion(&self, s: T, c: T) -> (T, (T, T));
 }
 
 /// From sine and cosine of the joint's input angle, up to a common factor.
@@ -58,12 +60,17 @@ impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
     }
 
     #[inline(always)]
+    fn speed_ratio(&self, s: T, c: T) -> T {
+        joint::speed_ratio(self, s, c)
+    }
+
+    #[inline(always)]
     fn jerk_ratio(&self, s: T, c: T) -> T {
         joint::jerk_ratio(self, s, c)
     }
 
     #[inline(always)]
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
+    fn motion(&self, s: T, c: T) -> (T, (T, T)) {
         joint::motion(self, s, c)
     }
 }
@@ -95,8 +102,8 @@ impl<T: Angle, const PARTS: usize> MotionFormula<T> for DoubleAngle<T, PARTS> {
     }
 
     #[inline(always)]
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
+    fn motion(&self, s: T, c: T) -> (T, (T, T)) {
         let terms = self.terms(s, c);
-        ((terms.neg_im, terms.one_minus_re), terms.rates())
+        (terms.neg_im / terms.one_minus_re, terms.rates())
     }
 }

@@ -3,18 +3,12 @@
 //! Each is a separate function, generic only over what its loops depend on, so that callers
 //! that differ in other types share it. They are the larger part of the library.
 
-use std::ops::Range;
-
-use cardan_memory::{Plane, Stores};
-
-use crate::input::table::Table;
 use crate::mechanics::exact::Chains;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::number::{Number, Precision};
 use crate::plan::reduction::Reduction;
-use crate::plan::route::Routes;
-use crate::plan::steps::LoadStep;
+use crate::plan::route::{Pins, Routes};
 use crate::plan::steps::Plan;
 use crate::run::as_built_constants::{BuffersAsBuilt, FoldedAsBuilt};
 use crate::run::constants::GeometryIndex;
@@ -22,10 +16,26 @@ use crate::run::fold::Folded;
 use crate::run::level::{Compiled, Level, compiled_for, compiled_up_to_avx2};
 use crate::run::scratch::Scratch;
 use crate::run::sink::Outputs;
-use crate::run::{as_built, load, motion, sines};
+use crate::run::{as_built, motion, sines};
 use crate::sincos::array::DriveAngles;
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
+
+/// A chunk of samples, and what all loops over it read.
+pub(crate) struct Chunk<'a, T: Number> {
+    pub(crate) level: Level,
+    pub(crate) plan: &'a Plan,
+    pub(crate) routes: &'a Routes,
+    pub(crate) drive: DriveAngles<'a>,
+    pub(crate) rotations: Option<&'a Rotations<T>>,
+    pub(crate) folded: &'a Folded<T>,
+    pub(crate) chains: Chains<'a>,
+    pub(crate) geometry: GeometryIndex,
+    pub(crate) size: usize,
+    /// The first sample, counted from that of the part of the row.
+    pub(crate) row_offset: usize,
+    pub(crate) pins: Pins,
+}
 
 /// [`sines::find_pins`].
 pub(crate) fn find_pins<T: Number + Compiled>(
@@ -72,41 +82,6 @@ pub(crate) fn find_double_angles<T: Number + Compiled>(
     );
 }
 
-/// [`motion::run_motion`].
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
-    level: Level,
-    plan: &Plan,
-    routes: &Routes,
-    drive: DriveAngles<'_>,
-    rotations: Option<&Rotations<T>>,
-    folded: &Folded<T>,
-    chains: Chains<'_>,
-    geometry: GeometryIndex,
-    scratch: &mut Scratch<T>,
-    planes: &mut [Plane<'_, W>],
-    window: Range<usize>,
-    row_offset: usize,
-    fresh: bool,
-) -> bool {
-    let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
-    motion::run_motion(
-        level,
-        plan,
-        routes,
-        drive,
-        rotations,
-        folded,
-        chains,
-        geometry,
-        scratch,
-        outputs,
-        window.len(),
-        row_offset,
-        fresh,
-    )
-}
-
 /// [`as_built::find_motion`]. There is none in single precision.
 pub(crate) fn find_motion_as_built<T: Number + Compiled>(
     level: Level,
@@ -133,28 +108,17 @@ pub(crate) fn find_motion_as_built<T: Number + Compiled>(
 }
 
 /// [`as_built::store_motion`]. There is none in single precision.
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn store_motion_as_built<T: Number + Compiled, W: Float>(
-    level: Level,
-    plan: &Plan,
-    drive: DriveAngles<'_>,
-    folded: &FoldedAsBuilt<T>,
-    geometry: GeometryIndex,
+    chunk: &Chunk<'_, T>,
     scratch: &mut Scratch<T>,
-    planes: &mut [Plane<'_, W>],
-    window: Range<usize>,
-    row_offset: usize,
+    outputs: &mut Outputs<'_, '_, W>,
 ) {
     if T::PRECISION != Precision::Single {
         T::run(
-            level,
+            chunk.level,
             #[inline(always)]
             |compact, stores| {
-                let size = window.len();
-                let outputs = &mut Outputs::new(planes, &window, stores, drive);
-                as_built::store_motion(
-                    plan, drive, folded, geometry, scratch, row_offset, outputs, size, compact,
-                );
+                as_built::store_motion(chunk, scratch, &mut outputs.by(stores), compact);
             },
         );
     }
@@ -174,29 +138,6 @@ pub(crate) fn repeat_angle<T: Number + Compiled, W: Float>(
         #[inline(always)]
         |_, _| motion::repeat_angle(scratch, slot, first, drive, out),
     );
-}
-
-/// [`load::run_load`].
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_load<T: Number + Compiled, W: Float>(
-    level: Level,
-    plan: &Plan,
-    load: &LoadStep,
-    table: &Table<'_>,
-    drive: DriveAngles<'_>,
-    folded: &Folded<T>,
-    chains: Chains<'_>,
-    geometry: GeometryIndex,
-    scratch: &mut Scratch<T>,
-    planes: &mut [Plane<'_, W>],
-    window: Range<usize>,
-    fresh: bool,
-) -> bool {
-    let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
-    let size = window.len();
-    load::run_load(
-        level, plan, load, table, drive, folded, chains, geometry, scratch, outputs, size, fresh,
-    )
 }
 
 /// [`Reduction::take`].

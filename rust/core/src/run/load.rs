@@ -3,7 +3,6 @@
 use std::cell::Cell;
 
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
-use crate::mechanics::exact::Chains;
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::float::{Float, Real};
@@ -13,13 +12,14 @@ use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
 use crate::number::{Number, Precision};
 use crate::plan::output::{self, Output};
 use crate::plan::request::{Axes, End};
-use crate::plan::steps::{JointStep, Plan};
-use crate::plan::steps::{LoadStep, Station};
+use crate::plan::route::Pins;
+use crate::plan::steps::{JointStep, LoadStep, Station};
 use crate::run::as_built;
 use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
 use crate::run::fold::Folded;
 use crate::run::forces::{ForceBuffers, run_forces, run_turning_forces};
-use crate::run::level::{Compiled, Level, has_wide_registers};
+use crate::run::kernels::Chunk;
+use crate::run::level::{Compiled, Level};
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
@@ -30,28 +30,20 @@ use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 
-/// Torques and moments for one chunk, in order from the end where the torque is given. With `fresh`
-/// pins, the only loop that needs pins finds them itself. Returns whether all results are valid, as
-/// the motion does.
+/// Torques and moments for one chunk, in order from the end where the torque is given. Returns whether
+/// all results are valid, as the motion does.
 #[allow(clippy::too_many_lines, reason = "the loops of a chunk, each a function of its own")]
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_load<T: Number + Compiled, W: Float>(
-    level: Level,
-    plan: &Plan,
+    chunk: &Chunk<'_, T>,
     load: &LoadStep,
     table: &Table<'_>,
-    drive: DriveAngles<'_>,
-    folded: &Folded<T>,
-    chains: Chains<'_>,
-    geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
-    fresh: bool,
 ) -> bool {
+    let &Chunk { level, plan, drive, folded, chains, geometry, size, .. } = chunk;
     let mut valid = true;
     let lines = ChunkLines { chains, numbers: &folded.lines, geometry };
-    let shares_power = scratch.cursors[TORQUE].1 == 0 && !load.absorbs();
+    let shares_power = has_even_torque(load, scratch.cursors[TORQUE]);
     let Scratch {
         gathered,
         pins,
@@ -88,13 +80,14 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
         End::Drive => None,
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
+    let is_even = shares_power && first.is_none();
     if *kept_power < size {
         T::run(
             level,
             #[inline(always)]
             |_, _| map::from_doubles(&gathered[TORQUE][..size], first, power.view_mut(size)),
         );
-        *kept_power = if shares_power && first.is_none() { size } else { 0 };
+        *kept_power = if is_even { size } else { 0 };
     }
     let weighs_power = plan.needs_inverse_squares();
     if weighs_power {
@@ -168,16 +161,33 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             };
             let step = &plan.joints[joint];
             let mut buffers = (&mut *parts, &mut *support, &mut *forces);
-            if T::PRECISION.costs().fresh_pins
-                && has_wide_registers(level)
-                && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
-                    (fresh, drive, geometry)
+            let fresh = match (chunk.pins, drive, geometry) {
+                (Pins::Fresh, DriveAngles::Array(angles), GeometryIndex::Shared(index)) => {
+                    Some((angles, index))
+                }
+                _ => None,
+            };
+            if let Some((angles, index)) =
+                fresh.filter(|_| joint == 0 && is_even && step.is_moment())
             {
+                let torque = T::from_f64(gathered[TORQUE][0]);
                 valid &= T::run(
                     level,
                     #[inline(always)]
                     |compact, stores| {
-                        if !stores.has_wide_registers() {
+                        if compact || T::LOW {
+                            return true;
+                        }
+                        let outputs = &mut outputs.by(stores);
+                        run_even_moment(step, &poses[index], torque, angles, outputs)
+                    },
+                );
+            } else if let Some((angles, index)) = fresh {
+                valid &= T::run(
+                    level,
+                    #[inline(always)]
+                    |compact, stores| {
+                        if !stores.has_wide_registers() || T::LOW {
                             return true;
                         }
                         let too_large = Cell::new(LargeAngleFlag::for_quadrants());
@@ -258,6 +268,33 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
         None => {}
     }
     valid
+}
+
+/// Whether all samples of a row share one torque, given where it begins in the table and its step.
+pub(super) fn has_even_torque(load: &LoadStep, (_, step): (usize, usize)) -> bool {
+    step == 0 && !load.absorbs()
+}
+
+/// The moment vector of the first joint, whose pins are those of the drive, for one torque at all
+/// samples. Its loop finds the pins itself. Returns whether they are valid.
+#[inline(always)]
+fn run_even_moment<T: Number, W: Float>(
+    step: &JointStep,
+    pose: &Pose<T>,
+    torque: T,
+    angles: &[f64],
+    outputs: &mut Outputs<'_, '_, W>,
+) -> bool {
+    let too_large = &Cell::new(LargeAngleFlag::for_quadrants());
+    let pins = FreshPins::<T, false> { angles, turn: [T::from_f64(0.0); 2], too_large };
+    let pose = pose.by_own_pins();
+    if let Some(axes) = pose.plane_axes() {
+        let at = Same(pose.with_axes(axes));
+        run_moment::<true, T, W>(step, at, axes, pins, Same(torque), outputs);
+    } else {
+        run_moment::<false, T, W>(step, Same(pose), AXES, pins, Same(torque), outputs);
+    }
+    !too_large.get().any()
 }
 
 /// Adds what the inertia of a station's shaft absorbs, multiplied by `sign`, to the power.
@@ -455,7 +492,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
     pins: impl SinCosBlocks<T>,
-    torsion: View<'_, T>,
+    torsion: impl Strips<Value = T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::Moment) {

@@ -151,63 +151,33 @@ pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
     out: impl Sink<T>,
 ) {
     macro_rules! by {
-        ($tangent:expr, $atan:expr) => {
+        ($tangent:ident, |$y:ident, $x:ident| $atan:expr) => {
             over_sin_cos(
                 sin_cos,
                 at,
                 out,
                 #[inline(always)]
                 |constants, s, c| {
-                    let (y, x) = $tangent(&constants, s, c);
-                    $atan(y, x)
+                    let ($y, $x) = constants.$tangent(s, c);
+                    $atan
                 },
             )
         };
     }
     if C::Value::MODERATE && range.is_moderate() {
         match range {
-            AtanRange::Hundredth => by!(C::Value::error_tangent, T::atan_hundredth),
-            AtanRange::Tenth => by!(C::Value::error_tangent, T::atan_tenth),
-            _ => by!(C::Value::error_tangent, T::atan_third),
+            AtanRange::Hundredth => by!(error_tangent, |y, x| (y / x).atan_hundredth()),
+            AtanRange::Tenth => by!(error_tangent, |y, x| (y / x).atan_tenth()),
+            _ => by!(error_tangent, |y, x| (y / x).atan_third()),
         }
     } else if C::Value::STEEP {
         match range {
             // In double-double arithmetic the infinite inverse exsecant of a straight joint would
             // give NaN.
-            AtanRange::Any if T::LOW => by!(C::Value::error_tangent, T::atan_any),
-            AtanRange::Any => by!(C::Value::steep_error_tangent, T::atan_any),
-            _ => by!(C::Value::error_tangent, T::atan_one),
+            AtanRange::Any if T::LOW => by!(error_tangent, |y, x| T::atan_any(y, x)),
+            AtanRange::Any => by!(steep_error_tangent, |y, x| T::atan_any(y, x)),
+            _ => by!(error_tangent, |y, x| T::atan_one(y, x)),
         }
-    }
-}
-
-/// Angle or angle error and speed ratio in one loop, for moderate bends, by the formulas of two.
-#[inline(always)]
-pub(crate) fn rotation_and_ratio<T: Number, C: Strips<Value: MotionFormula<T>>>(
-    range: AtanRange,
-    at: C,
-    sin_cos: impl SinCosBlocks<T>,
-    rotation: impl Sink<T>,
-    ratio: impl Sink<T>,
-) {
-    macro_rules! by {
-        ($atan:expr) => {
-            over_sin_cos(
-                sin_cos,
-                at,
-                (rotation, ratio),
-                #[inline(always)]
-                |constants, s, c| {
-                    let (y, x) = constants.error_tangent(s, c);
-                    ($atan(y, x), constants.speed_ratio(s, c))
-                },
-            )
-        };
-    }
-    match range {
-        AtanRange::Hundredth => by!(T::atan_hundredth),
-        AtanRange::Tenth => by!(T::atan_tenth),
-        _ => by!(T::atan_third),
     }
 }
 
@@ -229,8 +199,8 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
                 (rotations, rates),
                 #[inline(always)]
                 |constants, s, c| {
-                    let ((y, x), rates) = constants.motion(s, c);
-                    ($atan(y, x), rates)
+                    let (tangent, rates) = constants.motion(s, c);
+                    ($atan(tangent), rates)
                 },
             )
         };
@@ -313,7 +283,7 @@ pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: View
 pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Strips<Value = Pose<T>>,
     pins: impl SinCosBlocks<T>,
-    torsion: View<'_, T>,
+    torsion: impl Strips<Value = T>,
     out: [impl Sink<T>; 3],
 ) {
     over_sin_cos(

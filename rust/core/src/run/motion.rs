@@ -4,23 +4,22 @@ use std::cell::Cell;
 
 use crate::mechanics::cross::Cross;
 use crate::mechanics::double_angle::DoubleAngle;
-use crate::mechanics::exact::Chains;
 use crate::mechanics::joint::JointConstants;
-use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
+use crate::number::{Number, Precision};
 use crate::plan::output::{self, Needs, Output};
-use crate::plan::route::{Route, Routes};
-use crate::plan::steps::{JointStep, Plan, ShaftStep};
+use crate::plan::route::{Pins, Route};
+use crate::plan::steps::{JointStep, ShaftStep};
 use crate::run::angle_sink::{AngleSink, ArrayAngle, SteppedAngle, SweepAngle};
-use crate::run::by_strips;
+use crate::run::by_strips::{self, strip_length};
 use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
-use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
-use crate::run::level::{Compiled, Level, has_wide_registers};
+use crate::run::kernels::Chunk;
+use crate::run::level::Compiled;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
@@ -28,28 +27,19 @@ use crate::run::sink::Outputs;
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
-use crate::sincos::rotation::{RotatedSinCos, Rotations};
+use crate::sincos::rotation::RotatedSinCos;
 
-/// Motion of every shaft of the plan and the cross of every joint, for one chunk. With `fresh` pins, the
-/// loop of the only shaft that needs pins finds them itself. Returns whether all results are valid:
-/// fresh pins are not if an angle is too large for the fast reduction.
+/// Motion of every shaft of the plan and the cross of every joint, for one chunk. Returns whether all
+/// results are valid: those from pins that are not stored are not if an angle is too large for the
+/// fast reduction.
 #[allow(clippy::too_many_lines, reason = "the loops of a chunk, each a function of its own")]
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
-    level: Level,
-    plan: &Plan,
-    routes: &Routes,
-    drive: DriveAngles<'_>,
-    rotations: Option<&Rotations<T>>,
-    folded: &Folded<T>,
-    chains: Chains<'_>,
-    geometry: GeometryIndex,
+    chunk: &Chunk<'_, T>,
     scratch: &mut Scratch<T>,
     outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
-    row_offset: usize,
-    fresh: bool,
 ) -> bool {
+    let &Chunk { level, plan, routes, drive, rotations, folded, chains, geometry, size, .. } =
+        chunk;
     let mut valid = true;
     let Scratch {
         pins,
@@ -70,7 +60,7 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
         let mut none = Column::new(0);
         let errors =
             step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
-        let mut errors = errors.window_mut(row_offset, size);
+        let mut errors = errors.window_mut(chunk.row_offset, size);
         let rates = &mut rates[step.shaft];
         let (route, range) = folded.route(routes, step.shaft, geometry);
         #[cfg(test)]
@@ -87,22 +77,30 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             );
             continue;
         };
-        let costs = T::PRECISION.costs();
-        if (costs.fresh_pins || costs.pins_by_strips)
-            && has_wide_registers(level)
-            && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
-                (fresh, drive, geometry)
+        if let (
+            Pins::Fresh | Pins::Strips,
+            DriveAngles::Array(angles),
+            GeometryIndex::Shared(index),
+        ) = (chunk.pins, drive, geometry)
         {
+            let constants = shaft.equivalents(geometry, size).at(index);
             valid = T::run(
                 level,
                 #[inline(always)]
                 |compact, stores| {
-                    if !stores.has_wide_registers() {
-                        return true;
+                    let outputs = &mut outputs.by(stores);
+                    match chunk.pins {
+                        _ if compact || T::LOW => true,
+                        Pins::Strips if T::PRECISION == Precision::Single => {
+                            const N: usize = strip_length(Precision::Single);
+                            by_strips::run_shaft::<T, W, N>(step, range, constants, angles, outputs)
+                        }
+                        Pins::Strips => {
+                            const N: usize = strip_length(Precision::Double);
+                            by_strips::run_shaft::<T, W, N>(step, range, constants, angles, outputs)
+                        }
+                        _ => run_fresh(step, constants, angles, outputs),
                     }
-                    let (errors, outputs) = (errors.reborrow(), &mut outputs.by(stores));
-                    let constants = shaft.equivalents(geometry, size).at(index);
-                    run_fresh(step, range, constants, angles, rates, errors, outputs, compact)
                 },
             );
             continue;
@@ -225,31 +223,22 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     valid
 }
 
-/// Outputs of the only shaft that needs pins, which its loop or its strips find themselves. Returns
-/// whether they are valid.
+/// The rates of the only shaft that needs pins, by a loop that finds them itself. Returns whether they
+/// are valid.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
 fn run_fresh<T: Number, W: Float>(
     step: &ShaftStep,
-    range: AtanRange,
     (joint, turn): (JointConstants<T>, [T; 2]),
     angles: &[f64],
-    rates: &mut [Column<T>; 2],
-    errors: ViewMut<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
-    compact: bool,
 ) -> bool {
-    if T::PRECISION.costs().pins_by_strips {
-        return by_strips::run_shaft(step, range, (joint, turn), angles, outputs);
-    }
     let too_large = &Cell::new(LargeAngleFlag::for_quadrants());
-    let (drive, at, size) = (DriveAngles::Array(angles), Same(joint), angles.len());
     if step.shaft > 1 {
         let pins = FreshPins::<T, true> { angles, turn, too_large };
-        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
+        store_rates(step.rates(), Same(joint), pins, outputs);
     } else {
         let pins = FreshPins::<T, false> { angles, turn, too_large };
-        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
+        store_rates(step.rates(), Same(joint), pins, outputs);
     }
     !too_large.get().any()
 }
@@ -344,26 +333,8 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>, C: St
     size: usize,
     compact: bool,
 ) {
-    // A shaft with fresh pins has one loop, which is not that of the jerk, and keeps no rates.
-    if let Some(plane) = step.planes.get(Output::JerkRatio).filter(|_| !P::FRESH) {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
         map::formula(S::jerk_ratio, at, pins, outputs.plane(plane));
-    }
-    if P::FRESH
-        && let (true, Some([rotation, ratio]), None, DriveAngles::Array(angle)) = (
-            S::MODERATE && range.is_moderate(),
-            step.combined_pair(),
-            step.planes.get(Output::AccelerationRatio),
-            drive,
-        )
-    {
-        let [rotation, ratio] = outputs.several([rotation, ratio]);
-        if step.planes.get(Output::Angle).is_some() {
-            let rotation = AngleSink(ArrayAngle(&angle[..size]), rotation);
-            map::rotation_and_ratio(range, at, pins, rotation, ratio);
-        } else {
-            map::rotation_and_ratio(range, at, pins, rotation, ratio);
-        }
-        return;
     }
     let together = step.combined_planes().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
@@ -415,22 +386,32 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>, C: St
             }
         }
     }
-    let mut remaining =
-        (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
-    let (keep_ratio, keep_acceleration) =
-        (step.keep_ratio && !P::FRESH, step.keep_acceleration && !P::FRESH);
-    if keep_acceleration {
+    let mut remaining = step.rates();
+    if step.keep_acceleration {
         map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
         if let Some(plane) = remaining.1.take() {
             map::copy::<T>(acceleration.view(size), outputs.plane(plane));
         }
-    } else if keep_ratio {
+    } else if step.keep_ratio {
         map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
     }
-    if keep_ratio && let Some(plane) = remaining.0.take() {
+    if step.keep_ratio
+        && let Some(plane) = remaining.0.take()
+    {
         map::copy::<T>(ratio.view(size), outputs.plane(plane));
     }
-    match remaining {
+    store_rates(remaining, at, pins, outputs);
+}
+
+/// Speed ratio and acceleration ratio, in the planes that are given.
+#[inline(always)]
+fn store_rates<T: Number, W: Float, S: MotionFormula<T>>(
+    planes: (Option<usize>, Option<usize>),
+    at: impl Strips<Value = S>,
+    pins: impl SinCosBlocks<T>,
+    outputs: &mut Outputs<'_, '_, W>,
+) {
+    match planes {
         (Some(ratio), None) => {
             map::formula(S::speed_ratio, at, pins.unsigned(), outputs.plane(ratio));
         }

@@ -4,7 +4,7 @@ use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
 use crate::plan::output::Output;
-use crate::plan::route::Routes;
+use crate::plan::route::{Pins, Routes};
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built_constants::BuffersAsBuilt;
 use crate::run::forces::ForceBuffers;
@@ -113,20 +113,20 @@ pub(crate) const CHUNK: usize = 1024;
 /// repeated.
 pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
 
-/// Doubles per chunk if one loop finds its pins itself, which has few buffers or none.
+/// Doubles per chunk if pins are not stored, which needs few buffers or none.
 const FRESH_CHUNK: usize = 2 * CHUNK;
 
 /// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
 const LONG_CHUNK: usize = 16 * CHUNK;
 
-/// The samples per chunk of a run; `is_fresh` if one loop finds its pins itself.
+/// The samples per chunk of a run.
 pub(crate) fn chunk_length<T: Number>(
     plan: &Plan,
     routes: &Routes,
-    is_fresh: bool,
+    pins: Pins,
     staging: bool,
 ) -> usize {
-    if is_fresh {
+    if pins != Pins::Stored {
         FRESH_CHUNK * size_of::<f64>() / size_of::<T::Float>()
     } else if plan.load.is_some() {
         SHORT_CHUNK

@@ -1,13 +1,14 @@
 //! The sines and cosines that one chunk needs.
 
 use crate::input::table::{ANGLE, Table, contiguous};
-use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
-use crate::plan::route::{Route, Routes};
+use crate::number::{Number, Precision};
+use crate::plan::route::{Pins, Route, Routes};
 use crate::plan::steps::Plan;
-use crate::run::by_strips::PIN_STRIP;
+use crate::run::by_strips::strip_length;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
+use crate::run::level::{Level, has_wide_registers, is_compact};
 use crate::run::scratch::Scratch;
 use crate::sincos::array::{
     self, DoubleAngleSinCos, DriveAngles, PinLine, PinSense, SinCos, WideSinCos,
@@ -97,28 +98,45 @@ pub(crate) fn find_double_angles<T: Number>(
     }
 }
 
-/// Whether the only loop of a chunk of an array that needs pins can find them itself, or its strips
-/// can.
+/// Where the loops of a chunk take their pins from. A torque that all samples share is `even`.
+///
+/// Loops that find pins themselves are short, so that a core overlaps their iterations. A longer one
+/// is worth its instructions where registers are wide. Numbers with error terms take more time than
+/// storing pins does.
 #[inline(always)]
-pub(crate) fn are_fresh<T: Number>(
+pub(crate) fn pins<T: Number>(
+    level: Level,
     plan: &Plan,
     routes: &Routes,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     size: usize,
-) -> bool {
-    let by_strips = T::PRECISION.costs().pins_by_strips;
-    if by_strips && !(plan.moderate && size >= PIN_STRIP) {
-        return false;
+    even: bool,
+) -> Pins {
+    if !routes.one_use || plan.as_built || is_compact(level) || T::LOW {
+        return Pins::Stored;
     }
+    let is_single = T::PRECISION == Precision::Single;
     let mut moving = plan.moving();
     match (moving.next(), moving.next(), plan.any_joint.pin_loops) {
-        (None, _, 1) => !by_strips && !plan.needs_sense(),
+        (None, _, 1) if !is_single && !plan.needs_sense() => {
+            let short = even && plan.joints[0].is_moment();
+            if short || has_wide_registers(level) { Pins::Fresh } else { Pins::Stored }
+        }
         (Some(step), None, 0) => {
             let (route, range) = folded.route(routes, step.shaft, geometry);
-            route == Route::Tangent && step.has_one_loop(range.is_moderate())
+            let by_strips = step.rotates() || is_single;
+            if route != Route::Tangent || !step.has_one_loop(range.is_moderate()) {
+                Pins::Stored
+            } else if !by_strips {
+                Pins::Fresh
+            } else if size >= strip_length(T::PRECISION) && (plan.moderate || !is_single) {
+                Pins::Strips
+            } else {
+                Pins::Stored
+            }
         }
-        _ => false,
+        _ => Pins::Stored,
     }
 }
 

@@ -18,7 +18,7 @@ use crate::plan::steps::Plan;
 use crate::run::block::{Block, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
-use crate::run::level::{Level, compiled_for, has_wide_registers};
+use crate::run::level::{Level, compiled_for};
 use crate::run::queue::work_off;
 use crate::run::scratch::CHUNK;
 use crate::run::stores_as::{StoresAs, first_unwritten, mark_unwritten};
@@ -181,16 +181,8 @@ impl<'a, 's> Run<'a, 's> {
         // caches: stores past them would write these back first.
         let new_pages = execution.new_memory && of_plane.saturating_mul(plan.planes) >= NEW_PAGES;
         let past_caches = of_plane.saturating_mul(plan.planes + 1) >= PAST_CACHES && !new_pages;
-        let costs = T::PRECISION.costs();
-        let fresh_pins = (costs.fresh_pins || costs.pins_by_strips)
-            && has_wide_registers(level)
-            && one
-            && !plan.as_built
-            && table.rows() == 1
-            && table.sweep.is_none()
-            && table.error_terms.is_none();
         let stop = execution.stop;
-        Shared { plan, table, level, routes, tables, folded, past_caches, fresh_pins, stop }
+        Shared { plan, table, level, routes, tables, folded, past_caches, stop }
     }
 }
 
