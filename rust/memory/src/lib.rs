@@ -1,13 +1,16 @@
-//! Stores that bypass the caches, and requests for memory ahead of its use, as safe functions.
+//! What the core needs of the machine, as safe functions: stores that bypass the caches, requests for
+//! memory ahead of its use, and work that threads may borrow.
 //!
 //! An ordinary store first reads the cache line that it writes into, and later writes it back. Where
 //! the results of a call exceed the caches, that doubles their traffic, and the store waits. A store
 //! of a whole cache line from vector registers needs neither. [`write_strips`] lends planes of words
 //! that are written in this way, and completes the stores before it returns. [`ask`] requests a
-//! cache line of an input before it is read.
+//! cache line of an input before it is read. [`lend`] lends work to threads that may come late.
 //!
 //! This crate contains the only unsafe code beside the binding. Where the machine has no such
 //! stores, the functions copy.
+
+mod lend;
 
 use std::ops::Range;
 
@@ -15,6 +18,8 @@ use std::ops::Range;
 use core::arch::x86 as intel;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64 as intel;
+
+pub use lend::{Ticket, lend};
 
 /// Bytes of a strip: one cache line.
 pub const STRIP_BYTES: usize = 64;

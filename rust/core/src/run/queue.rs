@@ -2,6 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use cardan_memory::{Ticket, lend};
+
 /// Calls `work` with every item and a state of the thread that runs it. The calling thread takes
 /// part, so that it does not sleep while the pool wakes up, and at most `threads − 1` threads of
 /// the pool help. Items are begun in order.
@@ -28,26 +30,26 @@ pub(crate) fn work_off<I, S>(
         // This does not touch the pool, which may not exist.
         run();
     } else {
-        rayon::in_place_scope(|scope| {
-            call_for_help(scope, threads - 1, &run);
+        lend(&run, |ticket| {
+            call_for_help(ticket, threads - 1);
             run();
         });
     }
 }
 
-/// Lets so many threads of the pool run `work`. Each of them wakes half of those that are left, so
-/// that the time until the last one begins grows with the logarithm of their number.
-fn call_for_help<'scope>(
-    scope: &rayon::Scope<'scope>,
-    helpers: usize,
-    work: &'scope (impl Fn() + Sync),
-) {
+/// Asks so many threads of the pool to help. Each of them wakes half of those that are left, so that
+/// the time until the last one begins grows with the logarithm of their number. Nobody waits for one
+/// that comes after the queue is empty.
+fn call_for_help(ticket: &Ticket, helpers: usize) {
     let mut left = helpers;
     while left > 0 {
         let others = left / 2;
-        scope.spawn(move |scope| {
-            call_for_help(scope, others, work);
-            work();
+        let ticket = ticket.clone();
+        rayon::spawn(move || {
+            if ticket.is_open() {
+                call_for_help(&ticket, others);
+                ticket.work();
+            }
         });
         left -= 1 + others;
     }
