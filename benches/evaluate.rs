@@ -1,118 +1,19 @@
-//! `cargo bench`: time per angle by outputs, instruction set, joints and size, and a closing table
-//! of ratios measured in one run.
+//! `cargo bench`: time per angle by outputs, instruction set, joints and size, and closing tables of
+//! ratios and of time against error, each measured in one run.
 #![allow(clippy::disallowed_methods, reason = "inputs need no particular bits")]
 
-use std::hint::black_box;
+mod case;
+mod time_and_error;
+
 use std::time::{Duration, Instant};
 
-use cardan::{
-    Angles, Axes, Drivelines, Execution, Geometry, Level, Output, Plan, Planes, Precision, Request,
-    Samples, Source, Sweep, level,
-};
+use cardan::{Level, Output, Precision, Sweep, level};
 use criterion::{BenchmarkId, Criterion, Throughput};
-use rayon::prelude::*;
 
-use Output::{AccelerationRatio, Angle, AngleError, JerkRatio, SpeedRatio};
+use Output::{AccelerationRatio, Angle, AngleError, JerkRatio, Moment, SpeedRatio};
+use case::Case;
 
 const MOTION: [Output; 3] = [Angle, SpeedRatio, AccelerationRatio];
-
-/// A plan of the last shaft with everything it reads and fills.
-struct Case {
-    line: Geometry,
-    directions: Vec<f64>,
-    normals: Vec<f64>,
-    plan: Plan,
-    angle: Vec<f64>,
-    planes: Vec<Vec<f64>>,
-    /// In place of the angles.
-    sweep: Option<Sweep>,
-    precision: Precision,
-}
-
-impl Case {
-    fn new(joints: usize, bend_degrees: f64, outputs: &[Output], samples: usize) -> Self {
-        let between = joints - 1;
-        let bends = vec![bend_degrees.to_radians(); joints];
-        let line = Geometry::from_bends(&bends, &vec![0.3; between], &vec![0.7; between])
-            .expect("the bends are valid");
-        let request = Request {
-            largest_bends: &line.bends,
-            outputs,
-            shafts: &[joints],
-            joints: &[],
-            load: None,
-            inertias: &[],
-            bearings: None,
-            as_built: false,
-            axes: Axes::Space,
-        };
-        let plan = Plan::new(&request).expect("the request is valid");
-        let turn = std::f64::consts::TAU / samples as f64;
-        Self {
-            directions: line.directions.iter().flat_map(|v| v.iter().copied()).collect(),
-            normals: line.normals.iter().flat_map(|v| v.iter().copied()).collect(),
-            angle: (0..samples).map(|i| i as f64 * turn).collect(),
-            planes: vec![vec![0.0; samples]; plan.planes()],
-            line,
-            plan,
-            sweep: None,
-            precision: Precision::Double,
-        }
-    }
-
-    fn run(&mut self, level: Level, workers: Option<usize>) {
-        let samples = Samples {
-            shape: &[self.angle.len()],
-            lines: Drivelines {
-                bends: &self.line.bends,
-                twists: &self.line.twists,
-                phases: &self.line.phases,
-                directions: &self.directions,
-                normals: &self.normals,
-                ..Drivelines::default()
-            },
-            line_strides: &[0],
-            angle: match self.sweep {
-                Some(sweep) => Angles::Sweep(sweep),
-                None => Angles::Array(Source { data: &self.angle, strides: &[1] }),
-            },
-            load: None,
-        };
-        let mut planes: Vec<&mut [f64]> = self.planes.iter_mut().map(Vec::as_mut_slice).collect();
-        let execution = Execution { level: Some(level), workers, ..Execution::default() };
-        let planes = Planes::Double(&mut planes);
-        self.plan.run(&samples, None, self.precision, planes, execution).expect("the arrays fit");
-        black_box(&mut self.planes);
-    }
-
-    /// Fills every plane from the angles by vector stores, as the evaluation does, on as many threads.
-    fn fill(&mut self) {
-        const BLOCK: usize = 16 * 1024;
-        let factor = black_box(1.0);
-        let angle = &self.angle;
-        for plane in &mut self.planes {
-            plane.par_chunks_mut(BLOCK).zip(angle.par_chunks(BLOCK)).for_each(|(to, from)| {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = factor * from;
-                }
-            });
-        }
-        black_box(&mut self.planes);
-    }
-
-    /// The same by the system's copy, whose stores need not read what they overwrite.
-    fn copy(&mut self) {
-        const BLOCK: usize = 16 * 1024;
-        let angle = &self.angle;
-        for plane in &mut self.planes {
-            plane
-                .par_chunks_mut(BLOCK)
-                .zip(angle.par_chunks(BLOCK))
-                .for_each(|(to, from)| to.copy_from_slice(from));
-        }
-        black_box(&mut self.planes);
-    }
-}
 
 fn criterion_groups(criterion: &mut Criterion) {
     for (name, level) in level::available() {
@@ -120,7 +21,9 @@ fn criterion_groups(criterion: &mut Criterion) {
         let samples = if name.starts_with("sse") { 10_000 } else { 100_000 };
         let mut group = criterion.benchmark_group(format!("one thread, {name}"));
         group.throughput(Throughput::Elements(samples as u64));
-        for outputs in [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle], &[JerkRatio]] {
+        for outputs in
+            [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle], &[JerkRatio], &[Moment]]
+        {
             let names: Vec<&str> = outputs.iter().map(|output| output.row().name).collect();
             let mut case = Case::new(1, 30.0, outputs, samples);
             group.bench_function(names.join("+"), |b| b.iter(|| case.run(level, Some(1))));
@@ -227,5 +130,6 @@ fn main() {
     // Under `cargo test --benches` each bench only has to run.
     if std::env::args().any(|argument| argument == "--bench") {
         ratios();
+        time_and_error::print();
     }
 }
