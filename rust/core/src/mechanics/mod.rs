@@ -18,5 +18,6 @@ pub mod joint;
 pub(crate) mod moment;
 pub mod motion;
 pub mod phasing;
+pub(crate) mod phasing_search;
 pub mod transmission;
 pub(crate) mod turning;

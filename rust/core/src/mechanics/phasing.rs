@@ -11,20 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::mechanics::joint::Joint;
+use crate::mechanics::phasing_search::{CLOSED, EQUAL, Search};
 use crate::number::elementary;
 use crate::number::trig;
-use nalgebra::Complex;
-
-/// The most steps of a search and the most halvings of a step; most searches need a handful.
-const STEPS: usize = 60;
-const HALVINGS: i32 = 12;
-
-/// The longest step along closed polygons, in units of the step to the smallest change on their
-/// tangent.
-const LONGEST: f64 = 4.0;
-
-/// A polygon with a gap up to this is closed.
-const CLOSED: f64 = 1e-12;
 
 /// The phases in rad that minimise the equivalent bend of the last shaft, from `n` bends, `n − 1`
 /// twists and `n − 1` phases in rad. The bend is zero whenever the polygon closes. Among such
@@ -32,8 +21,8 @@ const CLOSED: f64 = 1e-12;
 /// 180° is the same yoke.
 ///
 /// With four or more bent joints the closing phases form a family. The search for the smallest turn
-/// starts from the given phases, from two closing triangles and from halfway to them; the result is
-/// a local minimum.
+/// starts from two closing triangles, from halfway to them and from the given phases; the result is a
+/// local minimum, of equal ones the first.
 ///
 /// ```
 /// let bends = [10_f64, 9.0, 6.0].map(f64::to_radians);
@@ -46,11 +35,25 @@ pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64>
 }
 
 /// The same, or the best phases so far when `stop` is set.
+#[inline(never)]
 pub(crate) fn search_phases(
     bends: &[f64],
     twists: &[f64],
     phases: &[f64],
     stop: Option<&AtomicBool>,
+) -> Vec<f64> {
+    search_phases_inlined(bends, twists, phases, stop, true)
+}
+
+/// The same as part of a function for some instruction set, with loops of fixed lengths unless
+/// compact. The results have the same bits.
+#[inline(always)]
+pub(crate) fn search_phases_inlined(
+    bends: &[f64],
+    twists: &[f64],
+    phases: &[f64],
+    stop: Option<&AtomicBool>,
+    compact: bool,
 ) -> Vec<f64> {
     let mut polygon = Polygon { stop, ..Polygon::default() };
     let mut members: Vec<Vec<usize>> = vec![];
@@ -76,7 +79,7 @@ pub(crate) fn search_phases(
         polygon.sides.push(Side::new(&Joint::new(bend)));
     }
     let mut best = phases.to_vec();
-    for (x, members) in polygon.smallest_change().iter().zip(members) {
+    for (x, members) in polygon.smallest_change(compact).iter().zip(members) {
         for &shaft in &members {
             best[shaft] += x / members.len() as f64;
         }
@@ -97,13 +100,19 @@ fn within_a_turn(angle: f64) -> f64 {
     elementary::atan2(sine, cosine)
 }
 
+/// An angle modulo half turns.
+#[inline(always)]
+pub(crate) fn within_half_a_turn(x: f64) -> f64 {
+    x - PI * (x / PI).round()
+}
+
 /// One bent joint as a step of length `L` in the hyperbolic plane.
-struct Side {
+pub(crate) struct Side {
     length: f64,
     /// `cosh(L/2)`.
-    cosh: f64,
+    pub(crate) cosh: f64,
     /// `sinh(L/2) = k cosh(L/2)`.
-    sinh: f64,
+    pub(crate) sinh: f64,
 }
 
 impl Side {
@@ -118,18 +127,19 @@ impl Side {
 
 /// A chain of bent joints with the current turns `p` between them.
 #[derive(Default)]
-struct Polygon<'a> {
-    sides: Vec<Side>,
-    turns: Vec<f64>,
+pub(crate) struct Polygon<'a> {
+    pub(crate) sides: Vec<Side>,
+    pub(crate) turns: Vec<f64>,
     /// The number of shafts that share each turn.
-    weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// Ends the search when set.
-    stop: Option<&'a AtomicBool>,
+    pub(crate) stop: Option<&'a AtomicBool>,
 }
 
 impl Polygon<'_> {
     /// The change of each turn.
-    fn smallest_change(&self) -> Vec<f64> {
+    #[inline(always)]
+    fn smallest_change(&self, compact: bool) -> Vec<f64> {
         let lengths = || self.sides.iter().map(|side| side.length);
         let longest = lengths().fold(0.0, f64::max);
         let total: f64 = lengths().sum();
@@ -139,35 +149,57 @@ impl Polygon<'_> {
         if longest >= total - longest {
             return self.change_to(&self.against_longest(longest));
         }
-        let mut starts: Vec<Vec<f64>> =
-            self.triangles(total).iter().map(|turns| self.change_to(turns)).collect();
-        if self.sides.len() > 3 {
-            let halfway = starts.iter().map(|start| start.iter().map(|x| 0.5 * x).collect());
-            starts.extend(halfway.collect::<Vec<_>>());
+        match self.turns.len() {
+            0..=4 if !compact => self.least(total, Search::new(self, [0.0; 4], [[0.0; 4]; 4])),
+            5..=8 if !compact => self.least(total, Search::new(self, [0.0; 8], [[0.0; 8]; 8])),
+            _ => self.least_of_any_length(total),
+        }
+    }
+
+    /// The smallest change, with loops of any length.
+    #[inline(never)]
+    fn least_of_any_length(&self, total: f64) -> Vec<f64> {
+        let row = vec![0.0; self.turns.len()];
+        self.least(total, Search::new(self, row.clone(), vec![row; self.turns.len()]))
+    }
+
+    /// The smallest change that a search finds from several starts.
+    #[inline(always)]
+    fn least<R, M>(&self, total: f64, mut search: Search<'_, R, M>) -> Vec<f64>
+    where
+        R: AsRef<[f64]> + AsMut<[f64]> + Clone,
+        M: AsMut<[R]>,
+    {
+        let [one, other] = self.triangles(total).map(|turns| self.change_to(&turns));
+        let mut starts = vec![one, other];
+        if self.turns.len() > 2 {
+            for i in 0..2 {
+                starts.push(starts[i].iter().map(|x| 0.5 * x).collect());
+            }
             starts.push(vec![0.0; self.turns.len()]);
         }
-        starts
-            .into_iter()
-            .map(|start| self.close(start))
-            .map(|closed| if self.sides.len() > 3 { self.search(closed) } else { closed })
-            .map(|change| self.change_to(&self.turns_after(&change)))
-            .map(|change| (self.gap(&change), self.size(&change), change))
-            .min_by(|(gap, size, _), (other_gap, other_size, _)| {
-                // A change that does not close the polygon loses, however small it is.
-                let open = |gap: &f64| *gap > CLOSED;
-                open(gap).cmp(&open(other_gap)).then(size.total_cmp(other_size))
-            })
-            .map_or_else(Vec::new, |(_, _, change)| change)
+        let mut best: Option<(bool, f64, Vec<f64>)> = None;
+        for mut change in starts {
+            if self.turns.len() > 2 && !search.descend(&mut change) {
+                continue;
+            }
+            // A change that does not close the polygon loses, however small it is.
+            let open = search.close_exactly(&mut change) > CLOSED;
+            let size = self.size(&change);
+            let better = best.as_ref().is_none_or(|(best_open, best_size, _)| {
+                (open, size) < (*best_open, *best_size * (1.0 - EQUAL))
+            });
+            if better {
+                search.remember(open);
+                best = Some((open, size, change));
+            }
+        }
+        best.map_or_else(Vec::new, |(_, _, change)| change)
     }
 
     /// The smallest change to the given turns, each modulo 180°.
     fn change_to(&self, turns: &[f64]) -> Vec<f64> {
-        let wrapped = |x: f64| x - PI * (x / PI).round();
-        turns.iter().zip(&self.turns).map(|(to, from)| wrapped(to - from)).collect()
-    }
-
-    fn turns_after(&self, change: &[f64]) -> Vec<f64> {
-        self.turns.iter().zip(change).map(|(turn, x)| turn + x).collect()
+        turns.iter().zip(&self.turns).map(|(to, from)| within_half_a_turn(to - from)).collect()
     }
 
     /// The sum of the squared turns of all yokes.
@@ -209,131 +241,12 @@ impl Polygon<'_> {
         let mirrored = turns.iter().map(|turn| -turn).collect();
         [turns, mirrored]
     }
-
-    /// `B` of the map `w → A w + B w̄` with `|A|² − |B|² = 1`. Also, at each turn, the rotation and
-    /// the values of `A` and `B` behind it.
-    fn walk(&self, change: &[f64]) -> (Complex<f64>, Vec<[Complex<f64>; 3]>) {
-        let past = |side: &Side, a: Complex<f64>, b: Complex<f64>| {
-            (a * side.cosh - b.conj() * side.sinh, b * side.cosh - a.conj() * side.sinh)
-        };
-        let (mut a, mut b) = past(&self.sides[0], Complex::new(1.0, 0.0), Complex::new(0.0, 0.0));
-        let mut states = Vec::with_capacity(self.turns.len());
-        for (side, turn) in self.sides[1..].iter().zip(self.turns_after(change)) {
-            let (sine, cosine) = trig::sin_cos(turn);
-            let rotation = Complex::new(cosine, sine);
-            states.push([rotation, a * rotation, b * rotation]);
-            (a, b) = past(side, a * rotation, b * rotation);
-        }
-        (b, states)
-    }
-
-    /// The same `B`, and its derivative with respect to each turn. Going backwards, `B̄` at the end
-    /// is `p A + q B̄` of every state.
-    fn slope(&self, change: &[f64]) -> (Complex<f64>, Vec<Complex<f64>>) {
-        let (end, states) = self.walk(change);
-        let (mut p, mut q) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
-        let mut derivatives = vec![Complex::new(0.0, 0.0); states.len()];
-        for (i, [rotation, a, b]) in states.into_iter().enumerate().rev() {
-            let side = &self.sides[i + 1];
-            (p, q) = (p * side.cosh - q * side.sinh, q * side.cosh - p * side.sinh);
-            derivatives[i] = (p * a - q * b.conj()).conj() * -Complex::<f64>::i();
-            (p, q) = (p * rotation, q * rotation.conj());
-        }
-        (end, derivatives)
-    }
-
-    /// The gap of the polygon, `sinh(L_E/2)`.
-    fn gap(&self, change: &[f64]) -> f64 {
-        elementary::norm(self.walk(change).0)
-    }
-
-    /// Closes the polygon by Newton's method. Each step is the smallest that solves the linear
-    /// equations, or a fraction of it.
-    fn close(&self, mut change: Vec<f64>) -> Vec<f64> {
-        let mut gap = self.gap(&change);
-        for _ in 0..STEPS {
-            let (b, derivatives) = self.slope(&change);
-            let step = self.smallest_solution(&derivatives, -b);
-            let closer = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
-                let trial: Vec<f64> =
-                    change.iter().zip(&step).map(|(x, dx)| x + part * dx).collect();
-                let trial_gap = self.gap(&trial);
-                (trial_gap < gap).then_some((trial, trial_gap))
-            });
-            match closer {
-                Some(found) => (change, gap) = found,
-                None => break,
-            }
-            if gap <= CLOSED * 1e-4 {
-                break;
-            }
-        }
-        change
-    }
-
-    /// Descends from a change that closes the polygon to the smallest nearby. Each step goes along
-    /// the closed polygons in the direction that shortens the change most; then the polygon is
-    /// closed again. The step length follows from how the last step changed the direction (Barzilai
-    /// and Borwein): a fixed length would oscillate where the closed polygons are curved.
-    fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
-        let mut size = self.size(&change);
-        let mut last: Option<[Vec<f64>; 2]> = None;
-        for _ in 0..STEPS {
-            if is_set(self.stop) {
-                return change;
-            }
-            let (_, derivatives) = self.slope(&change);
-            let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
-            let shortest = self.smallest_solution(&derivatives, along);
-            let direction: Vec<f64> = shortest.iter().zip(&change).map(|(to, x)| to - x).collect();
-            let scale = last.as_ref().map_or(1.0, |[from, last_direction]| {
-                let (mut straight, mut turned) = (0.0, 0.0);
-                for (i, weight) in self.weights.iter().enumerate() {
-                    let step = change[i] - from[i];
-                    straight += step * step / weight;
-                    turned += step * (last_direction[i] - direction[i]) / weight;
-                }
-                (straight / turned.abs()).min(LONGEST)
-            });
-            let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
-                let moved = change.iter().zip(&direction).map(|(x, dx)| x + scale * part * dx);
-                let trial = self.close(moved.collect());
-                let trial_size = self.size(&trial);
-                let better = trial_size < size * (1.0 - 1e-12) && self.gap(&trial) <= CLOSED;
-                better.then_some((trial, trial_size))
-            });
-            let Some((trial, trial_size)) = shorter else { break };
-            last = Some([std::mem::replace(&mut change, trial), direction]);
-            size = trial_size;
-        }
-        // A yoke turned past 90° is nearer to the given one after half a turn back, and the search
-        // can go on from there.
-        let nearer = self.change_to(&self.turns_after(&change));
-        if self.size(&nearer) < size * (1.0 - 1e-9) { self.search(nearer) } else { nearer }
-    }
-
-    /// The `x` with `Σ d_j x_j = target` and the smallest `Σ x_j²/weight_j`.
-    fn smallest_solution(&self, derivatives: &[Complex<f64>], target: Complex<f64>) -> Vec<f64> {
-        let weighted = || derivatives.iter().zip(&self.weights);
-        let rr: f64 = weighted().map(|(d, w)| w * d.re * d.re).sum();
-        let ri: f64 = weighted().map(|(d, w)| w * d.re * d.im).sum();
-        let ii: f64 = weighted().map(|(d, w)| w * d.im * d.im).sum();
-        // A folded polygon can move in one direction only; the shift keeps the solution finite
-        // there.
-        let shift = f64::EPSILON * (rr + ii);
-        let (rr, ii) = (rr + shift, ii + shift);
-        let determinant = rr * ii - ri * ri;
-        let multiplier = Complex::new(
-            (target.re * ii - target.im * ri) / determinant,
-            (target.im * rr - target.re * ri) / determinant,
-        );
-        weighted().map(|(d, w)| w * (d.re * multiplier.re + d.im * multiplier.im)).collect()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{Complex, Vector3};
 
     fn turned(from: &[f64], to: &[f64]) -> f64 {
         let wrapped = |x: f64| x - PI * (x / PI).round();
@@ -358,10 +271,36 @@ mod tests {
     }
 
     #[test]
+    fn loops_of_fixed_lengths_give_the_same_bits() {
+        for joints in 2..12 {
+            let bends: Vec<f64> = (0..joints).map(|j| 0.3 + 0.1 * f64::from(j).sin()).collect();
+            let [twists, phases] = [0.7, 1.9]
+                .map(|x| (1..joints).map(|j| (x * f64::from(j)).sin()).collect::<Vec<_>>());
+            let [one, other] = [true, false]
+                .map(|compact| search_phases_inlined(&bends, &twists, &phases, None, compact));
+            assert_eq!(one, other);
+        }
+    }
+
+    #[test]
     fn twists_far_from_zero_count_with_all_their_digits() {
         let (bends, twists) = ([0.2, 0.17, 0.15], [1.7e308, -9e15]);
         let phases = optimal_phases(&bends, &twists, &[0.3, 0.2]);
         assert!(crate::Equivalent::of_chain(&bends, &twists, &phases).joint.k < 1e-16);
+    }
+
+    /// `B` of the map of a polygon.
+    fn end(polygon: &Polygon<'_>, change: &Vector3<f64>) -> Complex<f64> {
+        let (mut a, mut b) = (Complex::new(1.0, 0.0), Complex::new(0.0, 0.0));
+        for (j, side) in polygon.sides.iter().enumerate() {
+            if j > 0 {
+                let turn = elementary::turn(polygon.turns[j - 1] + change[j - 1]);
+                (a, b) = (a * turn, b * turn);
+            }
+            let (cosh, sinh) = (side.cosh, side.sinh);
+            (a, b) = (a * cosh - b.conj() * sinh, b * cosh - a.conj() * sinh);
+        }
+        b
     }
 
     #[test]
@@ -371,16 +310,17 @@ mod tests {
             Polygon { sides: sides.into(), weights: vec![1.0; 3], ..Polygon::default() };
         for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {
             polygon.turns = turns.into();
-            let change = polygon.smallest_change();
-            let (gap, derivatives) = polygon.slope(&change);
-            assert!(gap.norm() < CLOSED);
+            let change = polygon.smallest_change(true);
+            assert_eq!(change, polygon.smallest_change(false));
+            let change = Vector3::from_column_slice(&change);
+            assert!(end(&polygon, &change).norm() < CLOSED);
             // Along the family neither part of the gap changes.
-            let parts = |part: fn(&Complex<f64>) -> f64| {
-                nalgebra::Vector3::from_iterator(derivatives.iter().map(part))
-            };
-            let along = parts(|d| d.re).cross(&parts(|d| d.im)).normalize();
-            let change = nalgebra::Vector3::from_column_slice(&change);
-            assert!(along.dot(&change).abs() < 1e-4 * change.norm(), "{along} {change}");
+            let slopes = Vector3::from_fn(|i, _| {
+                let aside = Vector3::from_fn(|j, _| if i == j { 1e-6 } else { 0.0 });
+                end(&polygon, &(change + aside)) - end(&polygon, &(change - aside))
+            });
+            let along = slopes.map(|d| d.re).cross(&slopes.map(|d| d.im)).normalize();
+            assert!(along.dot(&change).abs() < 1e-6 * change.norm(), "{along} {change}");
         }
     }
 }

@@ -313,6 +313,19 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     (sine.value(), cosine.value())
 }
 
+/// The same as part of a function for some instruction set.
+#[inline(always)]
+pub(crate) fn inlined_sin_cos(x: f64) -> (f64, f64) {
+    let reduced = DoubleDouble::reduce(x);
+    let mut too_large = LargeAngleFlag::for_quadrants();
+    too_large.accumulate(reduced.1);
+    if too_large.any() {
+        return sin_cos(x);
+    }
+    let (sine, cosine) = sin_cos_double_double(reduced);
+    (sine.value(), cosine.value())
+}
+
 /// Sine and cosine of a reduced angle with their error terms.
 #[inline(always)]
 pub(crate) fn sin_cos_double_double(

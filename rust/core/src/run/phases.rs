@@ -1,7 +1,10 @@
 //! The phases closest to constant velocity for a batch of drivelines, on several threads.
 
-use crate::mechanics::phasing::{is_set, search_phases};
+use std::sync::atomic::AtomicBool;
+
+use crate::mechanics::phasing::{is_set, search_phases, search_phases_inlined};
 use crate::run::execution::Execution;
+use crate::run::level::{Level, compiled_up_to_avx2};
 use crate::run::queue::work_off;
 
 /// The number of drivelines in a piece of work for one thread, and the fewest pieces that use
@@ -23,12 +26,13 @@ pub fn optimal_phases_of_batch(
     if between == 0 {
         return;
     }
-    let Execution { workers, stop, .. } = execution;
+    let Execution { level, workers, stop, .. } = execution;
+    let level = level.unwrap_or_else(Level::new);
     let run = |(): &mut (), (i, phases): (usize, &mut [f64])| {
         let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
         for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
             if !is_set(stop) {
-                phases.copy_from_slice(&search_phases(bends, twists, phases, stop));
+                phases.copy_from_slice(&search(level, bends, twists, phases, stop));
             }
         }
     };
@@ -44,10 +48,25 @@ pub fn optimal_phases_of_batch(
     work_off(phases.chunks_mut(size).enumerate(), threads, || (), run);
 }
 
+/// The phases of one driveline.
+#[inline(never)]
+fn search(
+    level: Level,
+    bends: &[f64],
+    twists: &[f64],
+    phases: &[f64],
+    stop: Option<&AtomicBool>,
+) -> Vec<f64> {
+    compiled_up_to_avx2!(level, (compact, _stores) => if compact {
+        search_phases(bends, twists, phases, stop)
+    } else {
+        search_phases_inlined(bends, twists, phases, stop, false)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicBool;
 
     use crate::mechanics::phasing::optimal_phases;
 
