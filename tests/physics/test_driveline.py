@@ -479,3 +479,20 @@ def test_help_begins_with_a_line_for_each_method() -> None:
     assert len(lines) <= 4 * 24
     named = {line.split()[0] for line in lines if line.startswith("    ") and "  " in line.strip()}
     assert {name for name in dir(Driveline) if not name.startswith("_")} <= named
+
+
+def test_batches_have_the_bits_of_single_drivelines() -> None:
+    random = np.random.default_rng(9)
+    count, n = 150, 4
+    bends = random.uniform(0.0, 1.5, (count, n)) * (random.random((count, n)) > 0.4)
+    twists, phases = random.uniform(-9.0, 9.0, (2, count, n - 1))
+    twists[3, 1], phases[70, 0] = 1e300, -3e13
+    lines = Driveline.from_bends(bends, twists, phases)
+    for i in range(count):
+        one = Driveline.from_bends(bends[i], twists[i], phases[i])
+        assert lines[i].directions.tobytes() == one.directions.tobytes()
+        assert lines[i].normals.tobytes() == one.normals.tobytes()
+        for shaft in range(n + 1):
+            batch, single = lines.equivalent(shaft), one.equivalent(shaft)
+            for name in ("bend", "angle_offset", "k", "max_acceleration_ratio"):
+                assert getattr(batch, name)[i] == getattr(single, name)

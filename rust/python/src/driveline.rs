@@ -2,13 +2,16 @@
 
 use std::sync::atomic::Ordering;
 
-use cardan::{Equivalent, General, Geometry, Vector, check_length, check_shaft, unravel};
+use cardan::{
+    Execution, FIGURES, General, Geometry, Vector, check_length, check_shaft, equivalents_of_batch,
+    frames_of_batch, unravel,
+};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use crate::convert::{Input, OrRaise, argument_error, count, slice, vectors};
 use crate::lines::Lines;
-use crate::watch::{check_memory, reserve, run_interruptible};
+use crate::watch::{check_memory, reserve, run_interruptible, run_released};
 
 /// Bends, twists, directions and normals, each flat.
 type Flat<'py> = (
@@ -39,15 +42,8 @@ fn for_each_line(
     })
 }
 
-/// Computes the geometry of each driveline of a batch and collects the flat arrays. Errors are
-/// shown in degrees to a caller who gave them.
-fn lay_out<'py>(
-    py: Python<'py>,
-    joints: usize,
-    shape: &[usize],
-    degrees: bool,
-    each: impl Fn(usize) -> cardan::Result<Geometry> + Sync,
-) -> PyResult<Flat<'py>> {
+/// Empty arrays with room for the bends, twists, directions and normals of a batch.
+fn room(joints: usize, shape: &[usize]) -> PyResult<[Vec<f64>; 4]> {
     let lines = count(shape)?;
     // Memory for one driveline at a time.
     check_memory(joints.saturating_mul(512))?;
@@ -58,24 +54,36 @@ fn lay_out<'py>(
     for (array, size) in flat.iter_mut().zip(sizes) {
         reserve(array, lines.saturating_mul(size))?;
     }
-    let [mut bends, mut twists, mut directions, mut normals] = flat;
-    for_each_line(py, lines, &mut |line| {
-        let geometry = each(line).map_err(|error| {
-            let error = error.within(&unravel(line, shape));
-            if degrees { error.in_degrees() } else { error }
-        })?;
+    Ok(flat)
+}
+
+/// The arrays for Python.
+fn flat(py: Python<'_>, [bends, twists, directions, normals]: [Vec<f64>; 4]) -> Flat<'_> {
+    (
+        bends.into_pyarray(py),
+        twists.into_pyarray(py),
+        directions.into_pyarray(py),
+        normals.into_pyarray(py),
+    )
+}
+
+/// Computes the geometry of each driveline of a batch and collects the flat arrays.
+fn lay_out<'py>(
+    py: Python<'py>,
+    joints: usize,
+    shape: &[usize],
+    each: impl Fn(usize) -> cardan::Result<Geometry> + Sync,
+) -> PyResult<Flat<'py>> {
+    let [mut bends, mut twists, mut directions, mut normals] = room(joints, shape)?;
+    for_each_line(py, count(shape)?, &mut |line| {
+        let geometry = each(line).map_err(|error| error.within(&unravel(line, shape)))?;
         bends.extend(&geometry.bends);
         twists.extend(&geometry.twists);
         directions.extend(geometry.directions.iter().flat_map(|v| v.iter()));
         normals.extend(geometry.normals.iter().flat_map(|v| v.iter()));
         Ok(())
     })?;
-    Ok((
-        bends.into_pyarray(py),
-        twists.into_pyarray(py),
-        directions.into_pyarray(py),
-        normals.into_pyarray(py),
-    ))
+    Ok(flat(py, [bends, twists, directions, normals]))
 }
 
 /// The number of drivelines with these bends.
@@ -106,14 +114,20 @@ pub(crate) fn from_bends<'py>(
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
-    let between = joints.saturating_sub(1);
-    lay_out(py, joints, &shape, degrees, |line| {
-        Geometry::from_bends(
-            part(bends, line, joints),
-            part(twists, line, between),
-            part(phases, line, between),
-        )
-    })
+    let [mut own_bends, mut own_twists, directions, normals] = room(joints, &shape)?;
+    let mut frames = [directions, normals];
+    let given = [bends, twists, phases];
+    let lines = count(&shape)?;
+    let mut found = Ok(());
+    run_released(py, lines < MIN_INTERRUPTIBLE, Some(1), &mut |workers, stop| {
+        let execution = Execution { workers, stop, ..Execution::default() };
+        found = frames_of_batch(joints, &shape, given, &mut frames, execution);
+    })?;
+    found.map_err(|error| if degrees { error.in_degrees() } else { error }).or_raise()?;
+    own_bends.extend_from_slice(part(bends, 0, lines.saturating_mul(joints)));
+    own_twists.extend_from_slice(part(twists, 0, lines.saturating_mul(joints.saturating_sub(1))));
+    let [directions, normals] = frames;
+    Ok(flat(py, [own_bends, own_twists, directions, normals]))
 }
 
 /// Drivelines from directions `(…, n + 1, 3)` and phases `(…, n − 1)`.
@@ -152,7 +166,7 @@ fn from_vectors<'py>(
     let flat = slice("vectors", flat)?;
     let phases = slice("phases", phases)?;
     let each = joints.saturating_add(more).saturating_mul(3);
-    lay_out(py, joints, shape, false, |line| {
+    lay_out(py, joints, shape, |line| {
         let between = part(phases, line, joints.saturating_sub(1));
         make(&vectors(part(flat, line, each)), between)
     })
@@ -235,7 +249,7 @@ pub(crate) fn equivalent<'py>(
     bends: Input<'py>,
     twists: Input<'py>,
     phases: Input<'py>,
-) -> PyResult<[Bound<'py, PyArray1<f64>>; 8]> {
+) -> PyResult<[Bound<'py, PyArray1<f64>>; FIGURES]> {
     check_shaft(joints, shaft).or_raise()?;
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
@@ -244,32 +258,13 @@ pub(crate) fn equivalent<'py>(
     check_length("bends", bends.len(), lines, joints).or_raise()?;
     check_length("twists", twists.len(), lines, joints - 1).or_raise()?;
     check_length("phases", phases.len(), lines, joints - 1).or_raise()?;
-    let mut columns = [const { Vec::<f64>::new() }; 8];
+    let mut columns = [const { Vec::<f64>::new() }; FIGURES];
     for column in &mut columns {
         reserve(column, lines)?;
     }
-    let between = shaft.saturating_sub(1);
-    for_each_line(py, lines, &mut |line| {
-        let equivalent = Equivalent::of_chain(
-            &part(bends, line, joints)[..shaft],
-            &part(twists, line, joints - 1)[..between],
-            &part(phases, line, joints - 1)[..between],
-        );
-        let joint = equivalent.joint;
-        let values = [
-            joint.bend(),
-            equivalent.angle_offset(),
-            joint.k,
-            joint.non_uniformity(),
-            joint.max_angle_error(),
-            joint.cos,
-            joint.max_speed_ratio(),
-            joint.max_acceleration_ratio(),
-        ];
-        for (column, value) in columns.iter_mut().zip(values) {
-            column.push(value);
-        }
-        Ok(())
+    run_released(py, lines < MIN_INTERRUPTIBLE, Some(1), &mut |workers, stop| {
+        let execution = Execution { workers, stop, ..Execution::default() };
+        equivalents_of_batch(joints, shaft, [bends, twists, phases], &mut columns, execution);
     })?;
     Ok(columns.map(|column| column.into_pyarray(py)))
 }

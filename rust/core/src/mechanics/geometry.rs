@@ -44,25 +44,12 @@ impl Geometry {
     /// No joint or more than [`MOST_JOINTS`], a bend outside `[0, π/2)`, a twist or phase that is not
     /// finite, or lengths other than `n`, `n − 1` and `n − 1`.
     pub fn from_bends(bends: &[f64], twists: &[f64], phases: &[f64]) -> Result<Self> {
-        check_count("bends", bends.len())?;
-        check_between("twists", twists, bends.len())?;
-        check_between("phases", phases, bends.len())?;
-        let mut u = Vector::x();
-        let mut m = Vector::z();
-        let mut directions = vec![u];
+        let mut directions = vec![FIRST_DIRECTION];
         let mut normals = vec![];
-        for (j, &bend) in bends.iter().enumerate() {
-            check_bend(j, bend)?;
-            if j > 0 {
-                m = rotated(m, u, twists[j - 1]);
-            }
-            u = rotated(u, m, bend);
-            // Rotations accumulate rounding errors; normalising keeps the frame orthonormal.
-            u.normalize_mut();
-            m = perpendicular_part(m, u).normalize();
-            normals.push(m);
-            directions.push(u);
-        }
+        follow(bends, twists, phases, |normal, direction| {
+            normals.push(normal);
+            directions.push(direction);
+        })?;
         let (bends, twists, phases) = (bends.to_vec(), twists.to_vec(), phases.to_vec());
         Ok(Self { bends, twists, phases, directions, normals })
     }
@@ -167,6 +154,37 @@ impl Geometry {
     }
 }
 
+/// The direction of shaft 0 of a driveline from bends.
+pub(crate) const FIRST_DIRECTION: Vector = Vector::new(1.0, 0.0, 0.0);
+
+/// Calls `each` with the normal of every joint and the direction of the shaft behind it. Bends,
+/// twists and phases are checked as by [`Geometry::from_bends`].
+#[inline(always)]
+pub(crate) fn follow(
+    bends: &[f64],
+    twists: &[f64],
+    phases: &[f64],
+    mut each: impl FnMut(Vector, Vector),
+) -> Result<()> {
+    check_count("bends", bends.len())?;
+    check_between("twists", twists, bends.len())?;
+    check_between("phases", phases, bends.len())?;
+    let mut u = FIRST_DIRECTION;
+    let mut m = Vector::z();
+    for (j, &bend) in bends.iter().enumerate() {
+        check_bend(j, bend)?;
+        if j > 0 {
+            m = rotated(m, u, twists[j - 1]);
+        }
+        u = rotated(u, m, bend);
+        // Rotations accumulate rounding errors; normalising keeps the frame orthonormal.
+        u.normalize_mut();
+        m = perpendicular_part(m, u).normalize();
+        each(m, u);
+    }
+    Ok(())
+}
+
 /// Refuses a driveline without joints or with too many, of which the argument is at fault.
 pub(crate) fn check_count(argument: &'static str, joints: usize) -> Result<()> {
     if joints == 0 {
@@ -200,8 +218,9 @@ fn check_between(argument: &'static str, values: &[f64], joints: usize) -> Resul
 }
 
 /// Rotates `v` about the unit vector `axis`, which is perpendicular to it.
+#[inline(always)]
 fn rotated(v: Vector, axis: Vector, angle: f64) -> Vector {
-    let (sine, cosine) = trig::sin_cos(angle);
+    let (sine, cosine) = trig::inlined_sin_cos(angle);
     v * cosine + axis.cross(&v) * sine
 }
 
@@ -232,6 +251,7 @@ fn twist(from: Vector, to: Vector, axis: Vector) -> f64 {
 }
 
 /// The part of `v` perpendicular to the unit vector `u`.
+#[inline(always)]
 fn perpendicular_part(v: Vector, u: Vector) -> Vector {
     v - u * v.dot(&u)
 }

@@ -158,6 +158,7 @@ impl<T: Real> JointConstants<T> {
 
 impl JointConstants<f64> {
     /// The constants of a joint in double precision.
+    #[inline(always)]
     pub(crate) fn of_doubles(joint: &Joint) -> Self {
         let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
         Self { cos, cos2, sin2, versine, inverse_exsecant }
@@ -210,6 +211,7 @@ impl Joint {
     }
 
     /// Non-uniformity `U = 1/cos β − cos β = tan β sin β` (catalogue, single joint, Bild 13).
+    #[inline(always)]
     pub fn non_uniformity(&self) -> f64 {
         self.sin2 / self.cos
     }
@@ -226,6 +228,7 @@ impl Joint {
     }
 
     /// The largest speed ratio, `1/cos β`.
+    #[inline(always)]
     pub fn max_speed_ratio(&self) -> f64 {
         1.0 / self.cos
     }
@@ -235,6 +238,7 @@ impl Joint {
     ///
     /// That cosine vanishes for small bends, its distance from 1 for bends near 90°. Both are
     /// computed without subtracting nearly equal numbers.
+    #[inline(always)]
     pub fn steepest(&self) -> (f64, f64) {
         let sin2 = self.sin2;
         let cos2 = self.cos * self.cos;
@@ -245,6 +249,7 @@ impl Joint {
     }
 
     /// The largest acceleration ratio, at the angle of [`Joint::steepest`].
+    #[inline(always)]
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
         let (_, acceleration) = rates(&JointConstants::of_doubles(self), s, c);

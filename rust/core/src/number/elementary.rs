@@ -24,6 +24,14 @@ pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     if height == 0.0 || height.is_infinite() || width == 0.0 || width.is_infinite() {
         return at_the_limits(y, x);
     }
+    finite_atan2(y, x)
+}
+
+/// The same for finite coordinates of which `x` is not zero or positive zero, and not both zero;
+/// branch-free.
+#[inline(always)]
+pub(crate) fn finite_atan2(y: f64, x: f64) -> f64 {
+    let (height, width) = (y.abs(), x.abs());
     // A power of two keeps quotients and their error terms in range. NaN passes through.
     let scale = inverse_power_of_two(height.max(width));
     let [height, width] = [height, width].map(|side| DoubleDouble::exact(side * scale));

@@ -16,7 +16,6 @@ use crate::mechanics::turning::{TurnMatrix, Turning};
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::storage::columns;
 use crate::number::trig::Angle;
 use crate::number::{Number, Precision, reduction, series};
 use crate::plan::request::Axes;
@@ -90,7 +89,7 @@ impl<T: Angle> Folded<T> {
     /// Allocates the constants of `longest` drivelines, of different rows or of different samples.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, routes: &Routes) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
-        let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
+        let (maps, turns) = (Maps::new(lanes), Turns::new(lanes));
         let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);

@@ -179,9 +179,13 @@ impl<const WIDE: bool> Step for PassShaft<'_, WIDE> {
 
 /// The turns of one intermediate shaft, one per driveline.
 #[derive(Clone, Debug)]
-pub(super) struct Turns(pub(super) [Column<DoubleDouble>; 2]);
+pub(super) struct Turns([Column<DoubleDouble>; 2]);
 
 impl Turns {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self(columns(lanes))
+    }
+
     /// Turns, which have nearly all digits of a double-double if `wide`.
     #[inline(always)]
     pub(super) fn find(&mut self, phases: &[f64], twists: &[f64], wide: bool) {
