@@ -1,10 +1,9 @@
 //! All orbits at one speed that are found from many starts.
 
-use crate::dynamics::batch::{Runs, multipliers};
-use crate::dynamics::motion_equation::MotionEquation;
-use crate::dynamics::orbit::{Failure, Orbit};
-use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
-use crate::dynamics::search::{OrbitGoal, refined};
+use crate::dynamics::batch::{Done, Runs, multipliers, put_torques};
+use crate::dynamics::orbit::Failure;
+use crate::dynamics::pool::Pool;
+use crate::dynamics::search::{Found, OrbitGoal, Search};
 use crate::dynamics::system::TorsionalSystem;
 use crate::run::execution::Execution;
 
@@ -32,54 +31,58 @@ pub fn coexisting_of_batch(
     let m = first.unknowns();
     let each = coexisting_record(m);
     let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: true };
-    runs.each(results, 1 + most * each, failures, execution, |system, speed, out| {
-        let orbits = system.search_all(speed, goal)?;
-        let mut equation = MotionEquation::new(system, speed);
-        let mut records: Vec<(f64, Vec<f64>)> = orbits
-            .iter()
-            .map(|orbit| {
-                let roots = roots_of_unity(orbit.intervals);
+    let record = 1 + most * each;
+    runs.each(goal, (results, record), failures, execution, |pool, done| {
+        for Done { system, speed, found, out } in done {
+            let orbits = system.search_all(found, speed, goal, pool);
+            let mut records: Vec<(f64, Vec<f64>)> = vec![];
+            for found in orbits {
                 let mut record = vec![0.0; 3 * m];
-                let mut peak = 0.0_f64;
-                for (s, samples) in orbit.torques(&mut equation).iter().enumerate() {
-                    let series = FourierSeries::through(|k| samples[k], &roots);
-                    let [least, largest] = series.extremes();
-                    (record[s], record[m + s], record[2 * m + s]) = (series.mean, least, largest);
-                    peak = peak.max(largest.abs()).max(least.abs());
+                let mut lane = [Done { system, speed, found, out: &mut record }];
+                for s in 0..m {
+                    put_torques(pool, &mut lane, s, m);
                 }
-                record.extend(multipliers(orbit).iter().flat_map(|x| [x.re, x.im]));
-                (peak, record)
-            })
-            .collect();
-        records[1..].sort_by(|(x, _), (y, _)| x.total_cmp(y));
-        out.fill(f64::NAN);
-        out[0] = records.len() as f64;
-        for ((_, record), place) in records.iter().zip(out[1..].chunks_exact_mut(each)) {
-            place.copy_from_slice(record);
+                let [Done { found, .. }] = lane;
+                let peak = record[m..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                record.extend(multipliers(&found.orbit).iter().flat_map(|x| [x.re, x.im]));
+                records.push((peak, record));
+            }
+            records[1..].sort_by(|(x, _), (y, _)| x.total_cmp(y));
+            out.fill(f64::NAN);
+            out[0] = records.len() as f64;
+            for ((_, record), place) in records.iter().zip(out[1..].chunks_exact_mut(each)) {
+                place.copy_from_slice(record);
+            }
         }
-        Ok(())
     });
 }
 
 impl TorsionalSystem {
-    /// The orbit that `search` finds, and all others from the straight driveline and the starts of
-    /// `oscillations`.
-    fn search_all(&self, speed: f64, goal: OrbitGoal) -> Result<Vec<Orbit>, Failure> {
-        let mut orbits = vec![self.search(speed, goal)?];
-        let mut equation = MotionEquation::new(self, speed);
-        let mut found: Vec<_> = self.followed(&mut equation).into_iter().collect();
-        found.extend(self.oscillations(&mut equation));
-        for coarse in found {
-            let known = |orbit: &Orbit| !orbit.differs(&coarse.orbit, DIFFERENT);
-            if orbits.iter().any(known) {
+    /// The orbit of the steady state, and all others from the straight driveline and from
+    /// oscillations.
+    fn search_all(
+        &self,
+        steady: Found,
+        speed: f64,
+        goal: OrbitGoal,
+        pool: &mut Pool<'_>,
+    ) -> Vec<Found> {
+        let mut orbits = vec![steady];
+        let starts = self.oscillations().map(|start| Search::near(self, speed, start)).collect();
+        let followed = self.followed(speed, pool);
+        let started = pool.run(starts).into_iter().flatten();
+        for coarse in followed.into_iter().chain(started) {
+            let differs = |of: &Found, from: &Found| from.orbit.differs(&of.orbit, DIFFERENT);
+            if !orbits.iter().all(|known| differs(&coarse, known)) {
                 continue;
             }
-            if let Ok(fine) = refined(coarse, &mut equation, goal)
-                && orbits.iter().all(|orbit| orbit.differs(&fine, DIFFERENT))
+            let search = Search::refining(self, speed, goal, coarse);
+            if let Some(Ok(fine)) = pool.run(vec![search]).pop()
+                && orbits.iter().all(|known| differs(&fine, known))
             {
                 orbits.push(fine);
             }
         }
-        Ok(orbits)
+        orbits
     }
 }

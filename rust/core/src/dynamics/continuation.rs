@@ -7,9 +7,9 @@
 
 use nalgebra::DVector;
 
-use crate::dynamics::motion_equation::MotionEquation;
-use crate::dynamics::orbit::{Along, Orbit};
-use crate::dynamics::search::{COARSE, Found, converged};
+use crate::dynamics::orbit::Orbit;
+use crate::dynamics::pool::{Parameter, Pool};
+use crate::dynamics::search::{Found, Search};
 use crate::dynamics::system::TorsionalSystem;
 
 /// The intervals of half a turn at first, and the most.
@@ -41,22 +41,19 @@ impl Point {
 }
 
 impl TorsionalSystem {
-    /// The first orbit of the driveline on the curve at the speed of its equations.
-    pub(super) fn followed(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
+    /// The first orbit of the driveline on the curve at a speed.
+    pub(super) fn followed(&self, speed: f64, pool: &mut Pool<'_>) -> Option<Found> {
         let straight = self.bent(0.0);
-        let mut without = MotionEquation::new(&straight, equation.speed);
         let [first, most] = INTERVALS;
-        let rigid =
-            Orbit::start(self.unknowns(), first, |angle, state| without.rigid(angle, state));
-        let mut here =
-            Point { orbit: converged(rigid, &mut without, COARSE, None)?.orbit, share: 0.0 };
+        let rigid = Search::near_rigid(&straight, speed, first);
+        let mut here = Point { orbit: pool.run(vec![rigid]).pop()?.ok()?.orbit, share: 0.0 };
         // At first only the bends change: orbits depend on their squares.
         let mut direction = DVector::zeros(2 * self.unknowns() + 1);
         direction[2 * self.unknowns()] = 1.0;
         let [shortest, longest] = LENGTHS;
         let mut length = longest;
         for _ in 0..STEPS {
-            match self.ahead(&here, &direction, length, equation.speed) {
+            match self.ahead(&here, &direction, length, (speed, pool)) {
                 Some(next) if next.share < 0.0 => return None,
                 Some(next) if next.share < 1.0 => {
                     direction = next.minus(&here).normalize();
@@ -67,7 +64,8 @@ impl TorsionalSystem {
                 Some(next) => {
                     let part = (1.0 - here.share) / (next.share - here.share);
                     let close = here.orbit.towards(&next.orbit, part);
-                    if let Some(found) = converged(close, equation, COARSE, None) {
+                    let search = Search::near(self, speed, close);
+                    if let Some(Ok(found)) = pool.run(vec![search]).pop() {
                         return Some(found);
                     }
                 }
@@ -78,7 +76,7 @@ impl TorsionalSystem {
                 if 2 * here.orbit.intervals > most {
                     return None;
                 }
-                (here.orbit, length) = (here.orbit.halved(), longest);
+                (here.orbit, length) = (pool.halved(&here.orbit), longest);
             }
         }
         None
@@ -91,23 +89,21 @@ impl TorsionalSystem {
         from: &Point,
         direction: &DVector<f64>,
         length: f64,
-        speed: f64,
+        (speed, pool): (f64, &mut Pool<'_>),
     ) -> Option<Point> {
         const MOST: usize = 8;
         const ENOUGH: f64 = 1e-7;
         let mut point = from.clone();
         let mut tangent: Option<Point> = None;
         for _ in 0..MOST {
-            let systems = [0.0, ASIDE].map(|aside| self.bent(point.share + aside));
-            let [mut equation, mut nearby] =
-                systems.each_ref().map(|system| MotionEquation::new(system, speed));
-            let along = Along {
-                nearby: &mut nearby,
+            let [system, nearby] = [0.0, ASIDE].map(|aside| self.bent(point.share + aside));
+            let parameter = Parameter {
+                nearby: &nearby,
                 by: ASIDE,
                 direction: direction.as_slice(),
                 length: if tangent.is_none() { length } else { 0.0 },
             };
-            let step = point.orbit.improve(&mut equation, Some(along))?;
+            let step = pool.improve_along(&mut point.orbit, (&system, speed), &parameter)?;
             point.share += step.parameter;
             let first = tangent.get_or_insert_with(|| point.clone());
             if point.minus(first).norm() > 0.5 * length {
@@ -125,6 +121,7 @@ impl TorsionalSystem {
 mod tests {
     use super::*;
     use crate::dynamics::system::ShaftEnds;
+    use crate::run::level::Level;
 
     /// Two joints of 50° at a resonance; the flywheel's shaft twists by more than a radian.
     #[test]
@@ -137,7 +134,7 @@ mod tests {
         let system =
             TorsionalSystem::new(&[0.87, 0.87], &[0.0], &[0.4], shafts, [0.0, 0.0]).unwrap();
         let speed = 0.5 * system.natural_frequencies()[0];
-        let mut equation = MotionEquation::new(&system, speed);
-        assert!(system.followed(&mut equation).is_some());
+        let mut pool = Pool::new(Level::new(), None);
+        assert!(system.followed(speed, &mut pool).is_some());
     }
 }

@@ -6,12 +6,16 @@ mod coexisting;
 mod continuation;
 mod gauss;
 mod instant;
+mod lanes;
 mod modes;
 mod motion_equation;
+mod newton;
 mod orbit;
 mod periodic;
+mod pool;
 mod rigid_piece;
 mod search;
+mod side_by_side;
 mod system;
 
 pub use batch::{Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};

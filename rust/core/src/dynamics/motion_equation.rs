@@ -26,20 +26,6 @@ pub(super) struct MotionEquation<'a> {
     torques: Vec<f64>,
 }
 
-/// The equations at one drive angle and their derivatives, in tridiagonal rows: each unknown is
-/// coupled with the one before it and the one behind it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct EquationRow {
-    /// What is left of the equation: inertia torque minus all others, in N m.
-    pub(super) residual: f64,
-    /// Derivative by the unknown's own second derivative.
-    pub(super) by_acceleration: f64,
-    /// Derivatives by the slopes of the unknown before, of the unknown itself and of the one behind.
-    pub(super) by_slope: [f64; 3],
-    /// Derivatives by these unknowns themselves.
-    pub(super) by_angle: [f64; 3],
-}
-
 impl<'a> MotionEquation<'a> {
     pub(super) fn new(system: &'a TorsionalSystem, speed: f64) -> Self {
         let size = system.unknowns();
@@ -141,56 +127,5 @@ impl<'a> MotionEquation<'a> {
             };
             PieceState { angle: angle + piece.offset + error, error, slope, curvature }
         }));
-    }
-
-    /// The equations at a drive angle, from the unknowns, their slopes and second derivatives.
-    pub(super) fn rows(&mut self, angle: f64, [y, v, a]: [&[f64]; 3], rows: &mut [EquationRow]) {
-        self.prepare(angle, y, v);
-        let TorsionalSystem { springs, load_damping, .. } = self.system;
-        let speed = self.speed;
-        let square = speed * speed;
-        for (s, row) in rows.iter_mut().enumerate() {
-            let (before, own) = (&self.motions[s], &self.motions[s + 1]);
-            let spring = springs[s];
-            let damping = spring.damping * speed;
-            let slope = 1.0 + v[s];
-            let slope_before = if s == 0 { self.drive_slope } else { 1.0 + v[s - 1] };
-            // The torque that leaves the piece, and its derivatives by this unknown and the next.
-            let (behind, by_angle, by_slope, next_angle, next_slope) =
-                if let Some(next) = springs.get(s + 1) {
-                    let damping = next.damping * speed;
-                    let by_angle = next.stiffness * own.ratio + damping * own.ratio_slope * slope;
-                    (self.torques[s + 1], by_angle, damping * own.ratio, -next.stiffness, -damping)
-                } else {
-                    let damping = load_damping * speed;
-                    (
-                        self.load(own.ratio * slope),
-                        damping * own.ratio_slope * slope,
-                        damping * own.ratio,
-                        0.0,
-                        0.0,
-                    )
-                };
-            let inertial = own.inertia * a[s] + 0.5 * own.inertia_slope * slope * slope;
-            let inertial_by_angle =
-                own.inertia_slope * a[s] + 0.5 * own.inertia_curvature * slope * slope;
-            *row = EquationRow {
-                residual: square * inertial - self.torques[s] + own.ratio * behind,
-                by_acceleration: square * own.inertia,
-                by_slope: [
-                    -damping * before.ratio,
-                    square * own.inertia_slope * slope + damping + own.ratio * by_slope,
-                    own.ratio * next_slope,
-                ],
-                by_angle: [
-                    -spring.stiffness * before.ratio - damping * before.ratio_slope * slope_before,
-                    square * inertial_by_angle
-                        + spring.stiffness
-                        + own.ratio_slope * behind
-                        + own.ratio * by_angle,
-                    own.ratio * next_angle,
-                ],
-            };
-        }
     }
 }

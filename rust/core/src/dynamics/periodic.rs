@@ -1,10 +1,13 @@
 //! Quantities with a period of half a turn, as Fourier series through equally spaced samples.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
+use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::number::elementary::{norm, turn};
+use crate::number::{reduction, trig};
 
 /// `f(α) = mean + Re Σ amplitudes[n − 1] e^{2niα}`.
 #[derive(Clone, Debug, Default)]
@@ -61,48 +64,184 @@ impl FourierSeries {
         found
     }
 
-    /// Least and largest value. Every extremum of the samples is followed to the extremum of the
+    /// The largest absolute value among mean and amplitudes.
+    pub(super) fn largest(&self) -> f64 {
+        self.amplitudes.iter().fold(self.mean.abs(), |most, x| norm(*x).max(most))
+    }
+}
+
+/// Series with the same number of terms, of several runs side by side.
+#[derive(Debug, Default)]
+pub(super) struct SeriesSideBySide {
+    /// Real and imaginary parts of the mean and of the amplitudes, `(series, terms)`.
+    terms: Vec<[Pack; 2]>,
+    count: usize,
+}
+
+impl SeriesSideBySide {
+    /// The series of so many samples each, at equal distances over half a turn.
+    #[inline(always)]
+    pub(super) fn through(&mut self, lanes: Lanes, samples: &[Pack], roots: &[Complex<f64>]) {
+        let count = roots.len();
+        self.count = count / 2;
+        self.terms.clear();
+        for samples in samples.chunks_exact(count) {
+            for n in 0..self.count {
+                let (mut re, mut im) = (ZERO, ZERO);
+                for (k, x) in samples.iter().enumerate() {
+                    let root = roots[(k * n) & (count - 1)];
+                    re = lanes.plus_scaled(re, root.re, *x);
+                    im = lanes.plus_scaled(im, -root.im, *x);
+                }
+                let scale = if n == 0 { 1.0 } else { 2.0 } / count as f64;
+                self.terms.push([re, im].map(|part| lanes.plus_scaled(ZERO, scale, part)));
+            }
+        }
+    }
+
+    /// A series of a lane.
+    pub(super) fn of(&self, series: usize, lane: usize) -> FourierSeries {
+        let terms = &self.terms[series * self.count..][..self.count];
+        let term = |[re, im]: &[Pack; 2]| Complex::new(re[lane], im[lane]);
+        FourierSeries { mean: terms[0][0][lane], amplitudes: terms[1..].iter().map(term).collect() }
+    }
+
+    /// Takes one series of each lane. The last one also fills the lanes that are left. Returns the
+    /// number of terms.
+    pub(super) fn load(&mut self, series: &[&FourierSeries]) -> usize {
+        let lane = |l: usize| series[l.min(series.len() - 1)];
+        self.count = lane(0).amplitudes.len() + 1;
+        self.terms.clear();
+        self.terms.resize(self.count, [ZERO; 2]);
+        for l in 0..LANES {
+            self.terms[0][0][l] = lane(l).mean;
+            for (term, amplitude) in self.terms[1..].iter_mut().zip(&lane(l).amplitudes) {
+                (term[0][l], term[1][l]) = (amplitude.re, amplitude.im);
+            }
+        }
+        self.count
+    }
+
+    /// Least and largest values. Every extremum of the samples is followed to the extremum of the
     /// series by Newton's method.
-    pub(super) fn extremes(&self) -> [f64; 2] {
-        let count = 8 * (self.amplitudes.len() + 1);
-        let width = PI / count as f64;
-        let roots = roots_of_unity(count);
-        let sample = |k: usize| -> f64 {
-            let term = |(n, x): (usize, &Complex<f64>)| (x * roots[k * (n + 1) % count]).re;
-            self.mean + self.amplitudes.iter().enumerate().map(term).sum::<f64>()
-        };
-        let samples: Vec<f64> = (0..count).map(sample).collect();
-        let most = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
-        // The extremum beside a sample differs from it by less than the samples differ.
-        let near = 0.25 * (most - least);
+    #[inline(always)]
+    pub(super) fn extremes(
+        &self,
+        lanes: Lanes,
+        samples: &mut Vec<Pack>,
+        roots: &[Complex<f64>],
+    ) -> [Pack; 2] {
+        let count = roots.len();
+        samples.clear();
+        make_room(samples, count);
+        for k in 0..=count / 2 {
+            // The samples at an angle and its opposite differ by the sign of the sines.
+            let (mut even, mut odd) = (self.terms[0][0], ZERO);
+            for (n, [re, im]) in self.terms.iter().enumerate().skip(1) {
+                let root = roots[(k * n) & (count - 1)];
+                even = lanes.plus_scaled(even, root.re, *re);
+                odd = lanes.plus_scaled(odd, root.im, *im);
+            }
+            samples[k] = lanes.plus_scaled(even, -1.0, odd);
+            samples[(count - k) & (count - 1)] = lanes.plus_scaled(even, 1.0, odd);
+        }
+        let (mut least, mut most) = (samples[0], samples[0]);
+        for sample in samples.iter() {
+            for l in lanes.each() {
+                least[l] = if sample[l] < least[l] { sample[l] } else { least[l] };
+                most[l] = if sample[l] > most[l] { sample[l] } else { most[l] };
+            }
+        }
         let mut found = [least, most];
-        for (k, &value) in samples.iter().enumerate() {
-            let (before, after) = (samples[(k + count - 1) % count], samples[(k + 1) % count]);
-            let top = value >= before && value >= after && value >= most - near;
-            let bottom = value <= before && value <= after && value <= least + near;
-            if top || bottom {
-                let value = self.extremum(width * k as f64, width);
-                found = [found[0].min(value), found[1].max(value)];
+        // The extremum beside a sample differs from it by less than the samples differ.
+        let mut next = [0; LANES];
+        loop {
+            let (mut angles, mut active) = (ZERO, [false; LANES]);
+            for l in lanes.each() {
+                let near = 0.25 * (most[l] - least[l]);
+                while next[l] < count && !active[l] {
+                    let k = next[l];
+                    next[l] += 1;
+                    let value = samples[k][l];
+                    let before = samples[(k + count - 1) & (count - 1)][l];
+                    let after = samples[(k + 1) & (count - 1)][l];
+                    let top = value >= before && value >= after && value >= most[l] - near;
+                    let bottom = value <= before && value <= after && value <= least[l] + near;
+                    if top || bottom {
+                        active[l] = true;
+                        // The vertex of the parabola through the three samples.
+                        let part = 0.5 * (before - after) / (before - 2.0 * value + after);
+                        let part = if part.abs() <= 0.5 { part } else { 0.0 };
+                        angles[l] = (k as f64 + part) * (PI / count as f64);
+                    }
+                }
+            }
+            if active == [false; LANES] {
+                return found;
+            }
+            let values = self.extrema(lanes, &angles, PI / count as f64);
+            for l in (lanes.each()).filter(|&l| active[l]) {
+                found[0][l] = found[0][l].min(values[l]);
+                found[1][l] = found[1][l].max(values[l]);
+            }
+        }
+    }
+
+    /// The values at the extrema within a distance from angles.
+    #[inline(always)]
+    fn extrema(&self, lanes: Lanes, starts: &Pack, distance: f64) -> Pack {
+        let mut angles = *starts;
+        let mut values = self.terms[0][0];
+        let mut ended = [true; LANES];
+        ended[lanes.each()].fill(false);
+        for _ in 0..8 {
+            let [here, slopes, curvatures] = self.at(lanes, &angles);
+            for l in lanes.each() {
+                if ended[l] {
+                    continue;
+                }
+                let step = -slopes[l] / curvatures[l];
+                if step.abs() < 1e-6 {
+                    values[l] = (0.5 * step).mul_add(slopes[l], here[l]);
+                    ended[l] = true;
+                } else {
+                    values[l] = here[l];
+                    ended[l] = !step.is_finite();
+                    angles[l] =
+                        (angles[l] + step).clamp(starts[l] - distance, starts[l] + distance);
+                }
+            }
+            if ended == [true; LANES] {
+                break;
+            }
+        }
+        values
+    }
+
+    /// Values and the first two derivatives by the drive angle, with an angle for each lane.
+    #[inline(always)]
+    fn at(&self, lanes: Lanes, angles: &Pack) -> [Pack; 3] {
+        let [mut sines, mut cosines] = [ZERO; 2];
+        for l in lanes.each() {
+            let (s, c) = trig::sin_cos_reduced::<f64>(reduction::reduce(2.0 * angles[l]));
+            (sines[l], cosines[l]) = (s, c);
+        }
+        let (mut s, mut c) = (ZERO, all(1.0));
+        let mut found = [self.terms[0][0], ZERO, ZERO];
+        for (n, [re, im]) in self.terms.iter().enumerate().skip(1) {
+            let order = 2.0 * n as f64;
+            for l in lanes.each() {
+                let turned = s[l].mul_add(cosines[l], c[l] * sines[l]);
+                c[l] = c[l].mul_add(cosines[l], -(s[l] * sines[l]));
+                s[l] = turned;
+                let real = re[l].mul_add(c[l], -(im[l] * s[l]));
+                let imaginary = re[l].mul_add(s[l], im[l] * c[l]);
+                found[0][l] += real;
+                found[1][l] = (-order).mul_add(imaginary, found[1][l]);
+                found[2][l] = (-order * order).mul_add(real, found[2][l]);
             }
         }
         found
-    }
-
-    /// The value at the extremum within a distance from an angle.
-    fn extremum(&self, start: f64, distance: f64) -> f64 {
-        let mut angle = start;
-        let mut value = self.mean;
-        for _ in 0..8 {
-            let [here, slope, curvature] = self.at(angle);
-            value = here;
-            let step = -slope / curvature;
-            if !step.is_finite() || step.abs() < 1e-9 {
-                break;
-            }
-            angle = (angle + step).clamp(start - distance, start + distance);
-        }
-        value
     }
 }
 
@@ -141,7 +280,10 @@ mod tests {
         let dense: Vec<f64> = (0..400_000).map(|i| wave(PI * f64::from(i) / 4e5)).collect();
         let least = dense.iter().copied().fold(f64::INFINITY, f64::min);
         let most = dense.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let [low, high] = series().extremes();
-        assert!((low - least).abs() < 1e-9 && (high - most).abs() < 1e-9);
+        let mut side_by_side = SeriesSideBySide::default();
+        let count = side_by_side.load(&[&series()]);
+        let [low, high] =
+            side_by_side.extremes(Lanes::of(false, 1), &mut vec![], &roots_of_unity(8 * count));
+        assert!((low[0] - least).abs() < 1e-9 && (high[7] - most).abs() < 1e-9);
     }
 }

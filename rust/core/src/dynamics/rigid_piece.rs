@@ -18,20 +18,20 @@ pub(super) struct RigidPiece {
     /// Bends of the joints, twists and phases of the shafts behind them, in rad.
     geometry: [Vec<f64>; 3],
     /// The inertia that turns with the piece's angle itself.
-    own_inertia: f64,
-    followers: Vec<Follower>,
+    pub(super) own_inertia: f64,
+    pub(super) followers: Vec<Follower>,
 }
 
 /// The shaft behind a joint of a piece.
 #[derive(Clone, Copy, Debug)]
-struct Follower {
+pub(super) struct Follower {
     /// How it follows the piece.
-    ideal: Ideal,
+    pub(super) ideal: Ideal,
     /// `arg A` from the drive to the piece and from there to the shaft, less that from the drive to
     /// the shaft.
-    offset: f64,
+    pub(super) offset: f64,
     /// The inertia fixed to it.
-    inertia: f64,
+    pub(super) inertia: f64,
 }
 
 /// What a piece does at one angle. Derivatives are with respect to the piece's angle.

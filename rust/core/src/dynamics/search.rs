@@ -1,12 +1,11 @@
-//! The search for the orbit at one speed: starts and refinement of the mesh.
+//! The search for the orbit of one run: starts and refinement of the mesh.
 
 use std::f64::consts::{PI, TAU};
 
-use crate::dynamics::motion_equation::MotionEquation;
-use crate::dynamics::orbit::{Failure, NewtonStep, Orbit};
-use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
+use crate::dynamics::newton::NewtonStep;
+use crate::dynamics::orbit::{Failure, Orbit};
+use crate::dynamics::periodic::FourierSeries;
 use crate::dynamics::system::TorsionalSystem;
-use crate::number::elementary::norm;
 use crate::number::trig;
 
 /// The fewest and the most intervals of half a turn.
@@ -21,7 +20,10 @@ const STEPS: usize = 20;
 const MARGIN: f64 = 0.01;
 
 /// Permitted error relative to the twist on the mesh from which the refinement begins.
-pub(super) const COARSE: f64 = 1e-6;
+const COARSE: f64 = 1e-6;
+
+/// The largest unknown in rad: sines of larger angles need another reduction.
+const FARTHEST: f64 = 1e12;
 
 /// A change of an unknown in rad that is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -37,206 +39,301 @@ pub(super) struct OrbitGoal {
     pub(super) stability: bool,
 }
 
-impl TorsionalSystem {
-    /// The periodic orbit at a speed of the drive in rad/s.
-    pub(super) fn search(&self, speed: f64, goal: OrbitGoal) -> Result<Orbit, Failure> {
-        if !(speed > 0.0 && speed < f64::INFINITY) {
-            return Err(Failure::Speed);
-        }
-        let mut equation = MotionEquation::new(self, speed);
-        let ways: [fn(&Self, &mut MotionEquation<'_>) -> Option<Found>; 2] =
-            [Self::coarse, Self::followed];
-        let mut failure = Failure::NotFound;
-        for way in ways {
-            match way(self, &mut equation).map(|found| refined(found, &mut equation, goal)) {
-                Some(Ok(orbit)) => return Ok(orbit),
-                Some(Err(reason)) => failure = reason,
-                None => {}
-            }
-        }
-        Err(failure)
-    }
-
-    /// An orbit on the coarsest mesh on which Newton's method converges, from rigid shafts, or from
-    /// uniform rotation behind every compliant shaft.
-    fn coarse(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
-        let size = self.unknowns();
-        [FEWEST, 4 * FEWEST].into_iter().find_map(|intervals| {
-            let rigid = Orbit::start(size, intervals, |angle, state| equation.rigid(angle, state));
-            converged(rigid, equation, COARSE, None).or_else(|| {
-                let uniform = Orbit::start(size, intervals, |_, _| {});
-                converged(uniform, equation, COARSE, None)
-            })
-        })
-    }
-
-    /// The orbits to which Newton's method converges from oscillations of the second order of
-    /// several amplitudes and phases, of all unknowns from each one on.
-    pub(super) fn oscillations(
-        &self,
-        equation: &mut MotionEquation<'_>,
-    ) -> impl Iterator<Item = Found> {
-        let starts = oscillation_starts(self.unknowns());
-        starts.into_iter().filter_map(move |start| self.started_at(equation, start))
-    }
-
-    fn started_at(
-        &self,
-        equation: &mut MotionEquation<'_>,
-        Oscillation { size, phase, from }: Oscillation,
-    ) -> Option<Found> {
-        let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
-            let (sine, cosine) = trig::sin_cos(2.0 * angle + phase);
-            for (values, value) in [(y, sine), (v, 2.0 * cosine), (a, -4.0 * sine)] {
-                values[..from].fill(0.0);
-                values[from..].fill(size * value);
-            }
-        });
-        converged(start, equation, COARSE, None)
-    }
-}
-
-/// An oscillation of the second order.
+/// Where Newton's method begins, on a mesh of so many intervals.
 #[derive(Clone, Copy, Debug)]
-struct Oscillation {
-    /// Amplitude in rad.
-    size: f64,
-    phase: f64,
-    /// The first unknown that oscillates.
-    from: usize,
+pub(super) enum Start {
+    /// As if every shaft were rigid.
+    Rigid(usize),
+    /// Uniform rotation behind every compliant shaft.
+    Uniform(usize),
+    /// The orbit that is followed from the straight driveline while its bends grow.
+    Followed,
 }
 
-/// Oscillations of several amplitudes and phases, largest first, of so many shapes.
-fn oscillation_starts(shapes: usize) -> Vec<Oscillation> {
-    const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-    const PHASES: u32 = 8;
-    let each = |(from, size): (usize, f64)| {
-        (0..PHASES).map(move |i| {
-            let phase = TAU * f64::from(i) / f64::from(PHASES);
-            Oscillation { size, phase, from }
-        })
-    };
-    let shapes = (0..shapes).flat_map(|from| AMPLITUDES.map(|size| (from, size)));
-    shapes.flat_map(each).collect()
-}
+/// In the order in which they are tried. If an orbit has no counterpart on finer meshes, only the
+/// last one is left.
+const STARTS: [Start; 5] = [
+    Start::Rigid(FEWEST),
+    Start::Uniform(FEWEST),
+    Start::Rigid(4 * FEWEST),
+    Start::Uniform(4 * FEWEST),
+    Start::Followed,
+];
 
 /// An orbit to which Newton's method has converged.
+#[derive(Debug)]
 pub(super) struct Found {
     pub(super) orbit: Orbit,
     /// The last step of Newton's method divided by the square of the one before it, per rad.
     contraction: f64,
-    /// The unit of errors in rad.
-    twist: f64,
+    /// The torques of the compliant shafts in N m, of an orbit that has its accuracy.
+    pub(super) torques: Vec<FourierSeries>,
 }
 
-/// The orbit to which Newton's method converges, with a permitted error relative to the twist. The
-/// contraction, if it is known, saves the step that would only confirm the one before.
-pub(super) fn converged(
-    mut orbit: Orbit,
-    equation: &mut MotionEquation<'_>,
-    tolerance: f64,
-    mut contraction: Option<f64>,
-) -> Option<Found> {
-    const SAFETY: f64 = 10.0;
-    let mut before: Option<f64> = None;
-    for _ in 0..STEPS {
-        let NewtonStep { change, twist, .. } = orbit.improve(equation, None)?;
-        if let Some(before) = before {
-            contraction = Some(change / (before * before));
+/// What a search needs next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Need {
+    /// A step of Newton's method from rigid shafts.
+    Rigid,
+    /// A step from the orbit.
+    Step,
+    /// A step from the coarse orbit, on intervals of half the length.
+    Halved,
+    /// The series of the torques.
+    Torques,
+}
+
+/// Where a search is.
+#[derive(Debug)]
+pub(super) enum State {
+    /// It needs something on a mesh of so many intervals.
+    Next(Need, usize),
+    /// It needs the orbit that is followed from the straight driveline.
+    Follow,
+    Ended(Result<Found, Failure>),
+}
+
+/// The search for the orbit of one run, step by step.
+#[derive(Debug)]
+pub(super) struct Search<'a> {
+    pub(super) system: &'a TorsionalSystem,
+    pub(super) speed: f64,
+    /// Nothing if any orbit on the mesh of the start will do.
+    goal: Option<OrbitGoal>,
+    /// What is left to be tried.
+    starts: &'static [Start],
+    pub(super) state: State,
+    pub(super) orbit: Orbit,
+    /// The orbit on intervals of twice the length.
+    coarse: Option<Orbit>,
+    steps: usize,
+    /// The change of the last step.
+    last: Option<f64>,
+    contraction: Option<f64>,
+    /// What the last halving has changed.
+    changes: [f64; 3],
+    failure: Failure,
+}
+
+impl<'a> Search<'a> {
+    fn new(system: &'a TorsionalSystem, speed: f64, goal: Option<OrbitGoal>) -> Self {
+        Self {
+            system,
+            speed,
+            goal,
+            starts: &[],
+            state: State::Ended(Err(Failure::NotFound)),
+            orbit: Orbit::default(),
+            coarse: None,
+            steps: 0,
+            last: None,
+            contraction: None,
+            changes: [f64::NAN; 3],
+            failure: Failure::NotFound,
         }
-        let next = contraction.map_or(f64::INFINITY, |factor| SAFETY * factor * change * change);
-        if change <= ROUNDING || next <= MARGIN * tolerance * twist {
-            let contraction = contraction.unwrap_or_default();
-            return Some(Found { orbit, contraction, twist });
-        }
-        before = Some(change);
     }
-    None
-}
 
-/// Halves the intervals until the orbit, its slopes, its harmonics and its multipliers no longer
-/// change. A fast free vibration shows in the slopes, multiplied by its order, before it shows in the
-/// orbit.
-pub(super) fn refined(
-    found: Found,
-    equation: &mut MotionEquation<'_>,
-    goal: OrbitGoal,
-) -> Result<Orbit, Failure> {
-    // Halving divides the error at least by the first. It divides it by the second if that was
-    // observed and no free vibration is too fast for the intervals: what they leave of one decreases
-    // later, when it may be all that is left.
-    const GAINS: (f64, f64) = (16.0, 128.0);
-    let Found { mut orbit, mut contraction, .. } = found;
-    let mut before = [f64::NAN; 3];
-    while 2 * orbit.intervals <= MOST {
-        let fine = converged(orbit.halved(), equation, goal.tolerance, Some(contraction))
-            .ok_or(Failure::NotFound)?;
-        let scales = [fine.twist, fine.orbit.largest_slope(), fine.orbit.monodromy.amax().max(1.0)];
-        let [angles, slopes] = differences(&orbit, &fine.orbit);
-        let maps = if goal.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 };
-        let change = [angles, slopes, maps];
+    /// The search for the orbit at a speed of the drive in rad/s.
+    pub(super) fn at(system: &'a TorsionalSystem, speed: f64, goal: OrbitGoal) -> Self {
+        let mut search = Self::new(system, speed, Some(goal));
+        if speed > 0.0 && speed < f64::INFINITY {
+            search.starts = &STARTS;
+            search.begin();
+        } else {
+            search.state = State::Ended(Err(Failure::Speed));
+        }
+        search
+    }
+
+    /// The orbit to which Newton's method converges from a start.
+    pub(super) fn near(system: &'a TorsionalSystem, speed: f64, start: Orbit) -> Self {
+        let mut search = Self::new(system, speed, None);
+        search.state = State::Next(Need::Step, start.intervals);
+        search.orbit = start;
+        search
+    }
+
+    /// The same from rigid shafts.
+    pub(super) fn near_rigid(system: &'a TorsionalSystem, speed: f64, intervals: usize) -> Self {
+        let state = State::Next(Need::Rigid, intervals);
+        Self { state, ..Self::new(system, speed, None) }
+    }
+
+    /// The refinement of an orbit.
+    pub(super) fn refining(
+        system: &'a TorsionalSystem,
+        speed: f64,
+        goal: OrbitGoal,
+        found: Found,
+    ) -> Self {
+        let mut search = Self::new(system, speed, Some(goal));
+        search.take_found(Some(found));
+        search
+    }
+
+    /// Goes on with the next start.
+    fn begin(&mut self) {
+        let Some((start, rest)) = self.starts.split_first() else {
+            self.state = State::Ended(Err(self.failure));
+            return;
+        };
+        self.starts = rest;
+        (self.steps, self.last, self.contraction) = (0, None, None);
+        self.state = match *start {
+            Start::Rigid(intervals) => State::Next(Need::Rigid, intervals),
+            Start::Uniform(intervals) => {
+                self.orbit = Orbit::at_rest(self.system.unknowns(), intervals);
+                State::Next(Need::Step, intervals)
+            }
+            Start::Followed => State::Follow,
+        };
+    }
+
+    /// Goes on with an orbit that was found elsewhere, if there is one.
+    pub(super) fn take_found(&mut self, found: Option<Found>) {
+        match found {
+            Some(Found { orbit, contraction, .. }) => {
+                (self.orbit, self.contraction) = (orbit, Some(contraction));
+                self.changes = [f64::NAN; 3];
+                self.halve();
+            }
+            None => self.begin(),
+        }
+    }
+
+    /// The orbit at hand has no counterpart on finer meshes, or needs too many intervals.
+    fn abandon(&mut self, failure: Failure) {
+        if self.coarse.take().is_some() {
+            self.failure = failure;
+            // Starts on other meshes lead to the same orbit.
+            self.starts = &self.starts[self.starts.len().saturating_sub(1)..];
+        }
+        self.begin();
+    }
+
+    /// Takes what a step of Newton's method has changed.
+    pub(super) fn take_step(&mut self, step: Option<NewtonStep>) {
+        const SAFETY: f64 = 10.0;
+        let Some(NewtonStep { change, unit, .. }) = step else {
+            return self.abandon(Failure::NotFound);
+        };
+        let tolerance = match (&self.coarse, self.goal) {
+            (Some(_), Some(goal)) => goal.tolerance,
+            _ => COARSE,
+        };
+        if let Some(last) = self.last {
+            self.contraction = Some(change / (last * last));
+        }
+        self.last = Some(change);
+        self.steps += 1;
+        // The contraction, if it is known, saves the step that would only confirm the one before.
+        let next =
+            self.contraction.map_or(f64::INFINITY, |factor| SAFETY * factor * change * change);
+        if change <= ROUNDING || next <= MARGIN * tolerance * unit {
+            self.converged(unit);
+        } else if self.steps == STEPS {
+            self.abandon(Failure::NotFound);
+        } else {
+            self.state = State::Next(Need::Step, self.orbit.intervals);
+        }
+    }
+
+    /// Compares the orbit with the one on intervals of twice the length.
+    ///
+    /// The intervals are halved until the orbit, its slopes, its harmonics and its multipliers no
+    /// longer change. A fast free vibration shows in the slopes, multiplied by its order, before it
+    /// shows in the orbit.
+    fn converged(&mut self, unit: f64) {
+        // Halving divides the error at least by the first. It divides it by the second if that was
+        // observed and no free vibration is too fast for the intervals: what they leave of one
+        // decreases later, when it may be all that is left.
+        const GAINS: (f64, f64) = (16.0, 128.0);
+        self.contraction = self.contraction.or(Some(0.0));
+        if self.orbit.states.iter().any(|x| x.abs() > FARTHEST) {
+            return self.abandon(Failure::NotFound);
+        }
+        let Some(goal) = self.goal else { return self.end(vec![]) };
+        let Some(coarse) = &self.coarse else { return self.halve() };
+        let fine = &self.orbit;
+        let largest = |map: &[f64]| map.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let scales = [unit, fine.largest_slope(), largest(&fine.monodromy).max(1.0)];
+        let [angles, slopes] = coarse.differences(fine);
+        let maps = fine.monodromy.iter().zip(&coarse.monodromy);
+        let maps = maps.fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()));
+        let changes = [angles, slopes, if goal.stability { maps } else { 0.0 }];
         let settled_by = |most: f64| {
             (0..3).all(|i| {
                 // NaN, at first, counts as no gain.
-                let gain = (before[i] / change[i]).max(GAINS.0).min(most);
-                change[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
+                let gain = (self.changes[i] / changes[i]).max(GAINS.0).min(most);
+                changes[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
             })
         };
-        let settled = settled_by(GAINS.0)
-            || settled_by(GAINS.1) && follows_free_vibrations(&fine.orbit, equation);
-        (orbit, contraction, before) = (fine.orbit, fine.contraction, change);
-        if settled && orbit.intervals > goal.order && resolved(&orbit, equation, goal) {
-            return Ok(orbit);
+        let settled = settled_by(GAINS.0) || settled_by(GAINS.1) && self.follows_free_vibrations();
+        self.changes = changes;
+        if settled && self.orbit.intervals > goal.order {
+            self.state = State::Next(Need::Torques, self.orbit.intervals);
+        } else {
+            self.halve();
         }
     }
-    Err(Failure::NotResolved)
-}
 
-/// Whether the intervals are shorter than half a period of every free vibration.
-fn follows_free_vibrations(orbit: &Orbit, equation: &MotionEquation<'_>) -> bool {
-    let highest = equation.system.natural_frequencies().last().copied();
-    highest.is_some_and(|highest| orbit.width() * highest <= PI * equation.speed)
-}
+    /// Whether the intervals are shorter than half a period of every free vibration.
+    fn follows_free_vibrations(&self) -> bool {
+        self.orbit.width() * self.system.highest_frequency() <= PI * self.speed
+    }
 
-/// The largest difference of the maps of half a turn.
-fn maps_differ(coarse: &Orbit, fine: &Orbit) -> f64 {
-    (&fine.monodromy - &coarse.monodromy).amax()
-}
+    /// Takes the torques at the ends of the intervals, which must resolve their own harmonics.
+    pub(super) fn take_torques(&mut self, torques: Vec<FourierSeries>) {
+        let tolerance = self.goal.map_or(COARSE, |goal| goal.tolerance);
+        let resolved = self.system.springs.iter().zip(&torques).all(|(spring, series)| {
+            let permitted = tolerance * series.largest();
+            series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
+        });
+        if resolved { self.end(torques) } else { self.halve() }
+    }
 
-/// The largest differences of unknowns, in rad, and of slopes at the points that both meshes share.
-fn differences(coarse: &Orbit, fine: &Orbit) -> [f64; 2] {
-    let largest = |x: &[f64], y: &[f64]| -> f64 {
-        x.iter().zip(y).fold(0.0, |most, (x, y)| most.max((x - y).abs()))
-    };
-    (0..coarse.intervals).fold([0.0, 0.0], |[angles, slopes]: [f64; 2], k| {
-        let (near, exact) = (coarse.state(k), fine.state(2 * k));
-        [angles.max(largest(near.0, exact.0)), slopes.max(largest(near.1, exact.1))]
-    })
-}
-
-/// Whether the torques at the ends of the intervals resolve their own harmonics.
-fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, goal: OrbitGoal) -> bool {
-    let roots = roots_of_unity(orbit.intervals);
-    let torques = orbit.torques(equation);
-    equation.system.springs.iter().zip(&torques).all(|(spring, torques)| {
-        let series = FourierSeries::through(|k| torques[k], &roots);
-        let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(norm(*y)));
-        let permitted = goal.tolerance * largest;
-        series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
-    })
-}
-
-impl Orbit {
-    /// The torque of every compliant shaft at the start of every interval.
-    pub(super) fn torques(&self, equation: &mut MotionEquation<'_>) -> Vec<Vec<f64>> {
-        let mut found = vec![Vec::with_capacity(self.intervals); self.unknowns];
-        for k in 0..self.intervals {
-            let (y, v) = self.state(k);
-            let torques = equation.torques(self.width() * k as f64, y, v);
-            for (column, torque) in found.iter_mut().zip(torques) {
-                column.push(*torque);
-            }
+    /// Goes on with intervals of half the length.
+    fn halve(&mut self) {
+        (self.steps, self.last) = (0, None);
+        if 2 * self.orbit.intervals > MOST {
+            self.coarse = Some(Orbit::default());
+            self.abandon(Failure::NotResolved);
+        } else {
+            self.coarse = Some(std::mem::take(&mut self.orbit));
+            self.state = State::Next(Need::Halved, 2 * self.coarse().intervals);
         }
-        found
+    }
+
+    /// The orbit whose intervals are halved.
+    pub(super) fn coarse(&self) -> &Orbit {
+        self.coarse.as_ref().unwrap_or(&self.orbit)
+    }
+
+    fn end(&mut self, torques: Vec<FourierSeries>) {
+        let orbit = std::mem::take(&mut self.orbit);
+        let contraction = self.contraction.unwrap_or_default();
+        self.state = State::Ended(Ok(Found { orbit, contraction, torques }));
+    }
+}
+
+impl TorsionalSystem {
+    /// Oscillations of the second order of several amplitudes, largest first, and phases, of all
+    /// unknowns from each one on.
+    pub(super) fn oscillations(&self) -> impl Iterator<Item = Orbit> {
+        const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+        const PHASES: u32 = 8;
+        let m = self.unknowns();
+        let sizes = (0..m).flat_map(|from| AMPLITUDES.map(|size| (from, size)));
+        sizes.flat_map(move |(from, size)| {
+            (0..PHASES).map(move |i| {
+                let phase = TAU * f64::from(i) / f64::from(PHASES);
+                Orbit::start(m, 8 * FEWEST, |angle, [y, v, a]| {
+                    let (sine, cosine) = trig::sin_cos(2.0 * angle + phase);
+                    for (values, value) in [(y, sine), (v, 2.0 * cosine), (a, -4.0 * sine)] {
+                        values[from..].fill(size * value);
+                    }
+                })
+            })
+        })
     }
 }

@@ -1,5 +1,7 @@
 //! A driveline with compliant shafts as a chain of rigid pieces between springs.
 
+use std::sync::OnceLock;
+
 use crate::dynamics::rigid_piece::RigidPiece;
 use crate::error::{Error, Result};
 use crate::mechanics::chain::Transfer;
@@ -21,6 +23,8 @@ pub struct TorsionalSystem {
     /// Viscous load on the last shaft in N m s/rad.
     pub(super) load_damping: f64,
     shafts: usize,
+    /// The highest natural frequency in rad/s, once it is known.
+    highest: OnceLock<f64>,
 }
 
 /// A compliant shaft.
@@ -120,14 +124,20 @@ impl TorsionalSystem {
                 return Err(Error::new("inertias", &[shaft, 1], problem));
             }
         }
-        Ok(Self { pieces, springs, load_torque, load_damping, shafts })
+        Ok(Self { pieces, springs, load_torque, load_damping, shafts, highest: OnceLock::new() })
     }
 
     /// The system with this share of every bend; 0 is the straight driveline.
     pub(super) fn bent(&self, share: f64) -> Self {
         let mut from_drive = Transfer::default();
         let pieces = self.pieces.iter().map(|piece| piece.bent(share, &mut from_drive)).collect();
-        Self { pieces, springs: self.springs.clone(), ..*self }
+        let (springs, highest) = (self.springs.clone(), OnceLock::new());
+        Self { pieces, springs, highest, ..*self }
+    }
+
+    /// The highest natural frequency in rad/s.
+    pub(super) fn highest_frequency(&self) -> f64 {
+        *self.highest.get_or_init(|| self.natural_frequencies().last().copied().unwrap_or(f64::NAN))
     }
 
     /// The number of compliant shafts.
@@ -140,28 +150,35 @@ impl TorsionalSystem {
         self.shafts
     }
 
+    /// The shaft ends, as in `shaft_ends`, that turn with every piece and with every shaft behind a
+    /// joint of it, in order.
+    pub(super) fn ends_of_curves(&self) -> Vec<[Option<usize>; 2]> {
+        let starts = std::iter::once(0).chain(self.springs.iter().map(|spring| spring.shaft));
+        let mut found = vec![];
+        for (number, (piece, first)) in self.pieces.iter().zip(starts).enumerate() {
+            let next = self.springs.get(number).map(|spring| spring.shaft);
+            let output = |shaft: usize| (next != Some(shaft)).then_some(2 * shaft + 1);
+            let own = if number == 0 { output(first) } else { Some(2 * first + 1) };
+            found.push([(number == 0).then_some(0), own]);
+            let behind = first + 1..=first + piece.followers.len();
+            found.extend(behind.map(|shaft| [Some(2 * shaft), output(shaft)]));
+        }
+        found
+    }
+
     /// Calls `put` with every shaft end (twice the shaft, plus 1 for the output end), its angle
     /// error relative to the drive in rad and the first two derivatives of its angle.
     pub(super) fn shaft_ends(&self, pieces: &[PieceState], mut put: impl FnMut(usize, [f64; 3])) {
-        let starts = std::iter::once(0).chain(self.springs.iter().map(|spring| spring.shaft));
-        for (number, (piece, first)) in self.pieces.iter().zip(starts).enumerate() {
-            let PieceState { angle, error, slope, curvature } = pieces[number];
-            let next = self.springs.get(number).map(|spring| spring.shaft);
-            if number == 0 {
-                put(0, [error, slope, curvature]);
-            }
-            if number > 0 || next != Some(first) {
-                put(2 * first + 1, [error, slope, curvature]);
-            }
-            for (shaft, [own_error, ratio, ratio_slope]) in
-                (first + 1..).zip(piece.followers(angle))
-            {
+        let mut ends = self.ends_of_curves().into_iter();
+        for (piece, state) in self.pieces.iter().zip(pieces) {
+            let &PieceState { angle, error, slope, curvature } = state;
+            let followers = piece.followers(angle).map(|[own_error, ratio, ratio_slope]| {
                 let curve = ratio.mul_add(curvature, ratio_slope * slope * slope);
-                let end = [error + own_error, ratio * slope, curve];
-                put(2 * shaft, end);
-                if next != Some(shaft) {
-                    put(2 * shaft + 1, end);
-                }
+                [error + own_error, ratio * slope, curve]
+            });
+            let curves = std::iter::once([error, slope, curvature]).chain(followers);
+            for (curve, ends) in curves.zip(&mut ends) {
+                ends.into_iter().flatten().for_each(|end| put(end, curve));
             }
         }
     }

@@ -1,0 +1,297 @@
+//! Searches that are at the same step go through it side by side.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::Complex;
+
+use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, make_room};
+use crate::dynamics::newton::{Along, Newton, NewtonStep};
+use crate::dynamics::orbit::{Failure, Orbit};
+use crate::dynamics::periodic::{FourierSeries, SeriesSideBySide, roots_of_unity};
+use crate::dynamics::search::{Found, Need, Search, State};
+use crate::dynamics::side_by_side::{RunsSideBySide, sines};
+use crate::dynamics::system::TorsionalSystem;
+use crate::mechanics::phasing::is_set;
+use crate::run::level::{Level, compiled_up_to_avx2};
+
+/// The memory of searches in one thread, and how they are computed.
+#[derive(Debug)]
+pub(super) struct Pool<'a> {
+    pub(super) level: Level,
+    stop: Option<&'a AtomicBool>,
+    pub(super) newton: Newton,
+    pub(super) runs: RunsSideBySide,
+    nearby: RunsSideBySide,
+    samples: Vec<Pack>,
+    pub(super) series: SeriesSideBySide,
+    /// The latest roots of unity.
+    roots: Vec<Complex<f64>>,
+}
+
+/// A parameter on which systems depend.
+pub(super) struct Parameter<'a> {
+    /// The system with the parameter larger by `by`.
+    pub(super) nearby: &'a TorsionalSystem,
+    pub(super) by: f64,
+    /// As of [`Along`].
+    pub(super) direction: &'a [f64],
+    pub(super) length: f64,
+}
+
+impl<'a> Pool<'a> {
+    pub(super) fn new(level: Level, stop: Option<&'a AtomicBool>) -> Self {
+        Self {
+            level,
+            stop,
+            newton: Newton::default(),
+            runs: RunsSideBySide::default(),
+            nearby: RunsSideBySide::default(),
+            samples: vec![],
+            series: SeriesSideBySide::default(),
+            roots: vec![],
+        }
+    }
+
+    /// What searches find. Those that are left when the run is stopped find nothing.
+    pub(super) fn run(&mut self, mut searches: Vec<Search<'_>>) -> Vec<Result<Found, Failure>> {
+        let mut waiting: Vec<usize> = (0..searches.len()).collect();
+        while !is_set(self.stop) {
+            for &i in &waiting {
+                let Search { system, speed, .. } = searches[i];
+                if matches!(searches[i].state, State::Follow) {
+                    let found = system.followed(speed, self);
+                    searches[i].take_found(found);
+                }
+            }
+            let need = |i: usize| match searches[i].state {
+                State::Next(need, intervals) => Some((need, intervals)),
+                _ => None,
+            };
+            waiting.retain(|&i| need(i).is_some());
+            // Those with the same need, in order; what nearly all wait for comes last.
+            waiting.sort_by_key(|&i| need(i));
+            let groups: Vec<&[usize]> = waiting.chunk_by(|&i, &j| need(i) == need(j)).collect();
+            let Some(group) = groups.iter().find(|group| group.len() >= LANES).or(groups.first())
+            else {
+                break;
+            };
+            let mut group = group[..group.len().min(LANES)].to_vec();
+            group.sort_unstable();
+            let mut lanes: Vec<&mut Search<'_>> = searches
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| group.binary_search(i).is_ok())
+                .map(|(_, search)| search)
+                .collect();
+            self.advance(&mut lanes);
+        }
+        let result = |search: Search<'_>| match search.state {
+            State::Ended(result) => result,
+            _ => Err(Failure::NotFound),
+        };
+        searches.into_iter().map(result).collect()
+    }
+
+    /// Gives searches with the same need what they need.
+    fn advance(&mut self, lanes: &mut [&mut Search<'_>]) {
+        let State::Next(need, intervals) = lanes[0].state else { return };
+        let count = lanes.len();
+        {
+            let orbits: Vec<&Orbit> = lanes
+                .iter()
+                .map(|search| if need == Need::Halved { search.coarse() } else { &search.orbit })
+                .collect();
+            let runs: Vec<_> = lanes.iter().map(|search| (search.system, search.speed)).collect();
+            self.runs.load(&runs);
+            if need != Need::Rigid {
+                self.newton.load(&orbits);
+            }
+        }
+        if need == Need::Torques {
+            self.find_torques(intervals, count);
+            for (l, search) in lanes.iter_mut().enumerate() {
+                let series = (0..search.system.unknowns()).map(|s| self.series.of(s, l));
+                search.take_torques(series.collect());
+            }
+        } else {
+            let steps = self.improve((need, intervals), count, None);
+            for (l, search) in lanes.iter_mut().enumerate() {
+                search.orbit.resize(search.system.unknowns(), intervals);
+                self.newton.store(l, &mut search.orbit);
+                search.take_step(steps[l]);
+            }
+        }
+    }
+
+    /// A step of Newton's method for one orbit and a parameter.
+    pub(super) fn improve_along(
+        &mut self,
+        orbit: &mut Orbit,
+        (system, speed): (&TorsionalSystem, f64),
+        parameter: &Parameter<'_>,
+    ) -> Option<NewtonStep> {
+        self.newton.load(&[orbit]);
+        self.runs.load(&[(system, speed)]);
+        self.nearby.load(&[(parameter.nearby, speed)]);
+        let [step, ..] = self.improve((Need::Step, orbit.intervals), 1, Some(parameter));
+        self.newton.store(0, orbit);
+        step
+    }
+
+    /// The same orbit on intervals of half the length.
+    pub(super) fn halved(&mut self, orbit: &Orbit) -> Orbit {
+        let lanes = Lanes::of(true, 1);
+        self.newton.load(&[orbit]);
+        self.newton.halve(lanes, orbit.unknowns);
+        let mut fine = Orbit::at_rest(orbit.unknowns, 2 * orbit.intervals);
+        self.newton.store(0, &mut fine);
+        fine
+    }
+
+    /// A step of Newton's method in so many lanes, after what is needed before it.
+    fn improve(
+        &mut self,
+        (need, intervals): (Need, usize),
+        used: usize,
+        parameter: Option<&Parameter<'_>>,
+    ) -> [Option<NewtonStep>; LANES] {
+        let Self { level, newton, runs, nearby, .. } = self;
+        let mut along = parameter.map(|&Parameter { by, direction, length, .. }| Along {
+            nearby,
+            by,
+            direction,
+            length,
+        });
+        let m = runs.torques.len();
+        compiled_up_to_avx2!(*level, (compact, _stores) => {
+            let lanes = Lanes::of(compact, used);
+            match need {
+                Need::Rigid => runs.rigid(lanes, newton, intervals),
+                Need::Halved => newton.halve(lanes, m),
+                Need::Step | Need::Torques => {}
+            }
+            newton.step(lanes, runs, along.as_mut(), m)
+        })
+    }
+
+    /// The roots of unity of this number.
+    pub(super) fn roots(&mut self, count: usize) {
+        if self.roots.len() != count {
+            self.roots = roots_of_unity(count);
+        }
+    }
+
+    /// Finds the series of the torques of the orbits at hand, in so many lanes.
+    fn find_torques(&mut self, intervals: usize, used: usize) {
+        self.roots(intervals);
+        let Self { newton, runs, samples, series, roots, .. } = self;
+        compiled_up_to_avx2!(self.level, (compact, _stores) => {
+            torque_series(Lanes::of(compact, used), newton, runs, samples, series, roots);
+        });
+    }
+
+    /// Least and largest values of series with the same number of terms, one per lane.
+    pub(super) fn extremes(&mut self, of: &[&FourierSeries]) -> [Pack; 2] {
+        let count = self.series.load(of);
+        self.roots(8 * count);
+        let Self { series, samples, roots, .. } = self;
+        compiled_up_to_avx2!(self.level, (compact, _stores) => {
+            series.extremes(Lanes::of(compact, of.len()), samples, roots)
+        })
+    }
+
+    /// The orders of the angle errors of all shaft ends of runs on meshes of the same size.
+    pub(super) fn angle_orders(
+        &mut self,
+        runs: &[(&TorsionalSystem, f64)],
+        orbits: &[&Orbit],
+        orders: &[usize],
+        mut put: impl FnMut(usize, usize, usize, Complex<f64>),
+    ) {
+        self.runs.load(runs);
+        self.newton.load(orbits);
+        self.roots(orbits[0].intervals);
+        let Self { newton, runs: equations, samples, roots, .. } = self;
+        compiled_up_to_avx2!(self.level, (compact, _stores) => {
+            angle_orders(Lanes::of(compact, runs.len()), newton, equations, orders, samples, roots);
+        });
+        let scale = 2.0 / orbits[0].intervals as f64;
+        for (curve, ends) in runs[0].0.ends_of_curves().into_iter().enumerate() {
+            for (o, parts) in
+                samples[2 * curve * orders.len()..][..2 * orders.len()].chunks_exact(2).enumerate()
+            {
+                for l in 0..runs.len() {
+                    let found = Complex::new(scale * parts[0][l], -scale * parts[1][l]);
+                    ends.into_iter().flatten().for_each(|end| put(l, end, o, found));
+                }
+            }
+        }
+    }
+}
+
+/// The series of the torques of all compliant shafts.
+#[inline(always)]
+fn torque_series(
+    lanes: Lanes,
+    newton: &Newton,
+    runs: &mut RunsSideBySide,
+    samples: &mut Vec<Pack>,
+    series: &mut SeriesSideBySide,
+    roots: &[Complex<f64>],
+) {
+    let (m, intervals) = (runs.torques.len(), roots.len());
+    let width = PI / intervals as f64;
+    samples.clear();
+    make_room(samples, m * intervals);
+    for (k, state) in newton.states.chunks_exact(2 * m).enumerate() {
+        let (y, v) = state.split_at(m);
+        runs.prepare(lanes, width * k as f64, y, v);
+        for (s, torque) in runs.torques.iter().enumerate() {
+            samples[s * intervals + k] = *torque;
+        }
+    }
+    series.through(lanes, samples, roots);
+}
+
+/// The sums of the angle errors of all curves times the cosines and the sines of the orders.
+#[inline(always)]
+fn angle_orders(
+    lanes: Lanes,
+    newton: &Newton,
+    runs: &RunsSideBySide,
+    orders: &[usize],
+    sums: &mut Vec<Pack>,
+    roots: &[Complex<f64>],
+) {
+    let (m, intervals) = (runs.torques.len(), roots.len());
+    let width = PI / intervals as f64;
+    let curves = runs.pieces.len() + runs.followers.len();
+    sums.clear();
+    make_room(sums, 2 * curves * orders.len());
+    for (k, state) in newton.states.chunks_exact(2 * m).enumerate() {
+        let mut places = sums.chunks_exact_mut(2 * orders.len());
+        for (p, piece) in runs.pieces.iter().enumerate() {
+            let error = if p == 0 { &ZERO } else { &state[p - 1] };
+            let sines = sines(lanes, width * k as f64, &piece.offset, error);
+            for j in 0..=piece.followers.len() {
+                let curve = match piece.followers.clone().nth(j.wrapping_sub(1)) {
+                    Some(f) => {
+                        lanes.plus_scaled(*error, 1.0, runs.followers[f].angle_error(lanes, &sines))
+                    }
+                    None => *error,
+                };
+                let Some(place) = places.next() else { continue };
+                for (sum, order) in place.chunks_exact_mut(2).zip(orders) {
+                    // Half a turn is a period.
+                    if order.is_multiple_of(2) {
+                        let root = roots[order / 2 * k % intervals];
+                        sum[0] = lanes.plus_scaled(sum[0], root.re, curve);
+                        sum[1] = lanes.plus_scaled(sum[1], root.im, curve);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! The equations of [`motion_equation`](super::motion_equation) for several runs side by side, at
+//! constant speeds of the drive, with their derivatives.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use crate::dynamics::gauss::{COLLOCATION, STAGES};
+use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
+use crate::dynamics::newton::{EquationRow, Equations, Newton};
+use crate::dynamics::system::TorsionalSystem;
+use crate::mechanics::chain::Equivalent;
+use crate::mechanics::joint::{self, JointConstants};
+use crate::number::atan::Atan;
+use crate::number::reduction;
+use crate::number::trig;
+
+/// The equations of several runs.
+#[derive(Debug, Default)]
+pub(super) struct RunsSideBySide {
+    pub(super) pieces: Vec<Piece>,
+    pub(super) followers: Vec<Follower>,
+    springs: Vec<Spring>,
+    load_torque: Pack,
+    load_damping: Pack,
+    square: Pack,
+    motions: Vec<PieceMotion>,
+    pub(super) torques: Vec<Pack>,
+    /// The largest torque of every compliant shaft.
+    largest: Vec<Pack>,
+}
+
+/// A rigid piece of every run.
+#[derive(Debug)]
+pub(super) struct Piece {
+    pub(super) offset: Pack,
+    own_inertia: Pack,
+    pub(super) followers: Range<usize>,
+}
+
+/// The shaft behind a joint of a piece.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Follower {
+    cos: Pack,
+    cos2: Pack,
+    sin2: Pack,
+    versine: Pack,
+    inverse_cos: Pack,
+    turn_cos: Pack,
+    turn_sin: Pack,
+    pub(super) offset: Pack,
+    inertia: Pack,
+    /// Whether it moves nothing, in every run: neither an inertia nor what is behind the piece.
+    idle: bool,
+}
+
+/// A compliant shaft, with its damping times the speed of the drive.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spring {
+    stiffness: Pack,
+    damping: Pack,
+}
+
+/// As of the rigid piece of one run.
+#[derive(Clone, Copy, Debug, Default)]
+struct PieceMotion {
+    angle_error: Pack,
+    ratio: Pack,
+    ratio_slope: Pack,
+    inertia: Pack,
+    inertia_slope: Pack,
+    inertia_curvature: Pack,
+}
+
+impl Follower {
+    /// Angle of the shaft minus that of the piece, both without the mean of rigid shafts, speed
+    /// ratio and its first two derivatives in a lane, from sine and cosine of the piece's angle.
+    #[inline(always)]
+    fn motion(&self, l: usize, s: f64, c: f64) -> [f64; 4] {
+        let (turn_cos, turn_sin) = (self.turn_cos[l], self.turn_sin[l]);
+        let (s, c) = (s.mul_add(turn_cos, c * turn_sin), c.mul_add(turn_cos, -(s * turn_sin)));
+        let joint = JointConstants {
+            cos: self.cos[l],
+            cos2: self.cos2[l],
+            sin2: self.sin2[l],
+            versine: self.versine[l],
+            inverse_exsecant: 0.0,
+        };
+        let ((y, x), (ratio, slope)) = joint::motion(&joint, s, c);
+        let error = f64::atan_any(y, x) + self.offset[l];
+        // The ratio r is cos β/D with D = s² + cos² β c². With t = −D′/D its derivatives are t r and
+        // (2 t² − D″/D) r. Only derivatives of the equations need the second one.
+        let share = 2.0 * self.sin2[l] * self.inverse_cos[l] * ratio;
+        let t = share * s * c;
+        let curvature = share.mul_add(s.mul_add(s, -(c * c)), 2.0 * t * t);
+        [error, ratio, slope, curvature * ratio]
+    }
+
+    /// Its angle error alone.
+    #[inline(always)]
+    pub(super) fn angle_error(&self, lanes: Lanes, [sines, cosines]: &[Pack; 2]) -> Pack {
+        let mut found = ZERO;
+        for l in lanes.each() {
+            let [error, ..] = self.motion(l, sines[l], cosines[l]);
+            found[l] = error;
+        }
+        found
+    }
+}
+
+/// Sines and cosines of the angle of a piece, from the drive angle and from its error.
+#[inline(always)]
+pub(super) fn sines(lanes: Lanes, angle: f64, offset: &Pack, error: &Pack) -> [Pack; 2] {
+    let (mut sines, mut cosines) = (ZERO, ZERO);
+    for l in lanes.each() {
+        let reduced = reduction::reduce(angle + offset[l] + error[l]);
+        let (s, c) = trig::sin_cos_reduced::<f64>(reduced);
+        (sines[l], cosines[l]) = (s, c);
+    }
+    [sines, cosines]
+}
+
+impl RunsSideBySide {
+    /// Takes the equations of runs: systems of the same shape, and speeds. The last one also fills
+    /// the lanes that are left.
+    pub(super) fn load(&mut self, runs: &[(&TorsionalSystem, f64)]) {
+        let run = |l: usize| runs[l.min(runs.len() - 1)];
+        let (first, _) = run(0);
+        let m = first.unknowns();
+        self.pieces.clear();
+        self.followers.clear();
+        for (p, piece) in first.pieces.iter().enumerate() {
+            let start = self.followers.len();
+            self.followers.resize(start + piece.followers.len(), Follower::default());
+            let (mut offset, mut own_inertia) = (ZERO, ZERO);
+            for l in 0..LANES {
+                let own = &run(l).0.pieces[p];
+                (offset[l], own_inertia[l]) = (own.offset, own.own_inertia);
+                for (place, of) in self.followers[start..].iter_mut().zip(&own.followers) {
+                    let Equivalent { joint, turn_cos, turn_sin } = of.ideal.equivalent();
+                    (place.cos[l], place.cos2[l]) = (joint.cos, joint.cos2);
+                    (place.sin2[l], place.versine[l]) = (joint.sin2, joint.versine);
+                    place.inverse_cos[l] = 1.0 / joint.cos;
+                    (place.turn_cos[l], place.turn_sin[l]) = (*turn_cos, *turn_sin);
+                    (place.offset[l], place.inertia[l]) = (of.offset, of.inertia);
+                }
+            }
+            if let [others @ .., _] = &mut self.followers[start..] {
+                for follower in others {
+                    follower.idle = follower.inertia == ZERO;
+                }
+            }
+            let followers = start..self.followers.len();
+            self.pieces.push(Piece { offset, own_inertia, followers });
+        }
+        self.motions.resize(m + 1, PieceMotion::default());
+        make_room(&mut self.torques, m);
+        self.largest.clear();
+        make_room(&mut self.largest, m);
+        self.springs.resize(m, Spring::default());
+        for l in 0..LANES {
+            let (system, speed) = run(l);
+            self.load_torque[l] = system.load_torque;
+            self.load_damping[l] = system.load_damping * speed;
+            self.square[l] = speed * speed;
+            for (place, spring) in self.springs.iter_mut().zip(&system.springs) {
+                place.stiffness[l] = spring.stiffness;
+                place.damping[l] = spring.damping * speed;
+            }
+        }
+    }
+
+    /// The orbits on meshes of so many intervals if every shaft were rigid and turned by its static
+    /// torque.
+    #[inline(always)]
+    pub(super) fn rigid(&self, lanes: Lanes, newton: &mut Newton, intervals: usize) {
+        let m = self.springs.len();
+        make_room(&mut newton.states, 2 * m * intervals);
+        make_room(&mut newton.accelerations, STAGES * m * intervals);
+        let width = PI / intervals as f64;
+        let mut load = ZERO;
+        for l in lanes.each() {
+            load[l] = self.load_damping[l] + self.load_torque[l];
+        }
+        for point in 0..intervals * (1 + STAGES) {
+            let (k, stage) = (point / (1 + STAGES), (point % (1 + STAGES)).checked_sub(1));
+            let node = stage.map_or(0.0, |i| COLLOCATION.nodes[i]);
+            let angle = width * (k as f64 + node);
+            let (mut error, mut slope, mut curve) = (ZERO, all(1.0), ZERO);
+            for s in 0..m {
+                let piece = &self.pieces[s];
+                let [sines, cosines] = sines(lanes, angle, &piece.offset, &error);
+                let last = self.followers[piece.followers.clone()].last();
+                for l in lanes.each() {
+                    error[l] -= load[l] / self.springs[s].stiffness[l];
+                }
+                if let Some(follower) = last {
+                    for l in lanes.each() {
+                        let [own, r, a, _] = follower.motion(l, sines[l], cosines[l]);
+                        error[l] += own;
+                        curve[l] = r.mul_add(curve[l], a * slope[l] * slope[l]);
+                        slope[l] *= r;
+                    }
+                }
+                if let Some(i) = stage {
+                    newton.accelerations[(k * STAGES + i) * m + s] = curve;
+                } else {
+                    newton.states[2 * k * m + s] = error;
+                    for l in lanes.each() {
+                        newton.states[(2 * k + 1) * m + s][l] = slope[l] - 1.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Finds the motion of every piece and the torque of every compliant shaft.
+    #[inline(always)]
+    pub(super) fn prepare(&mut self, lanes: Lanes, angle: f64, y: &[Pack], v: &[Pack]) {
+        for (p, piece) in self.pieces.iter().enumerate() {
+            let error = if p == 0 { &ZERO } else { &y[p - 1] };
+            let mut found = PieceMotion {
+                ratio: all(1.0),
+                inertia: piece.own_inertia,
+                ..PieceMotion::default()
+            };
+            let [sines, cosines] = sines(lanes, angle, &piece.offset, error);
+            for follower in &self.followers[piece.followers.clone()] {
+                if follower.idle {
+                    continue;
+                }
+                for l in lanes.each() {
+                    let [error, r, a, j] = follower.motion(l, sines[l], cosines[l]);
+                    // The kinetic energy of the follower is ½ J r² times the square of the piece's
+                    // speed.
+                    let inertia = follower.inertia[l];
+                    let double = 2.0 * inertia;
+                    found.inertia[l] = (inertia * r).mul_add(r, found.inertia[l]);
+                    found.inertia_slope[l] = (double * r).mul_add(a, found.inertia_slope[l]);
+                    let curvature = a.mul_add(a, r * j);
+                    found.inertia_curvature[l] =
+                        double.mul_add(curvature, found.inertia_curvature[l]);
+                    found.angle_error[l] = error;
+                    (found.ratio[l], found.ratio_slope[l]) = (r, a);
+                }
+            }
+            self.motions[p] = found;
+        }
+        for (s, spring) in self.springs.iter().enumerate() {
+            let (before, slope) = if s == 0 { (ZERO, ZERO) } else { (y[s - 1], v[s - 1]) };
+            let (own, own_slope) = (y[s], v[s]);
+            let PieceMotion { angle_error, ratio, .. } = self.motions[s];
+            let mut torque = ZERO;
+            for l in lanes.each() {
+                let twist = before[l] + angle_error[l] - own[l];
+                let rate = ratio[l].mul_add(1.0 + slope[l], -1.0) - own_slope[l];
+                torque[l] = spring.stiffness[l].mul_add(twist, spring.damping[l] * rate);
+            }
+            self.torques[s] = torque;
+        }
+    }
+}
+
+impl Equations for RunsSideBySide {
+    #[inline(always)]
+    fn unit(&mut self, lanes: Lanes) -> Pack {
+        let mut least = all(f64::INFINITY);
+        for (spring, torque) in self.springs.iter().zip(&mut self.largest) {
+            for l in lanes.each() {
+                let twist = torque[l] / spring.stiffness[l];
+                least[l] = if twist < least[l] { twist } else { least[l] };
+                torque[l] = 0.0;
+            }
+        }
+        least
+    }
+
+    #[inline(always)]
+    fn rows(
+        &mut self,
+        lanes: Lanes,
+        angle: f64,
+        [y, v, a]: [&[Pack]; 3],
+        rows: &mut [EquationRow],
+    ) {
+        self.prepare(lanes, angle, y, v);
+        let last = self.springs.len() - 1;
+        for (s, row) in rows.iter_mut().enumerate() {
+            // Copies, which the compiler knows to be apart.
+            let (before, own) = (self.motions[s], self.motions[s + 1]);
+            let spring = self.springs[s];
+            let (slope, acceleration) = (v[s], a[s]);
+            let slope_before = if s == 0 { ZERO } else { v[s - 1] };
+            let (torque, mut most) = (self.torques[s], self.largest[s]);
+            // The torque that leaves the piece, and its derivatives by this unknown and the next:
+            // what the next shaft or the load does.
+            let (behind, next_stiffness, next_damping) = if s < last {
+                let next = self.springs[s + 1];
+                (self.torques[s + 1], next.stiffness, next.damping)
+            } else {
+                let mut load = ZERO;
+                for l in lanes.each() {
+                    let speed = own.ratio[l] * (1.0 + slope[l]);
+                    load[l] = self.load_damping[l].mul_add(speed, self.load_torque[l]);
+                }
+                (load, ZERO, self.load_damping)
+            };
+            let coupled = if s < last { -1.0 } else { 0.0 };
+            let square = self.square;
+            let mut found = EquationRow::default();
+            for l in lanes.each() {
+                let rate = 1.0 + slope[l];
+                let (ratio, ratio_slope) = (own.ratio[l], own.ratio_slope[l]);
+                let (inertia, by) = (own.inertia[l], own.inertia_slope[l]);
+                let half = 0.5 * rate * rate;
+                let inertial = inertia.mul_add(acceleration[l], by * half);
+                let inertial_by_angle =
+                    by.mul_add(acceleration[l], own.inertia_curvature[l] * half);
+                let by_angle =
+                    next_stiffness[l].mul_add(ratio, next_damping[l] * ratio_slope * rate);
+                let damping = spring.damping[l];
+                most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
+                found.residual[l] =
+                    ratio.mul_add(behind[l], square[l].mul_add(inertial, -torque[l]));
+                found.by_acceleration[l] = square[l] * inertia;
+                found.by_slope[0][l] = -damping * before.ratio[l];
+                found.by_slope[1][l] =
+                    (ratio * ratio).mul_add(next_damping[l], square[l].mul_add(by * rate, damping));
+                found.by_slope[2][l] = coupled * ratio * next_damping[l];
+                found.by_angle[0][l] = -spring.stiffness[l].mul_add(
+                    before.ratio[l],
+                    damping * before.ratio_slope[l] * (1.0 + slope_before[l]),
+                );
+                found.by_angle[1][l] = ratio.mul_add(
+                    by_angle,
+                    ratio_slope.mul_add(
+                        behind[l],
+                        square[l].mul_add(inertial_by_angle, spring.stiffness[l]),
+                    ),
+                );
+                found.by_angle[2][l] = coupled * ratio * next_stiffness[l];
+            }
+            (self.largest[s], *row) = (most, found);
+        }
+    }
+}
