@@ -86,8 +86,8 @@ impl Follower {
             versine: self.versine[l],
             inverse_exsecant: 0.0,
         };
-        let ((y, x), (ratio, slope)) = joint::motion(&joint, s, c);
-        let error = f64::atan_any(y, x) + self.offset[l];
+        let (tangent, (ratio, slope)) = joint::motion(&joint, s, c);
+        let error = f64::atan_any(tangent, 1.0) + self.offset[l];
         // The ratio r is cos β/D with D = s² + cos² β c². With t = −D′/D its derivatives are t r and
         // (2 t² − D″/D) r. Only derivatives of the equations need the second one.
         let share = 2.0 * self.sin2[l] * self.inverse_cos[l] * ratio;

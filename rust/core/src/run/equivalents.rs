@@ -171,7 +171,9 @@ mod tests {
                 (0..lines * each).map(value).collect()
             };
             let mut bends = values(joints, 1.5);
-            bends.iter_mut().for_each(|bend| *bend = if *bend < 0.0 { 0.0 } else { *bend });
+            for bend in bends.iter_mut() {
+                *bend = if *bend < 0.0 { 0.0 } else { *bend };
+            }
             let (twists, mut phases) = (values(joints - 1, 4.0), values(joints - 1, -7.0));
             if joints > 1 {
                 phases[7] = 1e300;

@@ -101,9 +101,15 @@ impl Search<'_> {
         let sizes = self.sizes(&angles)?;
         let mut candidates = vec![];
         for (group, sizes) in sizes.chunks(angles.len()).enumerate() {
-            // NaN is passed on.
+            // NaN is passed on, unless a factor that is too large for doubles has made it beside a size
+            // that is too large as well.
             let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
-            let top = sizes.iter().copied().fold(f64::NEG_INFINITY, larger);
+            let infinite = sizes.iter().any(|size| size.is_infinite());
+            let top = if infinite {
+                f64::INFINITY
+            } else {
+                sizes.iter().copied().fold(f64::NEG_INFINITY, larger)
+            };
             let low = sizes.iter().copied().fold(f64::INFINITY, f64::min);
             if top - low > ALIKE * top && top.is_finite() {
                 candidates.extend(peaks_of(group, &angles, sizes, top, period));
