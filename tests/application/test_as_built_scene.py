@@ -251,6 +251,7 @@ def test_the_table_has_the_worst_of_each_order() -> None:
     np.testing.assert_allclose(faster[::2], worst * np.square([1, 3]) * SPEED**2, rtol=1e-9)
 
 
+@pytest.mark.long
 def test_the_example_answers_in_millimetres(answered: Answers) -> None:
     path = example("rumble.toml")
     answer = answered(path)

@@ -172,6 +172,7 @@ def test_the_text_has_a_row_for_each_state() -> None:
     assert max(map(len, text.splitlines())) <= 79
 
 
+@pytest.mark.long
 def test_answers_check_report_and_picture(tmp_path: Path) -> None:
     given = Scene.parse(TEXT)
     data = tolerances_data(given)

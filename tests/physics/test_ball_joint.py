@@ -403,6 +403,7 @@ def test_accuracy_of_contacts_with_clearance(kind: str) -> None:
             judge("loose", name, got[name], values, cases.tolist())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "arm"),
     [

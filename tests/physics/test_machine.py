@@ -187,6 +187,7 @@ def worst_value(figure: MachineFigure) -> float:
     return float(figure.values[figure.worst])
 
 
+@pytest.mark.long
 def test_each_limit_is_met_to_the_last_digit_and_missed_beyond() -> None:
     bare = {
         key: figure for key, figure in by_name(truck({})).items() if abs(worst_value(figure)) > 0.0

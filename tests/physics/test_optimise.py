@@ -284,6 +284,7 @@ def excitation_of(line: Driveline) -> NDArray[np.float64]:
     return np.asarray(np.max(own, axis=0))
 
 
+@pytest.mark.long
 def test_a_limit_that_cannot_be_kept_is_named_with_how_near_it_comes() -> None:
     least = np.min(largest(grid(21, 40, 40)))
     with pytest.raises(ArgumentValueError, match=r"no variables within the bounds keep it") as hit:

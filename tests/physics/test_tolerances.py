@@ -687,6 +687,7 @@ def test_the_bound_holds_where_a_side_moves_far_ends_apart() -> None:
     assert sides[1] <= sides[2]
 
 
+@pytest.mark.long
 def test_the_lemma_of_the_bound_of_points() -> None:
     # What moves is the far end of a polygon behind one joint; far away the turns decide.
     random, sharpest = np.random.default_rng(8), 0.0

@@ -171,7 +171,7 @@ mod tests {
                 (0..lines * each).map(value).collect()
             };
             let mut bends = values(joints, 1.5);
-            for bend in bends.iter_mut() {
+            for bend in &mut bends {
                 *bend = if *bend < 0.0 { 0.0 } else { *bend };
             }
             let (twists, mut phases) = (values(joints - 1, 4.0), values(joints - 1, -7.0));
