@@ -1,8 +1,10 @@
 """Run the same jobs in this package and in every peer that is installed.
 
 ``python benches/compare.py`` measures all methods in turn in one process, round after round, holds
-every result against exact numbers, and writes ``compare.md`` and ``compare.svg`` beside itself.
-``--quick`` takes a minute, prints and writes nothing. The exit status is 1 when a result is wrong.
+every result against exact numbers, and writes ``compare.md`` and ``compare.svg`` beside itself. On
+a processor with AVX-512 another process then does the same with AVX2, as most processors have it,
+and writes ``compare-avx2.md`` and ``compare-avx2.svg``. ``--quick`` takes a minute, prints and
+writes nothing. The exit status is 1 when a result is wrong.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import argparse
 import gc
 import os
 import statistics
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,16 +22,32 @@ import numpy as np
 
 import picture
 import report
-from job import JOBS, Call, Job, JobRun, Method, recorded_angles
+from cardan import _core
+from job import JOBS, LEVEL, Call, Job, JobRun, Method, recorded_angles
 from judge import ComparisonRow, Judge, WorstErrors
 from peers import PEERS, methods
 
 SHORTEST_SAMPLE = 1e-3  # s: shorter calls are timed several at a time
+LEVELS = {"avx512": "compare", "avx2": "compare-avx2"}
+"""The files of each instruction set."""
+
 LONGEST = 3.0  # s: what calls of one method may take in all rounds of a case
+
+
+# What keeps other packages from AVX-512. They read it when they are loaded.
+WITHOUT_AVX512 = {
+    "MKL_ENABLE_INSTRUCTIONS": "AVX2",
+    "NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL",
+    "NUMBA_CPU_NAME": "haswell",
+    "NUMBA_CPU_FEATURES": "",
+    "XLA_FLAGS": "--xla_cpu_max_isa=AVX2",
+}
 
 
 def main() -> int:
     given = _arguments()
+    if "BENCH_LEVEL" not in os.environ:
+        return max(_at(level) for level in LEVELS if level in _core.levels())
     found, missing = methods(given.peers)
     for name, reason in missing.items():
         print(f"without {name}: {reason}")
@@ -43,12 +62,22 @@ def main() -> int:
     if not given.quick:
         about = report.about(found, missing, given.rounds, loads)
         folder = Path(__file__).parent
-        report.write(folder / "compare.md", rows, about)
-        picture.draw(rows, folder / "compare.svg")
+        report.write(folder / f"{LEVELS[LEVEL]}.md", rows, about)
+        picture.draw(rows, folder / f"{LEVELS[LEVEL]}.svg")
     wrong = [row for row in rows if row.wrong]
     for row in wrong:
         print(f"wrong: {report.label(row.method)}, {row.job.name}, {row.num} angles: {row.verdict}")
     return 1 if wrong else 0
+
+
+def _at(level: str) -> int:
+    """Run this program with an instruction set, and return its exit status."""
+    features = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    # NumPy warns of features that the processor does not have.
+    known = WITHOUT_AVX512["NPY_DISABLE_CPU_FEATURES"] if "avx512_bitalg" in features else ""
+    limits = {**WITHOUT_AVX512, "NPY_DISABLE_CPU_FEATURES": known} if level == "avx2" else {}
+    environment = {**os.environ, "BENCH_LEVEL": level, **limits}
+    return subprocess.run([sys.executable, *sys.argv], env=environment, check=False).returncode
 
 
 def _arguments() -> argparse.Namespace:

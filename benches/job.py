@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,8 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import cardan
+from cardan import _core
 
 Array: TypeAlias = NDArray[Any]
+
+LEVEL = os.environ.get("BENCH_LEVEL", _core.levels()[0])
+"""The instruction set of this package and of what is compiled here."""
 
 MOTION = ("angle", "speed_ratio", "acceleration_ratio")
 SWEEP_STOP = 100.0  # rad: about sixteen turns, of a number of samples that is not whole

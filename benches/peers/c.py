@@ -12,7 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from job import Array, Call, JobRun, Method
+from job import LEVEL, Array, Call, JobRun, Method
+
+LANES = 8 if LEVEL == "avx512" else 4
+"""Doubles in a register."""
+
+MACHINE = {"avx512": "native", "avx2": "x86-64-v3"}[LEVEL]
 
 KERNELS = ("angle", "motion", "moment", "chain", "sweep")
 
@@ -49,7 +54,8 @@ def built(flags: tuple[str, ...] = (), work: str = "double", store: str = "doubl
     source = Path(__file__).parent / "kernel.c"
     with tempfile.TemporaryDirectory() as folder:
         compiled, library = Path(folder) / "kernel.o", Path(folder) / "kernel.so"
-        options = ["-O3", "-march=native", "-mprefer-vector-width=512", "-fopenmp", "-fPIC"]
+        vectors = f"-mprefer-vector-width={64 * LANES}"
+        options = ["-O3", f"-march={MACHINE}", vectors, "-fopenmp", "-fPIC"]
         _gcc(*options, *flags, f"-DWORK={work}", f"-DSTORE={store}", "-c", source, "-o", compiled)
         # Linked without -ffast-math, which would turn off subnormal numbers in the whole process.
         _gcc("-shared", "-fopenmp", compiled, "-o", library, "-lm")

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 import cardan
-from job import SWEEP_STOP, TORQUE, Call, JobRun, Method
+from cardan.evaluation.plan import Plan
+from cardan.evaluation.request import Request
+from job import LEVEL, SWEEP_STOP, TORQUE, Call, JobRun, Method
 
 
 def methods() -> list[Method]:
@@ -27,13 +29,9 @@ def _prepare(case: JobRun, options: dict[str, Any]) -> Call:
     job = case.job
     moment = job.outputs == ("moment",)
     word = np.dtype(options.get("dtype", np.float64)).type
-    plan = job.line.plan(
-        job.outputs,
-        joints=0,
-        load=cardan.Load(drive_torque=TORQUE) if moment else None,
-        workers=case.threads,
-        **options,
-    )
+    load = cardan.Load(drive_torque=TORQUE) if moment else None
+    request = Request(job.outputs, joints=0, load=load, workers=case.threads, **options)
+    plan = Plan(job.line, request, LEVEL)
     planes = case.planes[word]
     angle = cardan.Sweep(0.0, SWEEP_STOP, case.num) if job.sweep else case.angles
     if moment:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import os
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 
@@ -19,10 +18,11 @@ TIERS = {"HA": ("_ha", 2, 1e-13), "LA": ("", 1, 1e-13), "EP": ("_ep", 3, 1e-6)}
 def methods() -> list[Method]:
     c.methods()
     found: list[Method] = []
-    if load("libintlc.so.5") and load("libsvml.so") and "avx512f" in _flags():
+    if load("libintlc.so.5") and load("libsvml.so"):
         note = f"SVML {version('intel-cmplr-lib-rt')}"
         for tier, (suffix, _, limit) in TIERS.items():
-            defines = (f"-DTAN8=__svml_tan8{suffix}", f"-DATAN8=__svml_atan8{suffix}")
+            names = (f"-D{name.upper()}=__svml_{name}{c.LANES}{suffix}" for name in ("tan", "atan"))
+            defines = (f"-DLANES={c.LANES}", *names)
             found.append(
                 Method("svml", f"C, SVML {tier}", _svml(defines), permitted=limit, note=note)
             )
@@ -35,11 +35,6 @@ def methods() -> list[Method]:
     if not found:
         raise ImportError("neither package mkl nor intel-cmplr-lib-rt is in this environment")
     return found
-
-
-def _flags() -> str:
-    path = Path("/proc/cpuinfo")
-    return path.read_text() if path.exists() else ""
 
 
 def _svml(defines: tuple[str, ...]) -> object:

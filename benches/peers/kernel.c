@@ -3,7 +3,7 @@
    Compiled at run time with
      WORK, STORE   types to compute in and to store
      VML           1: tangent and arc tangent by the functions handed to `use`
-     TAN8, ATAN8   or functions of eight doubles
+     LANES         or functions TAN and ATAN of so many doubles
    and otherwise with those of <math.h>, which -ffast-math turns into calls of libmvec. */
 #include <tgmath.h>
 
@@ -33,16 +33,23 @@ void use(unary *tangent, unary *arc, long mode) {
 }
 static void tangents(long m, const double *a, work *t) { vml_tan(m, a, t, vml_mode); }
 static void arcs(long m, work *x) { vml_atan(m, x, x, vml_mode); }
-#elif defined TAN8
-#include <immintrin.h>
-extern __m512d TAN8(__m512d), ATAN8(__m512d);
-#define EIGHTS(f, from, to)                                                                        \
-    for (long i = 0; i < m; i += 8) {                                                              \
-        __mmask8 there = m - i < 8 ? (1 << (m - i)) - 1 : 255;                                     \
-        _mm512_mask_storeu_pd(to + i, there, f(_mm512_maskz_loadu_pd(there, from + i)));           \
+#elif defined LANES
+#include <string.h>
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+extern lanes TAN(lanes), ATAN(lanes);
+#define SOME(f, from, to, size)                                                                    \
+    {                                                                                              \
+        lanes x = {0};                                                                             \
+        memcpy(&x, (from) + i, size);                                                              \
+        x = f(x);                                                                                  \
+        memcpy((to) + i, &x, size);                                                                \
     }
-static void tangents(long m, const double *a, work *t) { EIGHTS(TAN8, a, t) }
-static void arcs(long m, work *x) { EIGHTS(ATAN8, x, x) }
+#define BY_LANES(f, from, to)                                                                      \
+    long i = 0;                                                                                    \
+    for (; i + LANES <= m; i += LANES) SOME(f, from, to, 8 * LANES)                                \
+    if (i < m) SOME(f, from, to, 8 * (m - i))
+static void tangents(long m, const double *a, work *t) { BY_LANES(TAN, a, t) }
+static void arcs(long m, work *x) { BY_LANES(ATAN, x, x) }
 #else
 static void tangents(long m, const double *a, work *t) { LOOP t[i] = tan(reduced(a[i])); }
 static void arcs(long m, work *x) { LOOP x[i] = atan(x[i]); }
