@@ -39,10 +39,10 @@ typedef double lanes __attribute__((vector_size(8 * LANES)));
 extern lanes TAN(lanes), ATAN(lanes);
 #define SOME(f, from, to, size)                                                                    \
     {                                                                                              \
-        lanes x = {0};                                                                             \
-        memcpy(&x, (from) + i, size);                                                              \
-        x = f(x);                                                                                  \
-        memcpy((to) + i, &x, size);                                                                \
+        lanes some = {0};                                                                          \
+        memcpy(&some, (from) + i, size);                                                           \
+        some = f(some);                                                                            \
+        memcpy((to) + i, &some, size);                                                             \
     }
 #define BY_LANES(f, from, to)                                                                      \
     long i = 0;                                                                                    \
