@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from job import JOBS, Method
+from job import JOBS, LEVEL, Method
 
 if TYPE_CHECKING:
     from judge import ComparisonRow
@@ -27,6 +27,7 @@ def about(
     notes = [note for note in dict.fromkeys(method.note for method in found) if note]
     lines = [
         *machine(),
+        f"Instruction set: {LEVEL}.",
         "; ".join(notes) + ".",
         f"Load average of the machine at the start: {loads[0]:.1f}.",
         f"{rounds} rounds; in each, all methods run in turn in one process.",
@@ -37,7 +38,7 @@ def about(
 
 
 def machine() -> Iterable[str]:
-    """Say what machine this is and which commit and Python are measured."""
+    """Say what machine this is, and which commit and Python are measured."""
     path = Path("/proc/cpuinfo")
     lines = path.read_text().splitlines() if path.exists() else []
     models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
@@ -75,7 +76,7 @@ def write(path: Path, rows: Sequence[ComparisonRow], about: str) -> None:
         "",
         about,
         "",
-        "![Error and time of each method](compare.svg)",
+        f"![Error and time of each method]({path.stem}.svg)",
         "",
         *_wins(rows),
     ]
