@@ -1,5 +1,5 @@
-//! What the core needs of the machine, as safe functions: stores that bypass the caches, requests for
-//! memory ahead of its use, and work that threads may borrow.
+//! This crate gives the core safe access to three abilities of the machine. It stores past the caches,
+//! requests memory ahead of its use, and lends work to threads.
 //!
 //! An ordinary store first reads the cache line that it writes into, and later writes it back. Where
 //! the results of a call exceed the caches, that doubles their traffic, and the store waits. A store

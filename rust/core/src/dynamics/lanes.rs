@@ -10,7 +10,7 @@ use std::ops::{Index, IndexMut, Range};
 /// The number of runs that are computed together: doubles in the largest registers.
 pub(super) const LANES: usize = 8;
 
-/// One number per run, in a cache line of its own.
+/// The numbers of several runs, one per lane. They fill a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Pack([f64; LANES]);

@@ -70,7 +70,7 @@ pub(super) struct Found {
     pub(super) torques: Vec<FourierSeries>,
 }
 
-/// What a search needs next.
+/// The work that a search asks for next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Need {
     /// A step of Newton's method from rigid shafts.

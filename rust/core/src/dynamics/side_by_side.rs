@@ -19,12 +19,12 @@ use crate::number::trig;
 #[derive(Debug, Default)]
 pub(super) struct RunsSideBySide {
     pub(super) pieces: Vec<Piece>,
-    pub(super) followers: Vec<Follower>,
-    springs: Vec<Spring>,
+    pub(super) followers: Vec<FollowerPack>,
+    springs: Vec<SpringPack>,
     load_torque: Pack,
     load_damping: Pack,
     square: Pack,
-    motions: Vec<PieceMotion>,
+    motions: Vec<PieceMotionPack>,
     pub(super) torques: Vec<Pack>,
     /// The largest torque of every compliant shaft.
     largest: Vec<Pack>,
@@ -40,7 +40,7 @@ pub(super) struct Piece {
 
 /// The shaft behind a joint of a piece.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Follower {
+pub(super) struct FollowerPack {
     cos: Pack,
     cos2: Pack,
     sin2: Pack,
@@ -56,14 +56,14 @@ pub(super) struct Follower {
 
 /// A compliant shaft, with its damping times the speed of the drive.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spring {
+struct SpringPack {
     stiffness: Pack,
     damping: Pack,
 }
 
 /// As of the rigid piece of one run.
 #[derive(Clone, Copy, Debug, Default)]
-struct PieceMotion {
+struct PieceMotionPack {
     angle_error: Pack,
     ratio: Pack,
     ratio_slope: Pack,
@@ -72,7 +72,7 @@ struct PieceMotion {
     inertia_curvature: Pack,
 }
 
-impl Follower {
+impl FollowerPack {
     /// Angle of the shaft minus that of the piece, both without the mean of rigid shafts, speed
     /// ratio and its first two derivatives in a lane, from sine and cosine of the piece's angle.
     #[inline(always)]
@@ -131,7 +131,7 @@ impl RunsSideBySide {
         self.followers.clear();
         for (p, piece) in first.pieces.iter().enumerate() {
             let start = self.followers.len();
-            self.followers.resize(start + piece.followers.len(), Follower::default());
+            self.followers.resize(start + piece.followers.len(), FollowerPack::default());
             let (mut offset, mut own_inertia) = (ZERO, ZERO);
             for l in 0..LANES {
                 let own = &run(l).0.pieces[p];
@@ -153,11 +153,11 @@ impl RunsSideBySide {
             let followers = start..self.followers.len();
             self.pieces.push(Piece { offset, own_inertia, followers });
         }
-        self.motions.resize(m + 1, PieceMotion::default());
+        self.motions.resize(m + 1, PieceMotionPack::default());
         make_room(&mut self.torques, m);
         self.largest.clear();
         make_room(&mut self.largest, m);
-        self.springs.resize(m, Spring::default());
+        self.springs.resize(m, SpringPack::default());
         for l in 0..LANES {
             let (system, speed) = run(l);
             self.load_torque[l] = system.load_torque;
@@ -219,10 +219,10 @@ impl RunsSideBySide {
     pub(super) fn prepare(&mut self, lanes: Lanes, angle: f64, y: &[Pack], v: &[Pack]) {
         for (p, piece) in self.pieces.iter().enumerate() {
             let error = if p == 0 { &ZERO } else { &y[p - 1] };
-            let mut found = PieceMotion {
+            let mut found = PieceMotionPack {
                 ratio: all(1.0),
                 inertia: piece.own_inertia,
-                ..PieceMotion::default()
+                ..PieceMotionPack::default()
             };
             let [sines, cosines] = sines(lanes, angle, &piece.offset, error);
             for follower in &self.followers[piece.followers.clone()] {
@@ -249,7 +249,7 @@ impl RunsSideBySide {
         for (s, spring) in self.springs.iter().enumerate() {
             let (before, slope) = if s == 0 { (ZERO, ZERO) } else { (y[s - 1], v[s - 1]) };
             let (own, own_slope) = (y[s], v[s]);
-            let PieceMotion { angle_error, ratio, .. } = self.motions[s];
+            let PieceMotionPack { angle_error, ratio, .. } = self.motions[s];
             let mut torque = ZERO;
             for l in lanes.each() {
                 let twist = before[l] + angle_error[l] - own[l];

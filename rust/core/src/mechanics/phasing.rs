@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::mechanics::joint::Joint;
-use crate::mechanics::phasing_search::{CLOSED, EQUAL, Search};
+use crate::mechanics::phasing_search::{CLOSED, ClosingSearch, EQUAL};
 use crate::number::elementary;
 use crate::number::trig;
 
@@ -76,7 +76,7 @@ pub(crate) fn search_phases_inlined(
             members.push(std::mem::take(&mut group));
         }
         turn = 0.0;
-        polygon.sides.push(Side::new(&Joint::new(bend)));
+        polygon.sides.push(PolygonSide::new(&Joint::new(bend)));
     }
     let mut best = phases.to_vec();
     for (x, members) in polygon.smallest_change(compact).iter().zip(members) {
@@ -107,7 +107,7 @@ pub(crate) fn within_half_a_turn(x: f64) -> f64 {
 }
 
 /// One bent joint as a step of length `L` in the hyperbolic plane.
-pub(crate) struct Side {
+pub(crate) struct PolygonSide {
     length: f64,
     /// `cosh(L/2)`.
     pub(crate) cosh: f64,
@@ -115,7 +115,7 @@ pub(crate) struct Side {
     pub(crate) sinh: f64,
 }
 
-impl Side {
+impl PolygonSide {
     fn new(joint: &Joint) -> Self {
         let near = joint.cos > 0.5;
         let length =
@@ -128,7 +128,7 @@ impl Side {
 /// A chain of bent joints with the current turns `p` between them.
 #[derive(Default)]
 pub(crate) struct Polygon<'a> {
-    pub(crate) sides: Vec<Side>,
+    pub(crate) sides: Vec<PolygonSide>,
     pub(crate) turns: Vec<f64>,
     /// The number of shafts that share each turn.
     pub(crate) weights: Vec<f64>,
@@ -150,8 +150,12 @@ impl Polygon<'_> {
             return self.change_to(&self.against_longest(longest));
         }
         match self.turns.len() {
-            0..=4 if !compact => self.least(total, Search::new(self, [0.0; 4], [[0.0; 4]; 4])),
-            5..=8 if !compact => self.least(total, Search::new(self, [0.0; 8], [[0.0; 8]; 8])),
+            0..=4 if !compact => {
+                self.least(total, ClosingSearch::new(self, [0.0; 4], [[0.0; 4]; 4]))
+            }
+            5..=8 if !compact => {
+                self.least(total, ClosingSearch::new(self, [0.0; 8], [[0.0; 8]; 8]))
+            }
             _ => self.least_of_any_length(total),
         }
     }
@@ -160,12 +164,12 @@ impl Polygon<'_> {
     #[inline(never)]
     fn least_of_any_length(&self, total: f64) -> Vec<f64> {
         let row = vec![0.0; self.turns.len()];
-        self.least(total, Search::new(self, row.clone(), vec![row; self.turns.len()]))
+        self.least(total, ClosingSearch::new(self, row.clone(), vec![row; self.turns.len()]))
     }
 
     /// The smallest change that a search finds from several starts.
     #[inline(always)]
-    fn least<R, M>(&self, total: f64, mut search: Search<'_, R, M>) -> Vec<f64>
+    fn least<R, M>(&self, total: f64, mut search: ClosingSearch<'_, R, M>) -> Vec<f64>
     where
         R: AsRef<[f64]> + AsMut<[f64]> + Clone,
         M: AsMut<[R]>,
@@ -305,7 +309,7 @@ mod tests {
 
     #[test]
     fn the_smallest_turn_of_a_family_is_across_it() {
-        let sides = [0.2, 0.17, 0.15, 0.19].map(|bend| Side::new(&Joint::new(bend)));
+        let sides = [0.2, 0.17, 0.15, 0.19].map(|bend| PolygonSide::new(&Joint::new(bend)));
         let mut polygon =
             Polygon { sides: sides.into(), weights: vec![1.0; 3], ..Polygon::default() };
         for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {

@@ -40,7 +40,7 @@ const LAST: f64 = 1e-5;
 /// A change is kept as `y`, the change of each turn over the root of its weight, so that its size is
 /// the sum of the squares of `y`. Rows may be longer than the polygon has turns; the others do
 /// nothing.
-pub(crate) struct Search<'a, R, M> {
+pub(crate) struct ClosingSearch<'a, R, M> {
     polygon: &'a Polygon<'a>,
     turns: R,
     /// Root of each weight, and its inverse; zero where there is no turn.
@@ -95,7 +95,7 @@ impl Linear {
     }
 }
 
-impl<'a, R: AsRef<[f64]> + AsMut<[f64]> + Clone, M: AsMut<[R]>> Search<'a, R, M> {
+impl<'a, R: AsRef<[f64]> + AsMut<[f64]> + Clone, M: AsMut<[R]>> ClosingSearch<'a, R, M> {
     /// A search with rows like the given one, which is zero and as long as the polygon has turns or
     /// longer.
     #[inline(always)]

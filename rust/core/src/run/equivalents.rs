@@ -32,7 +32,7 @@ pub fn equivalents_of_batch(
 ) {
     let level = execution.level.unwrap_or_else(Level::new);
     let lines = given[0].len().checked_div(joints).unwrap_or(0);
-    let mut group = Group::new();
+    let mut group = LineGroup::new();
     for first in (0..lines).step_by(LANES) {
         if is_set(execution.stop) {
             return;
@@ -46,7 +46,7 @@ pub fn equivalents_of_batch(
 }
 
 /// Drivelines that are folded together.
-struct Group {
+struct LineGroup {
     maps: Maps,
     turns: Turns,
     /// The constants of the equivalent joints: cosine, sine, their squares, versine, `k`.
@@ -55,7 +55,7 @@ struct Group {
     found: [[f64; LANES]; FIGURES],
 }
 
-impl Group {
+impl LineGroup {
     fn new() -> Self {
         Self {
             maps: Maps::new(LANES),
