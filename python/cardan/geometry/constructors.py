@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from cardan.arrays.errors import (
     check_shape,
     exclusive,
 )
-from cardan.geometry.geometry import Geometry, between_joints, place_in, spread
+from cardan.geometry.geometry import Geometry, between_joints, place_in
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -106,8 +106,7 @@ def from_points(
     n = array.shape[-2] - 2
     turned = between_joints("phases", phases, n, degrees)
     made = _laid_out(_core.from_points, n, points=(array, 2), phases=(turned, 1))
-    lengths = spread(_lengths(array), made.shape, 1)
-    return cls._of(made._replace(lengths=lengths, has_points=True))
+    return cls._of(made._replace(has_points=True))
 
 
 @deferring(ends=1, vertical=1, horizontal=1, phases=1)
@@ -237,7 +236,7 @@ def from_double_joint(
 
 
 def _laid_out(
-    lay_out: Callable[..., tuple[FloatArray, ...]], n: int, **arrays: tuple[FloatArray, int]
+    lay_out: Callable[..., Sequence[FloatArray]], n: int, **arrays: tuple[FloatArray, int]
 ) -> Geometry:
     """Broadcast the arrays, phases last, and let a function of the native module do the rest.
 
@@ -246,7 +245,7 @@ def _laid_out(
     shape, full = together(arrays)
     flat = (array.ravel() for array in full)
     try:
-        bends, twists, directions, normals = lay_out(n, list(shape), *flat)
+        bends, twists, directions, normals, *lengths = lay_out(n, list(shape), *flat)
     except ArgumentValueError as error:
         if error.argument not in arrays:
             raise
@@ -259,28 +258,10 @@ def _laid_out(
         np.array(full[-1]),
         directions.reshape(*shape, n + 1, 3),
         normals.reshape(*shape, n, 3),
-        np.empty((*shape, 0)),
+        lengths[0].reshape(*shape, n + 1) if lengths else np.empty((*shape, 0)),
         np.empty((*shape, 0)),
         np.empty((*shape, 0, 3)),
     )
-
-
-def _lengths(points: FloatArray) -> FloatArray:
-    """The distances between successive points, without overflow of their squares.
-
-    They have the same bits on every machine, unlike those of ``hypot``.
-    """
-    x, y, z = np.moveaxis(np.diff(points, axis=-2), -1, 0)
-    with np.errstate(over="ignore", under="ignore"):
-        squares = x * x + y * y + z * z
-    lengths: FloatArray = np.sqrt(squares)
-    far = ~((squares > 1e-280) & (squares < np.inf))
-    if far.any():
-        steps = np.stack([x[far], y[far], z[far]])
-        _, power = np.frexp(np.max(np.abs(steps), axis=0))
-        x, y, z = np.ldexp(steps, -power)
-        lengths[far] = np.ldexp(np.sqrt(x * x + y * y + z * z), power)
-    return lengths
 
 
 def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:

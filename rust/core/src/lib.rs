@@ -47,7 +47,7 @@ pub use mechanics::as_built::check_deviations;
 pub use mechanics::chain::Equivalent;
 pub use mechanics::common_phases::States;
 pub use mechanics::general::General;
-pub use mechanics::geometry::{Geometry, MOST_JOINTS, Vector};
+pub use mechanics::geometry::{Geometry, MOST_JOINTS, Vector, lengths};
 pub use mechanics::joint::Joint;
 pub use mechanics::motion::{Motion, MotionGradient};
 pub use mechanics::phasing::optimal_phases;

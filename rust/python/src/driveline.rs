@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use cardan::{
     Execution, FIGURES, General, Geometry, Vector, check_length, check_shaft, equivalents_of_batch,
-    frames_of_batch, unravel,
+    frames_of_batch, lengths, unravel,
 };
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -142,7 +142,7 @@ pub(crate) fn from_directions<'py>(
     from_vectors(py, joints, &shape, &directions, &phases, 1, Geometry::from_directions)
 }
 
-/// Drivelines from points `(…, n + 2, 3)` and phases `(…, n − 1)`.
+/// Drivelines from points `(…, n + 2, 3)` and phases `(…, n − 1)`, and the lengths of their shafts.
 #[pyfunction]
 pub(crate) fn from_points<'py>(
     py: Python<'py>,
@@ -150,8 +150,15 @@ pub(crate) fn from_points<'py>(
     shape: Vec<usize>,
     points: Input<'py>,
     phases: Input<'py>,
-) -> PyResult<Flat<'py>> {
-    from_vectors(py, joints, &shape, &points, &phases, 2, Geometry::from_points)
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 5]> {
+    let (bends, twists, directions, normals) =
+        from_vectors(py, joints, &shape, &points, &phases, 2, Geometry::from_points)?;
+    let each = joints.saturating_add(2).saturating_mul(3);
+    let points = slice("points", &points)?;
+    let mut all = vec![];
+    reserve(&mut all, points.len() / 3)?;
+    points.chunks_exact(each).for_each(|line| all.extend(lengths(&vectors(line))));
+    Ok([bends, twists, directions, normals, all.into_pyarray(py)])
 }
 
 fn from_vectors<'py>(

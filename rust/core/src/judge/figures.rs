@@ -9,7 +9,7 @@ use crate::input::batch::check_bearings;
 use crate::judge::machine::{Arrays, Figured, LimitOf, Machine, SlidingShaft};
 use crate::judge::turned::{Group, joined};
 use crate::judge::{Kind, Limit, Look, Rank, Side, Stage};
-use crate::mechanics::geometry::{Geometry, Vector};
+use crate::mechanics::geometry::{Geometry, Vector, length, lengths};
 use crate::run::execution::Execution;
 
 /// One figure of a machine.
@@ -266,7 +266,7 @@ impl Machine {
                     moved[axis] += by;
                     variant.column = self.column(&drawn);
                     if let Some(spline) = &self.parts.spline {
-                        variant.drawn[0] = (drawn[spline.shaft + 1] - drawn[spline.shaft]).norm();
+                        variant.drawn[0] = length(&(drawn[spline.shaft + 1] - drawn[spline.shaft]));
                     }
                 }
             }
@@ -333,7 +333,7 @@ impl Machine {
             moved[2].extend(line.phases);
             moved[3].extend(line.directions.iter().flatten());
             moved[4].extend(line.normals.iter().flatten());
-            moved[5].extend(points.windows(2).map(|pair| (pair[1] - pair[0]).norm()));
+            moved[5].extend(lengths(&points));
         }
         for (array, moved) in arrays.iter_mut().zip(moved) {
             *array = moved;

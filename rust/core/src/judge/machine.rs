@@ -5,7 +5,7 @@ use crate::error::{Error, Result, Rule};
 use crate::input::batch::{Batch, check_length, check_shaft};
 use crate::input::{Angles, Drivelines, Load, Samples, Source};
 use crate::judge::{Kind, Limit, Scope, Side};
-use crate::mechanics::geometry::Vector;
+use crate::mechanics::geometry::{Vector, length};
 use crate::plan::output::Per;
 use crate::plan::request::End;
 use crate::turns::rows::Rows;
@@ -315,7 +315,7 @@ impl Machine {
 
     /// The length of a shaft in the drawing.
     pub(crate) fn drawn_length(&self, shaft: usize) -> f64 {
-        (self.parts.drawn[shaft + 1] - self.parts.drawn[shaft]).norm()
+        length(&(self.parts.drawn[shaft + 1] - self.parts.drawn[shaft]))
     }
 
     /// The size of what is judged, of which rounding is a part where a limit is 0.

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use crate::error::{BEND_RULE, Error, FINITE, Result};
 use crate::number::elementary::atan2;
+use crate::number::float::inverse_power_of_two;
 use crate::number::trig;
 
 /// A vector in space.
@@ -232,6 +233,23 @@ fn scaled_by_power_of_two(v: &Vector) -> Option<Vector> {
     let v = if v.amax() < f64::MIN_POSITIVE { v * (1_u64 << 60) as f64 } else { *v };
     let power = f64::from_bits(v.amax().to_bits() & EXPONENT);
     (power > 0.0 && v.iter().all(|x| x.is_finite())).then(|| v / power)
+}
+
+/// The distance between two points, from the vector between them, without overflow or underflow of
+/// its square.
+pub(crate) fn length(v: &Vector) -> f64 {
+    let of = |v: &Vector| (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
+    let length = of(v);
+    if (1e-140..f64::INFINITY).contains(&length) {
+        return length;
+    }
+    let scale = inverse_power_of_two(v.amax());
+    of(&(v * scale)) / scale
+}
+
+/// The lengths of the shafts between ends and joint centres.
+pub fn lengths(points: &[Vector]) -> impl Iterator<Item = f64> {
+    points.windows(2).map(|pair| length(&(pair[1] - pair[0])))
 }
 
 /// The cross product with each component within 1.5 ulp (W. Kahan's difference of products). A
