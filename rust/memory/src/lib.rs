@@ -178,7 +178,7 @@ impl<'a, W: Word> Plane<'a, W> {
     /// Whether strips bypass the caches.
     #[inline(always)]
     pub fn bypasses_caches(&self) -> bool {
-        self.past_caches
+        cfg!(target_arch = "x86_64") && self.past_caches
     }
 
     /// Words from the start to the first cache line.

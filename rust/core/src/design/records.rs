@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use crate::run::execution::Execution;
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// The number of records in a piece of work for one thread, and the fewest pieces that use threads.
 const PIECE: usize = 256;
@@ -29,13 +29,7 @@ pub(crate) fn fill_records(
         }
     };
     let piece = PIECE.saturating_mul(size);
-    // The pool, which may not exist, is not queried for one thread.
-    let threads = if workers == Some(1) || out.len().div_ceil(piece) < MIN_PARALLEL_PIECES {
-        1
-    } else {
-        let pool = rayon::current_num_threads();
-        workers.map_or(pool, |workers| pool.min(workers))
-    };
+    let threads = threads(out.len().div_ceil(piece) >= MIN_PARALLEL_PIECES, workers);
     work_off(out.chunks_mut(piece).enumerate(), threads, || (), run);
 }
 

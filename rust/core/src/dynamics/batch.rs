@@ -16,7 +16,7 @@ use crate::mechanics::phasing::is_set;
 use crate::number::elementary::norm;
 use crate::run::execution::Execution;
 use crate::run::level::Level;
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// The runs whose searches are computed together in one thread, at least and at most.
 const BLOCK: (usize, usize) = (LANES, 64);
@@ -55,12 +55,7 @@ impl Runs<'_> {
         let Execution { workers, stop, level, .. } = execution;
         let level = level.unwrap_or_else(Level::new);
         let count = self.speed.len();
-        let threads = if workers == Some(1) || count <= BLOCK.0 {
-            1
-        } else {
-            let pool = rayon::current_num_threads();
-            workers.map_or(pool, |workers| pool.min(workers).max(1))
-        };
+        let threads = threads(count > BLOCK.0, workers);
         // Several blocks for each thread, so that threads end together.
         let block = (count / (4 * threads)).clamp(BLOCK.0, BLOCK.1);
         let runs = self.system.chunks(block).zip(self.speed.chunks(block));

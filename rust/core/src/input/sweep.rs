@@ -22,8 +22,9 @@ impl Sweep {
     /// The largest angle at either end, in rad.
     pub const FARTHEST: f64 = 1e12;
 
-    /// The largest number of samples; four times a sample number is still an exact double.
-    pub const LONGEST: usize = 1 << 50;
+    /// The largest number of samples; four times a sample number is still an exact double and a
+    /// `usize`.
+    pub const LONGEST: usize = 1 << if usize::BITS > 50 { 50 } else { usize::BITS - 2 };
 
     /// `count` angles in rad from `start` to `stop`, both included; a single angle is `start`.
     ///

@@ -23,6 +23,10 @@ impl Plan {
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
         check_shafts(n, request.bearings.unwrap_or_default())?;
+        if request.as_built && cfg!(not(feature = "as_built")) {
+            let problem = "has joints with deviations, which this build leaves out";
+            return Err(Error::new("driveline", &[], problem));
+        }
         let joints = vec![JointStep::default(); n];
         let least_cosines = least_cosines(request.largest_bends);
         let has_vectors = request.outputs.iter().any(|output| output.is_vector());
@@ -161,7 +165,7 @@ impl Plan {
         // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
         // It does not depend on which forces are requested, so neither do their bits.
         let one_power = !inertias.iter().any(|&shaft| shaft > 0 && shaft < n);
-        self.refers_forces = self.moderate && one_power && !self.as_built;
+        self.refers_forces = self.moderate && one_power && !self.is_as_built();
         let joint_before = |shaft: usize| shaft.checked_sub(1).map(|joint| &self.joints[joint]);
         let needed = |shaft: &usize| {
             torque[*shaft].is_some() || joint_before(*shaft).is_some_and(JointStep::needs_load)
@@ -183,7 +187,7 @@ impl Plan {
                 let passed = end == End::Output || shaft != last;
                 let absorbs = passed && inertias.contains(&shaft);
                 let step = joint_before(shaft);
-                let torsion = step.is_some_and(|step| step.needs_torsion(self.as_built));
+                let torsion = step.is_some_and(|step| step.needs_torsion(self.is_as_built()));
                 Station { shaft, absorbs, torque: torque[shaft], torsion, force_power: false }
             })
             .collect();
@@ -252,6 +256,7 @@ impl Plan {
     /// Finds the joints from which forces are computed: the first station's for all of them, or each
     /// joint for itself.
     pub(super) fn find_force_sources(&mut self, stations: &mut [Station]) {
+        let as_built = self.is_as_built();
         let Some(forces) = &mut self.forces else { return };
         let mut source = None;
         for station in stations {
@@ -260,7 +265,7 @@ impl Plan {
             {
                 source = source.filter(|_| self.refers_forces).or(Some(joint));
                 self.joints[joint].force_source = source.unwrap_or(joint);
-                station.force_power = source == Some(joint) && !self.as_built;
+                station.force_power = source == Some(joint) && !as_built;
             }
         }
         forces.set_sources(|joint| self.joints[joint].force_source);

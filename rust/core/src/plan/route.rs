@@ -79,7 +79,7 @@ impl Routes {
             && table.sweep.is_none()
             && table.error_terms.is_none();
         let mut routes = Self { one_use, period, ..Self::of_arrays(plan, precision) };
-        if plan.as_built {
+        if plan.is_as_built() {
             return routes;
         }
         // The last bit of a tangent sum depends on the middle of its group, and that of a repeated

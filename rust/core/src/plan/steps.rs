@@ -189,8 +189,8 @@ impl Plan {
     /// matching lengths and everything that the plan needs.
     pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> Result<usize> {
         let count = lines.check(self.joint_count)?;
-        if self.as_built == lines.deviations.is_empty() {
-            let (has, needs) = if self.as_built { ("no", "some") } else { ("some", "none") };
+        if self.is_as_built() == lines.deviations.is_empty() {
+            let (has, needs) = if self.is_as_built() { ("no", "some") } else { ("some", "none") };
             let problem = format!("has {has} deviations; the plan is for drivelines with {needs}");
             return Err(Error::new("deviations", &[], problem));
         }
@@ -213,13 +213,19 @@ impl Plan {
         let double = Precision::DOUBLE_ERROR * Precision::STEEPEST;
         let tolerance = tolerance.unwrap_or(if single { Precision::SINGLE_ERROR } else { double });
         // Joints as built have no loops in single precision, which would save little of their time.
-        if tolerance >= Precision::SINGLE_ERROR * stretch && !self.as_built {
+        let has_single = cfg!(feature = "single") && !self.is_as_built();
+        if has_single && tolerance >= Precision::SINGLE_ERROR * stretch {
             Precision::Single
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
             Precision::Double
         } else {
             Precision::DoubleDouble
         }
+    }
+
+    /// Whether its drivelines have deviations. Builds without these leave out all that they need.
+    pub(crate) fn is_as_built(&self) -> bool {
+        cfg!(feature = "as_built") && self.as_built
     }
 
     /// Number of planes of the result.
@@ -275,7 +281,7 @@ impl Plan {
 
     /// Whether the torsion parts of several joints need the length of the pins.
     pub(crate) fn needs_inverse_squares(&self) -> bool {
-        self.forces.is_some() && !self.refers_forces && !self.as_built
+        self.forces.is_some() && !self.refers_forces && !self.is_as_built()
     }
 
     /// Whether the load or the cross of a joint behind the first reads pins with all digits of numbers
@@ -307,13 +313,13 @@ impl Plan {
 
     /// Whether every output has its extremes at known angles.
     pub(crate) fn has_closed_extremes(&self) -> bool {
-        !self.as_built && self.load.is_none() && !self.needs_poses() && !self.needs_angle()
+        !self.is_as_built() && self.load.is_none() && !self.needs_poses() && !self.needs_angle()
     }
 
     /// Whether the sense of a pin matters, not only its line. Half a turn reverses the pins, and with
     /// them the axes of shafts, and a joint as built distinguishes the two positions.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.as_built || self.any_joint.cross || self.axes == Axes::Shaft
+        self.is_as_built() || self.any_joint.cross || self.axes == Axes::Shaft
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.

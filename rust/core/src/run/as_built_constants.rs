@@ -31,8 +31,8 @@ pub(crate) struct FoldedAsBuilt<T> {
 
 impl<T: Real> FoldedAsBuilt<T> {
     pub(crate) fn new(plan: &Plan) -> Self {
-        let joints = if plan.as_built { plan.reach() } else { 0 };
-        let shafts = if plan.as_built { joints + 1 } else { 0 };
+        let joints = if plan.is_as_built() { plan.reach() } else { 0 };
+        let shafts = if plan.is_as_built() { joints + 1 } else { 0 };
         Self { stages: vec![vec![]; joints], means: vec![vec![]; shafts] }
     }
 
@@ -114,7 +114,7 @@ pub(crate) struct BuffersAsBuilt<T: Real> {
 
 impl<T: Real> BuffersAsBuilt<T> {
     pub(crate) fn new(plan: &Plan, longest: usize) -> Self {
-        if !plan.as_built {
+        if !plan.is_as_built() {
             return Self {
                 pins: vec![],
                 errors: vec![],

@@ -377,7 +377,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let stored = Chunk { pins: Pins::Stored, ..chunk };
         let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
             let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
-            if plan.as_built {
+            if plan.is_as_built() {
                 let joints = &folded.as_built;
                 let buffers = &mut scratch.as_built;
                 kernels::find_motion_as_built(level, plan, drive, joints, geometry, buffers, size);

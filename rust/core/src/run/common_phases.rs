@@ -3,7 +3,7 @@
 use crate::mechanics::common_phases::States;
 use crate::mechanics::phasing::is_set;
 use crate::run::execution::Execution;
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// One setting for the states of each driveline of a batch, in rad, `(…, joints − 1)`: the one that
 /// minimises the weighted mean of `|q|²` over the states. Of settings that are as good it is the one
@@ -37,13 +37,7 @@ pub fn common_phases_of_batch(states: &States<'_>, execution: Execution<'_>) -> 
             out.copy_from_slice(&states.of_line(line).search(stop));
         }
     };
-    // The pool, which may not exist, is not queried for one thread.
-    let threads = if workers == Some(1) || lines < 2 {
-        1
-    } else {
-        let pool = rayon::current_num_threads();
-        workers.map_or(pool, |workers| pool.min(workers))
-    };
+    let threads = threads(lines > 1, workers);
     work_off(found.chunks_mut(between).enumerate(), threads, || (), run);
     found
 }

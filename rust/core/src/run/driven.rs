@@ -26,7 +26,7 @@ use crate::run::level::{Compiled, Level};
 use crate::run::queue::work_off;
 use crate::run::scratch::CHUNK;
 use crate::run::sines;
-use crate::run::threads::threads;
+use crate::run::threads::threads_for;
 use crate::sincos::array::{DriveAngles, sample_number};
 
 /// Fills `out` with the drive angles in rad at which the last shaft has the angles of the samples,
@@ -59,7 +59,7 @@ pub fn drive_angles(
         }
     };
     let pieces = highs.zip(lows).enumerate();
-    work_off(pieces, threads(total, execution.workers), <[Vec<f64>; 2]>::default, run);
+    work_off(pieces, threads_for(total, execution.workers), <[Vec<f64>; 2]>::default, run);
     Ok(())
 }
 

@@ -35,16 +35,21 @@ impl Plan {
         let table = Table::new(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
         match (precision, planes) {
+            #[cfg(feature = "single")]
             (Precision::Single, Planes::Single(planes)) => run.fill::<f32, f32>(planes),
+            #[cfg(feature = "single")]
             (Precision::Single, Planes::Double(planes)) => run.fill::<f32, f64>(planes),
+            #[cfg(feature = "single")]
             (Precision::Double, Planes::Single(planes)) => run.fill::<f64, f32>(planes),
-            (Precision::Double, Planes::Double(planes)) => run.fill::<f64, f64>(planes),
+            #[cfg(feature = "single")]
             (Precision::DoubleDouble, Planes::Single(planes)) => {
                 run.fill::<DoubleDouble, f32>(planes)
             }
             (Precision::DoubleDouble, Planes::Double(planes)) => {
                 run.fill::<DoubleDouble, f64>(planes)
             }
+            // Double precision does the work of single precision where this is left out.
+            (_, Planes::Double(planes)) => run.fill::<f64, f64>(planes),
         }
     }
 
@@ -66,9 +71,10 @@ impl Plan {
         let table = Table::by_rows(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
         match precision {
+            #[cfg(feature = "single")]
             Precision::Single => run.reduce::<f32>(reduction, planes),
-            Precision::Double => run.reduce::<f64>(reduction, planes),
             Precision::DoubleDouble => run.reduce::<DoubleDouble>(reduction, planes),
+            _ => run.reduce::<f64>(reduction, planes),
         }
     }
 
@@ -88,7 +94,7 @@ impl Plan {
             _ => CHUNK,
         };
         let of_joint = 928 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
-        let of_joint = of_joint + if self.as_built { 192 * CHUNK } else { 0 };
+        let of_joint = of_joint + if self.is_as_built() { 192 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
         let of_forces = |forces: &ForceStep| 48 * lanes * forces.terms() + 96 * CHUNK;
         let of_forces = self.forces.as_ref().map_or(0, of_forces);

@@ -24,5 +24,6 @@ pub enum Planes<'a, 'b> {
     /// Planes of doubles.
     Double(&'a mut [&'b mut [f64]]),
     /// Planes of single-precision numbers.
+    #[cfg(feature = "single")]
     Single(&'a mut [&'b mut [f32]]),
 }

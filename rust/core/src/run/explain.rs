@@ -69,7 +69,7 @@ impl Plan {
             Some(_) => Table::by_rows(joints, loaded, samples)?,
             None => Table::new(joints, loaded, samples)?,
         };
-        if self.as_built {
+        if self.is_as_built() {
             return Ok(self.explain_as_built(table.sweep.is_some(), call));
         }
         let choices = self.choices(&table, call.precision);
@@ -219,7 +219,7 @@ impl Plan {
                 let parts = [
                     (step.planes.get(Output::Moment).is_some(), of_moment),
                     (step.needs_support(), of_support),
-                    (step.needs_force && self.as_built, "forces"),
+                    (step.needs_force && self.is_as_built(), "forces"),
                 ];
                 let is_magnitude = |output: &Output| {
                     output.row().needs == Needs::Torsion

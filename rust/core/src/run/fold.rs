@@ -58,6 +58,7 @@ pub struct FoldedDriveline(pub(crate) FoldedAs);
 /// The constants, by the arithmetic of the runs.
 #[derive(Clone, Debug)]
 pub(crate) enum FoldedAs {
+    #[cfg(feature = "single")]
     Single(Folded<f32>),
     Double(Folded<f64>),
     DoubleDouble(Folded<DoubleDouble>),
@@ -71,9 +72,10 @@ impl Plan {
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
         self.check_lines(lines)?;
         Ok(FoldedDriveline(match precision {
+            #[cfg(feature = "single")]
             Precision::Single => FoldedAs::Single(fold_first(self, lines)),
-            Precision::Double => FoldedAs::Double(fold_first(self, lines)),
             Precision::DoubleDouble => FoldedAs::DoubleDouble(fold_first(self, lines)),
+            _ => FoldedAs::Double(fold_first(self, lines)),
         }))
     }
 }
@@ -147,7 +149,7 @@ impl<T: Angle> Folded<T> {
         lines: &Drivelines<'_>,
         numbers: &[usize],
     ) {
-        if plan.as_built {
+        if plan.is_as_built() {
             return self.fold_as_built(plan, lines, numbers);
         }
         if T::LOW {

@@ -104,7 +104,7 @@ impl<T: Real> FoldedForces<T> {
         for (i, balance) in step.balances.iter().enumerate() {
             let (known, own) = self.balances.split_at_mut(i);
             let places = (lengths, positions);
-            solve(balance, step, known, places, &pose_of, plan.as_built, &mut own[0]);
+            solve(balance, step, known, places, &pose_of, plan.is_as_built(), &mut own[0]);
         }
         let zero = [[T::from_f64(0.0); 3]; PARTS];
         for (target, columns) in step.targets.iter().zip(&mut self.coefficients) {
@@ -119,7 +119,7 @@ impl<T: Real> FoldedForces<T> {
                     place += 1;
                 }
                 // The parts of a joint as built need no map.
-                if plan.as_built {
+                if plan.is_as_built() {
                     columns[place][index] = own;
                     continue;
                 }

@@ -2,13 +2,14 @@
 
 use cardan_memory::Stores;
 pub use fearless_simd::Level;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
 use fearless_simd::Simd;
 
 use crate::error::{Error, Result};
 
 /// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
 /// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
-/// kernels need.
+/// kernels need, but for WebAssembly, which has no fused multiply-add.
 ///
 /// `compact` and `stores` are constants in each copy of the expression: see [`is_compact`], and how
 /// strips are stored.
@@ -63,7 +64,8 @@ macro_rules! compiled_up_to_avx2 {
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
             let _: &fearless_simd::Level = &$level;
-            let ($compact, $stores) = (false, cardan_memory::Stores::ordinary());
+            let compact = cfg!(target_family = "wasm");
+            let ($compact, $stores) = (compact, cardan_memory::Stores::ordinary());
             $run
         }
     }};

@@ -119,7 +119,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             let joint = station.shaft - 1;
             let poses = &folded.poses[joint][..geometry.count(size)];
             let power = power.view(size);
-            let own_pins = if T::LOW && joint > 0 && !plan.as_built {
+            let own_pins = if T::LOW && joint > 0 && !plan.is_as_built() {
                 let maps = mapped(OneByOne(poses), |pose: Pose<T>| pose.matrix);
                 turned::find_turned(level, maps, joint, lines, drive, pins, turned_pins);
                 pins_of(turned_pins, size)
@@ -152,7 +152,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             } else {
                 power
             };
-            let is_as_built = plan.as_built && T::PRECISION != Precision::Single;
+            let is_as_built = plan.is_as_built() && T::PRECISION != Precision::Single;
             let loads = JointLoads {
                 torsion: station.torsion.then_some(torsion),
                 power: (station.force_power && !weighs_power).then_some(power),

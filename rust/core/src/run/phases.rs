@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use crate::mechanics::phasing::{is_set, search_phases, search_phases_inlined};
 use crate::run::execution::Execution;
 use crate::run::level::{Level, compiled_up_to_avx2};
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// The number of drivelines in a piece of work for one thread, and the fewest pieces that use
 /// threads.
@@ -38,13 +38,7 @@ pub fn optimal_phases_of_batch(
     };
     let size = PIECE.saturating_mul(between);
     let pieces = phases.len().div_ceil(size);
-    // The pool, which may not exist, is not queried for one thread.
-    let threads = if workers == Some(1) || pieces < MIN_PARALLEL_PIECES {
-        1
-    } else {
-        let pool = rayon::current_num_threads();
-        workers.map_or(pool, |workers| pool.min(workers))
-    };
+    let threads = threads(pieces >= MIN_PARALLEL_PIECES, workers);
     work_off(phases.chunks_mut(size).enumerate(), threads, || (), run);
 }
 

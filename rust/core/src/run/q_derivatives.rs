@@ -6,7 +6,7 @@ use crate::input::Drivelines;
 use crate::mechanics::derivatives::{ChainGradient, ChainMaps, Layout, Map, by_points};
 use crate::mechanics::phasing::is_set;
 use crate::run::execution::Execution;
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// The fewest drivelines that use threads.
 const MIN_PARALLEL: usize = 1024;
@@ -51,13 +51,7 @@ pub fn q_derivatives(
     if count == 0 {
         return;
     }
-    // The pool, which may not exist, is not queried for one thread.
-    let threads = if execution.workers == Some(1) || out.len() / count < MIN_PARALLEL {
-        1
-    } else {
-        let pool = rayon::current_num_threads();
-        execution.workers.map_or(pool, |workers| pool.min(workers))
-    };
+    let threads = threads(out.len() / count >= MIN_PARALLEL, execution.workers);
     let each = |(): &mut (), (line, out): (usize, &mut [Complex<f64>])| {
         if is_set(execution.stop) {
             return;

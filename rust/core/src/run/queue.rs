@@ -2,7 +2,21 @@
 
 use std::sync::{Mutex, PoisonError};
 
+#[cfg(feature = "threads")]
 use cardan_memory::{Ticket, lend};
+
+/// How many threads share the work: one unless it `is_enough` for several, otherwise those of the
+/// pool, of which at most `workers`. The pool, which may not exist, is not queried for one thread.
+pub(crate) fn threads(is_enough: bool, workers: Option<usize>) -> usize {
+    if !is_enough || workers == Some(1) {
+        return 1;
+    }
+    #[cfg(feature = "threads")]
+    let pool = rayon::current_num_threads();
+    #[cfg(not(feature = "threads"))]
+    let pool = 1;
+    workers.map_or(pool, |workers| pool.min(workers.max(1)))
+}
 
 /// Calls `work` with every item and a state of the thread that runs it. The calling thread takes
 /// part, so that it does not sleep while the pool wakes up, and at most `threads − 1` threads of
@@ -26,20 +40,23 @@ pub(crate) fn work_off<I, S>(
             work(&mut own, item);
         }
     };
-    if threads < 2 {
-        // This does not touch the pool, which may not exist.
-        run();
-    } else {
+    #[cfg(feature = "threads")]
+    if threads > 1 {
         lend(&run, |ticket| {
             call_for_help(ticket, threads - 1);
             run();
         });
+        return;
     }
+    // This does not touch the pool, which may not exist.
+    let _ = threads;
+    run();
 }
 
 /// Asks so many threads of the pool to help. Each of them wakes half of those that are left, so that
 /// the time until the last one begins grows with the logarithm of their number. Nobody waits for one
 /// that comes after the queue is empty.
+#[cfg(feature = "threads")]
 fn call_for_help(ticket: &Ticket, helpers: usize) {
     let mut left = helpers;
     while left > 0 {
@@ -55,7 +72,7 @@ fn call_for_help(ticket: &Ticket, helpers: usize) {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "threads"))]
 mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::atomic::{AtomicUsize, Ordering};

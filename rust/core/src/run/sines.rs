@@ -113,7 +113,7 @@ pub(crate) fn pins<T: Number>(
     size: usize,
     even: bool,
 ) -> Pins {
-    if !routes.one_use || plan.as_built || is_compact(level) || T::LOW {
+    if !routes.one_use || plan.is_as_built() || is_compact(level) || T::LOW {
         return Pins::Stored;
     }
     let is_single = T::PRECISION == Precision::Single;
@@ -156,7 +156,7 @@ pub(crate) fn sines_needed<T: Number>(
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> NeededSines {
-    if plan.as_built {
+    if plan.is_as_built() {
         return NeededSines { pins: false, wide_pins: false, double_angles: false };
     }
     let wide_pins = T::LOW && plan.needs_wide_pins();

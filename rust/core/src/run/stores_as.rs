@@ -23,8 +23,9 @@ pub(crate) trait StoresAs<W: Float>: Number + Compiled {
 }
 
 macro_rules! stores_as {
-    ($($number:ident as $precision:ident by $plane:ident to $word:ident:
+    ($($(#[$on:meta])? $number:ident as $precision:ident by $plane:ident to $word:ident:
         $planes:ident => $direct:expr;)*) => {$(
+        $(#[$on])?
         impl StoresAs<$word> for $number {
             type Plane = $plane;
 
@@ -42,11 +43,15 @@ macro_rules! stores_as {
 }
 
 stores_as! {
+    #[cfg(feature = "single")]
     f32 as Single by f32 to f32: planes => Some(planes);
+    #[cfg(feature = "single")]
     f32 as Single by f64 to f64: planes => Some(planes);
     f64 as Double by f64 to f64: planes => Some(planes);
+    #[cfg(feature = "single")]
     f64 as Double by f64 to f32: _planes => None;
     DoubleDouble as DoubleDouble by f64 to f64: planes => Some(planes);
+    #[cfg(feature = "single")]
     DoubleDouble as DoubleDouble by f64 to f32: _planes => None;
 }
 

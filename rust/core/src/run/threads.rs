@@ -19,7 +19,7 @@ use crate::run::block::{Block, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
 use crate::run::level::{Level, compiled_for};
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 use crate::run::scratch::CHUNK;
 use crate::run::stores_as::{StoresAs, first_unwritten, mark_unwritten};
 use crate::sincos::rotation::Rotations;
@@ -90,7 +90,7 @@ impl<'a, 's> Run<'a, 's> {
 
     fn fill_pieces<T: StoresAs<W>, W: Float>(&self, planes: &mut [&mut [W]]) {
         let total = self.table.samples();
-        let threads = threads(total, self.execution.workers);
+        let threads = threads_for(total, self.execution.workers);
         let shared = self.shared::<T, _>();
         let staging = T::direct(&mut []).is_none();
         let new_block = |longest| Block::<T, W>::new(&shared, self.rows_of(longest), staging);
@@ -149,7 +149,7 @@ impl<'a, 's> Run<'a, 's> {
             block.run(samples, &mut Target::Reduced(reduction, &groups, partials));
         };
         let new_block = || Block::new(&shared, rows_per_block, true);
-        let threads = threads(rows * length, self.execution.workers);
+        let threads = threads_for(rows * length, self.execution.workers);
         work_off(partials.chunks_mut(per_block).enumerate(), threads, new_block, run);
         for row in 0..rows {
             for (result, plane) in out.iter_mut().enumerate() {
@@ -211,13 +211,8 @@ impl<'p, W> Iterator for Pieces<'p, W> {
 }
 
 /// The number of threads for so many samples, the calling one among them.
-pub(super) fn threads(samples: usize, workers: Option<usize>) -> usize {
-    // The pool, which may not exist, is not queried for one thread.
-    if !uses_threads(samples) || workers == Some(1) {
-        return 1;
-    }
-    let pool = rayon::current_num_threads().min(samples / SHARE);
-    workers.map_or(pool, |workers| pool.min(workers.max(1)))
+pub(super) fn threads_for(samples: usize, workers: Option<usize>) -> usize {
+    threads(uses_threads(samples), workers).min((samples / SHARE).max(1))
 }
 
 /// The tables that the routes of a run need.

@@ -112,7 +112,7 @@ impl Search<'_> {
             .enumerate()
             .flat_map(|(item, output)| {
                 // Deviations move the zeros of a magnitude and round its kinks off.
-                let has_kinks = output.has_kinks() && !plan.as_built;
+                let has_kinks = output.has_kinks() && !plan.is_as_built();
                 (0..output.components()).map(move |component| {
                     let reverses = output.reverses(component, plan.axes);
                     Symmetry { reverses, has_kinks, item }
@@ -152,7 +152,7 @@ impl Search<'_> {
         samples: usize,
         out: &mut [f64],
     ) -> Result<f64> {
-        let whole = self.turns.plan.as_built;
+        let whole = self.turns.plan.is_as_built();
         let count = if whole { 2 * samples } else { samples };
         let step = PI / samples as f64;
         let angles: Vec<f64> = (0..count).map(|i| i as f64 * step).collect();

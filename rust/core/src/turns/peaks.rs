@@ -97,7 +97,7 @@ struct Candidate {
 impl Search<'_> {
     fn run(&self, found: &mut [Peak]) -> Result<()> {
         let angles = self.angles();
-        let period = if self.turns.plan.as_built { 2.0 * PI } else { PI };
+        let period = if self.turns.plan.is_as_built() { 2.0 * PI } else { PI };
         let sizes = self.sizes(&angles)?;
         let mut candidates = vec![];
         for (group, sizes) in sizes.chunks(angles.len()).enumerate() {
@@ -155,7 +155,7 @@ impl Search<'_> {
         }
         angles.sort_by(f64::total_cmp);
         angles.dedup();
-        if self.turns.plan.as_built {
+        if self.turns.plan.is_as_built() {
             angles.extend(angles.clone().iter().map(|angle| angle + PI));
         }
         angles

@@ -10,7 +10,7 @@ use crate::number::Precision;
 use crate::plan::steps::Plan;
 use crate::run::driven;
 use crate::run::execution::{Execution, Planes};
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 
 /// On the calling thread.
 const ALONE: Execution<'_> =
@@ -214,10 +214,7 @@ pub(crate) fn each_piece<N: Send>(
             failed.get_or_init(|| error);
         }
     };
-    // The pool, which may not exist, is not queried for one thread.
-    let alone = execution.workers == Some(1) || pieces.len() < MIN_PARALLEL_PIECES;
-    let pool = if alone { 1 } else { rayon::current_num_threads() };
-    let threads = execution.workers.map_or(pool, |workers| pool.min(workers));
+    let threads = threads(pieces.len() >= MIN_PARALLEL_PIECES, execution.workers);
     work_off(pieces, threads, || (), run);
     failed.into_inner().map_or(Ok(()), Err::<(), Error>)
 }

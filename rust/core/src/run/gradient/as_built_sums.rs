@@ -10,8 +10,8 @@ use crate::run::gradient::WIDTH;
 use crate::run::gradient::as_built::{LineAsBuilt, Pass, SampleAsBuilt, Variable, variables};
 use crate::run::gradient::line::Wanted;
 use crate::run::gradient::motion::CHUNK;
-use crate::run::gradient::{BLOCK, Differentiated, threads};
-use crate::run::queue::work_off;
+use crate::run::gradient::{BLOCK, Differentiated};
+use crate::run::queue::{threads, work_off};
 
 /// The elements of one driveline, or none.
 fn part_of(array: &[f64], line: usize, each: usize) -> &[f64] {

@@ -24,7 +24,7 @@ use crate::plan::forces::ForceStep;
 use crate::plan::{Axes, End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
-use crate::run::queue::work_off;
+use crate::run::queue::{threads, work_off};
 use blocks::{Buffers, MOTIONS, Part};
 use columns::ChunkColumn;
 pub use line::{Counts, Wanted};
@@ -366,13 +366,4 @@ fn is_motion(output: Output) -> bool {
 
 fn is_force(output: Output) -> bool {
     matches!(output, Output::JointForce | Output::BearingForce)
-}
-
-fn threads(parallel: bool, workers: Option<usize>) -> usize {
-    // The pool, which may not exist, is not queried for one thread.
-    if !parallel || workers == Some(1) {
-        return 1;
-    }
-    let pool = rayon::current_num_threads();
-    workers.map_or(pool, |workers| pool.min(workers.max(1)))
 }
