@@ -338,6 +338,36 @@ class Machine:
         found = self._core.suggest(float(reach), list(teeth), known, threads.at_most(None))
         return tuple(_change(row) for row in found)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the machine as plain data, which JSON can hold and ``cardan.js`` reads.
+
+        The names are those of the arguments of its function ``figures``, in SI units. Besides
+        them ``points`` are the ends and joint centres of every state from the upstream end, if the
+        shafts have lengths. What is not known is ``None``.
+        """
+        parts = self._parts
+        columns = _of_cases("", *parts["states"])
+        columns["bearings"] = self.states._geometry.bearings
+        if parts["steps"] is not None:
+            columns |= _of_cases("step_", *parts["steps"])
+        if parts["spline"] is not None:
+            columns["spline"], own = parts["spline"]
+            columns |= dict(zip(_SPLINE, own, strict=True))
+        for name in ("shares", "ratings", "centres", "play"):
+            columns[name] = parts[name]
+        columns["drawn"] = np.reshape(parts["drawn"], (-1, 3))
+        columns["tubes"] = [shaft for shaft, _ in parts["tubes"]]
+        for names, records in (
+            (_FRICTION, parts["friction"]),
+            (_TUBES, [own for _, own in parts["tubes"]]),
+            (_LIMITS, [(k, -1 if i is None else i, *rest) for k, i, *rest in parts["limits"]]),
+        ):
+            for i, name in enumerate(names):
+                columns[name] = [record[i] for record in records]
+        for name in ("shear_modulus", "step_end", "step_inertia_shafts"):
+            columns.pop(name, None)
+        return {"joints": self.states.n_joints, **{k: _plain(v) for k, v in columns.items()}}
+
     @property
     def _core(self) -> _core.Machine:
         parts = dict(self._parts)
@@ -355,6 +385,39 @@ class Machine:
     def _per_joint(self, name: str, array: FloatArray) -> list[float]:
         found: list[float] = per_joint(name, array, self.states.n_joints).tolist()
         return found
+
+
+_FRICTION = ("friction", "pin_radius", "arm", "seal_torque")
+_TUBES = ("outer_diameter", "wall", "tube_length", "shear_modulus", "elastic_modulus", "density")
+_SPLINE = ("engaged", "push_in", "spline_friction", "spline_radius")
+_LIMITS = ("limit_kinds", "limit_items", "limits", "maxima")
+
+
+def _of_cases(
+    prefix: str, line: Driveline, speed: list[float], load: tuple[Any, ...] | None
+) -> dict[str, Any]:
+    """Drivelines with their points, and their speeds and loads, by name with a prefix."""
+    own = line._geometry
+    names = ("bends", "twists", "phases", "directions", "normals", "lengths", "positions")
+    columns: dict[str, Any] = dict(zip(names, own.arrays, strict=False))
+    columns["speed"] = speed
+    if load is not None:
+        columns["end"], columns["torque"], columns["acceleration"], inertias = load
+        columns["inertia_shafts"] = [shaft for shaft, _ in inertias]
+        columns["inertias"] = [each for _, each in inertias]
+    if has_lengths(line):
+        ends = np.cumsum(own.lengths[..., np.newaxis] * own.directions, axis=-2)
+        columns["points"] = np.concatenate([np.zeros_like(ends[..., :1, :]), ends], axis=-2)
+    return {prefix + name: column for name, column in columns.items()}
+
+
+def _plain(values: Any) -> Any:  # noqa: ANN401 - of any depth
+    """Numbers and names in lists, with ``None`` for NaN."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    if isinstance(values, (list, tuple)):
+        return [_plain(value) for value in values]
+    return None if isinstance(values, float) and math.isnan(values) else values
 
 
 def _states_of(name: str, line: Driveline) -> Driveline:

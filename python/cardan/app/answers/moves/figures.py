@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import count, figure, word
-from cardan.app.scene.language.units import RPM
-from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.life import load_at
-from cardan.design.machine import Change, Machine
+from cardan.app.scene.machine import machine_of
+from cardan.design.machine import Change
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
@@ -93,88 +91,3 @@ def _of(change: Change, joints: int) -> str:
         return ends.get(change.item, f"joint {change.item - 1}")
     whose = {"phase": "shaft", "bearing": "bearing", "engaged": "the spline of shaft"}
     return f"{whose.get(change.variable, 'joint')} {change.item}"
-
-
-def machine_of(scene: Scene) -> Machine | None:
-    """Return a scene as a machine; ``None`` where a study or a recording has no states."""
-    recorded = scene.line.shape or scene.speed_recorded or scene.recording is not None
-    if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
-        return None
-    lines, load = scene.drivelines(), scene.load_case
-    play, column = scene.play, scene.steering
-    if scene.states:
-        load = scene.states.loads(load)
-    speed = None if load else scene.speed
-    machine = Machine(lines, load, limits=_limits(scene), speed=speed, drawn=scene.line)
-    sizes = scene.sizes.each if scene.sizes else ()
-    ratings = [size.rating if size.wears and size.rating else np.nan for size in sizes]
-    if duty := scene.duty:
-        # Of several states that have the same duty cycle, the one in which a joint fails first.
-        place = 0
-        if sizes and len(duty.line) > 1 and np.isfinite(ratings).any():
-            known = np.nan_to_num(ratings, nan=1e12)
-            life = duty.line.life(duty.load, rating=known, shares=duty.shares)
-            place = int(np.argmin(np.min(life.hours, axis=0)))
-        steps = load_at(duty.load, duty.line.shape, (place,))
-        machine = machine.with_duty(duty.line[place], steps, duty.shares)
-    if sizes and duty:
-        machine = machine.with_ratings(ratings)
-    if tubes := scene.tubes:
-        # The stiffness of a tube is not judged.
-        given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
-        machine = machine.with_tubes(tubes.shafts, **given)
-    if slip := scene.slip:
-        drawn = {"engaged": slip.engaged, "push_in": slip.push_in}
-        lengths = {name: 1e-3 * value for name, value in drawn.items() if value is not None}
-        if slip.friction is not None and slip.radius is not None:
-            lengths |= {"friction": slip.friction, "radius": slip.radius}
-        machine = machine.with_spline(slip.shaft, **lengths)
-    if column:
-        machine = machine.with_steering(np.radians(column.centre_deg))
-    return machine.with_play(play.radial, play.arm) if play else machine
-
-
-def _limits(scene: Scene) -> dict[str, Any]:
-    """The limits that the scene gives, in SI, by the names of the machine's figures."""
-    limits: dict[str, Any] = {}
-    for key, bound in scene.limits.figures.items():
-        name, factor = key.removesuffix("_rad_s2"), 1.0
-        if key.endswith("_deg"):
-            name, factor = key.removesuffix("_deg"), np.pi / 180.0
-        pair = (factor * bound.limit, factor * bound.maximum)
-        for ending in ("_driving", "_coasting") if name == "inertia_excitation" else ("",):
-            limits[f"{name}{ending}"] = pair
-    for key, each in (("joint", scene.line.n_joints), ("bearing", scene.line.n_bearings)):
-        if force := scene.part_limits.get(f"{key}_force_N"):
-            pair = (force.limit, force.maximum)
-            limits[f"{key}_force"] = dict.fromkeys(range(each), pair)
-    if (lash := scene.part_limits.get("lash_deg")) and scene.play:
-        limits["lash"] = (np.radians(lash.limit), np.radians(lash.maximum))
-    slip, column = scene.slip, scene.steering
-    if column and column.offset_deg is not None:
-        limits["steering_offset"] = np.radians(column.offset_deg)
-    if column and column.ratio_percent is not None:
-        limits["steering_ratio"] = 1e-2 * column.ratio_percent
-    for joint, size in enumerate(scene.sizes.each if scene.sizes else ()):
-        if size.max_bend_deg is not None:
-            limits.setdefault("bend", {})[joint] = np.radians(size.max_bend_deg)
-        if size.max_speed_bend is not None:
-            product = size.max_speed_bend * RPM * np.pi / 180.0
-            limits.setdefault("speed_bend", {})[joint] = product
-        if scene.duty is not None and scene.duty.target is not None and size.wears:
-            limits.setdefault("life", {})[joint] = scene.duty.target
-    if tubes := scene.tubes:
-        for name, limit in (
-            ("shear_stress", tubes.permitted_stress),
-            ("critical_margin", tubes.least_margin),
-        ):
-            if limit is not None:
-                limits[name] = dict.fromkeys(tubes.shafts, limit)
-    if slip:
-        given = {
-            "spline_travel": slip.travel,
-            "spline_engaged": slip.least_engaged,
-            "spline_push_in": None if slip.push_in is None else 0.0,
-        }
-        limits |= {name: 1e-3 * one for name, one in given.items() if one is not None}
-    return limits

@@ -1,0 +1,436 @@
+// @ts-check
+/**
+ * The core of cardan in JavaScript: drivelines with universal joints, evaluated and judged with the
+ * same bits as the Python package.
+ *
+ * The functions of the module describe themselves: names, units and shapes of arguments and results
+ * come from its table. Quantities are in SI units and angles in radians.
+ *
+ * @module cardan
+ */
+
+/**
+ * Numbers, flat or nested, a number, or names where numbers stand for names.
+ * @typedef {number | boolean | string | ArrayLike<any> | null | undefined} Values
+ */
+
+/**
+ * An argument or a result: its unit, or the list of names that its numbers stand for, and its axes.
+ * @typedef {{name: string, unit?: string, of?: string, shape: string}} Field
+ */
+
+/** @typedef {{name: string, arguments: Field[], results: Field[]}} FunctionRow */
+
+/**
+ * @typedef {object} OutputRow
+ * @property {string} name
+ * @property {"shaft" | "joint" | "bearing"} per of what each is
+ * @property {string} unit
+ * @property {string[]} components of a vector; one without a name of a scalar
+ * @property {boolean} needs_load
+ */
+
+/**
+ * @typedef {object} KindRow
+ * @property {string} name
+ * @property {string} unit
+ * @property {"shaft" | "joint" | "bearing" | null} per
+ * @property {boolean} most whether its limit is the most that it may be, or the least
+ * @property {"states" | "cases" | "once"} scope where it has values
+ */
+
+/**
+ * @typedef {object} Table
+ * @property {string} version
+ * @property {Record<string, string[]>} names
+ * @property {OutputRow[]} outputs
+ * @property {KindRow[]} kinds
+ * @property {FunctionRow[]} functions
+ */
+
+/**
+ * A machine as `cardan.Machine.to_dict` writes it: the arguments of the function `figures` by name,
+ * those that it has. With `points` the drivelines follow from these.
+ * @typedef {Record<string, any>} MachineData
+ */
+
+/**
+ * One figure of a machine.
+ * @typedef {object} Figure
+ * @property {KindRow} kind
+ * @property {number | null} item of which shaft, joint or bearing
+ * @property {Float64Array} values in every state, and for some kinds then in every step
+ * @property {string[]} ranks how each stands to the limit
+ * @property {number} limit NaN if there is none
+ * @property {number} maximum
+ * @property {number | null} worst the place of the value nearest to the limit or farthest past it
+ */
+
+/**
+ * One change of a machine.
+ * @typedef {object} Change
+ * @property {string} variable
+ * @property {number} item
+ * @property {number | null} axis of a point
+ * @property {number} from
+ * @property {number} to
+ * @property {number} share its size as a part of what was tried
+ * @property {string} verdict after it
+ * @property {{kind: KindRow, item: number | null, value: number} | null} worst what is then worst
+ */
+
+/** The argument, the place in it and the rule that it breaks, as one sentence. */
+export class CardanError extends Error {}
+
+/** The module with its functions. */
+export class Cardan {
+  /** @type {WebAssembly.Module} */ #module;
+  /** @type {any} */ #exports;
+  /** @type {Map<string, number>} */ #numbers;
+
+  /**
+   * @param {WebAssembly.Module} module
+   * @param {WebAssembly.Instance} instance
+   */
+  constructor(module, instance) {
+    this.#module = module;
+    this.#exports = instance.exports;
+    this.#exports.describe();
+    /** What the module describes. @type {Table} */
+    this.table = JSON.parse(this.#text());
+    this.#numbers = new Map(this.table.functions.map((row, number) => [row.name, number]));
+  }
+
+  /**
+   * Load the module from its bytes, as they are or compressed by gzip.
+   * @param {ArrayBuffer | Uint8Array} bytes
+   * @returns {Promise<Cardan>}
+   */
+  static async load(bytes) {
+    let code = new Uint8Array(/** @type {ArrayBuffer} */ (bytes));
+    if (code[0] === 0x1f && code[1] === 0x8b) {
+      const stream = new Blob([code]).stream().pipeThrough(new DecompressionStream("gzip"));
+      code = new Uint8Array(await new Response(stream).arrayBuffer());
+    }
+    const module = await WebAssembly.compile(code);
+    return new Cardan(module, await WebAssembly.instantiate(module));
+  }
+
+  /** How many bytes of memory the module has. It grows to what the largest call needs. */
+  get memory() {
+    return this.#exports.memory.buffer.byteLength;
+  }
+
+  /**
+   * A machine from its data.
+   * @param {MachineData} data
+   * @returns {Machine}
+   */
+  machine(data) {
+    return new Machine(this, data);
+  }
+
+  /**
+   * Call a function by its name. Arguments that are left out are empty.
+   * @param {string} name
+   * @param {Record<string, Values>} values
+   * @returns {Record<string, any>} results by name: a `Float64Array`, or names where the table says so
+   */
+  call(name, values) {
+    const number = this.#numbers.get(name);
+    if (number === undefined) throw new CardanError(`function ${name} is unknown`);
+    const row = this.table.functions[number];
+    const known = new Set(row.arguments.map((field) => field.name));
+    for (const given of Object.keys(values)) {
+      if (!known.has(given)) throw new CardanError(`${given} is no argument of ${name}`);
+    }
+    const parts = row.arguments.map((field) => this.#encoded(field, values[field.name]));
+    const total = parts.reduce((sum, part) => sum + 1 + part.length, 0);
+    return this.#decoded(row, this.#run(number, parts, total));
+  }
+
+  /**
+   * @param {number} number
+   * @param {number[][]} parts
+   * @param {number} total
+   * @returns {Float64Array}
+   */
+  #run(number, parts, total) {
+    let status;
+    try {
+      const place = this.#exports.room(total);
+      if (place === 0) throw new CardanError(`arguments has ${total} numbers, which are too many`);
+      const room = new Float64Array(this.#exports.memory.buffer, place, total);
+      let at = 0;
+      for (const part of parts) {
+        room[at] = part.length;
+        room.set(part, at + 1);
+        at += 1 + part.length;
+      }
+      status = this.#exports.call(number);
+    } catch (fault) {
+      if (fault instanceof CardanError) throw fault;
+      // The memory of a module that has stopped is not to be trusted.
+      this.#exports = new WebAssembly.Instance(this.#module).exports;
+      throw new CardanError(`${this.table.functions[number].name} stopped: ${fault}`);
+    }
+    if (status !== 0) throw new CardanError(this.#text());
+    const first = this.#exports.answer();
+    return new Float64Array(this.#exports.memory.buffer.slice(first, first + this.#exports.answer_length()));
+  }
+
+  /** The answer as text. */
+  #text() {
+    const first = this.#exports.answer();
+    const bytes = new Uint8Array(this.#exports.memory.buffer, first, this.#exports.answer_length());
+    return new TextDecoder().decode(bytes);
+  }
+
+  /**
+   * @param {Field} field
+   * @param {Values} values
+   * @returns {number[]}
+   */
+  #encoded(field, values) {
+    const names = field.of === undefined ? null : this.table.names[field.of];
+    /** @type {number[]} */
+    const flat = [];
+    /** @param {any} value */
+    const add = (value) => {
+      if (typeof value === "number") flat.push(value);
+      else if (value === null) flat.push(NaN);
+      else if (typeof value === "boolean") flat.push(Number(value));
+      else if (typeof value === "string") {
+        const place = names ? names.indexOf(value) : -1;
+        if (place < 0) throw new CardanError(`${field.name} holds ${JSON.stringify(value)}, which is unknown`);
+        flat.push(place);
+      } else if (typeof value === "object" && typeof value.length === "number") {
+        for (let i = 0; i < value.length; i++) add(value[i]);
+      } else throw new CardanError(`${field.name} holds ${typeof value}s; it holds numbers`);
+    };
+    if (values !== null && values !== undefined) add(values);
+    return flat;
+  }
+
+  /**
+   * @param {FunctionRow} row
+   * @param {Float64Array} flat
+   * @returns {Record<string, any>}
+   */
+  #decoded(row, flat) {
+    let at = 0;
+    /** @type {Record<string, any>} */
+    const results = {};
+    for (const field of row.results) {
+      const values = flat.slice(at + 1, at + 1 + flat[at]);
+      at += 1 + flat[at];
+      const names = field.of === undefined ? null : this.table.names[field.of];
+      results[field.name] = names ? Array.from(values, (value) => names[value]) : values;
+    }
+    return results;
+  }
+}
+
+const CHAINS = ["bends", "twists", "phases"];
+const FRAMES = ["directions", "normals"];
+const MOUNTED = ["lengths", "positions", "bearings"];
+const LOAD = ["end", "torque", "speed", "acceleration", "inertia_shafts", "inertias"];
+
+/** A driveline in all of its states with its parts, loads and limits. It does not change. */
+export class Machine {
+  /** @type {Cardan} */ #cardan;
+
+  /**
+   * @param {Cardan} cardan
+   * @param {MachineData} data
+   */
+  constructor(cardan, data) {
+    this.#cardan = cardan;
+    /** The arguments of the function `figures`, and `points`. @type {MachineData} */
+    this.data = data;
+    const { joints, points, unit, phases, step_points, step_phases } = data;
+    if (points && !data.bends) {
+      this.data = { ...this.data, ...cardan.call("from_points", { joints, points, unit, phases }) };
+    }
+    if (step_points && !data.step_bends) {
+      const given = { joints, points: step_points, unit, phases: step_phases };
+      for (const [name, values] of Object.entries(cardan.call("from_points", given))) {
+        this.data = { ...this.data, [`step_${name}`]: values };
+      }
+    }
+  }
+
+  /** How many states it has. */
+  get states() {
+    return flatLength(this.data.bends) / this.data.joints;
+  }
+
+  /**
+   * The machine with other data; drivelines follow from new `points` or `phases`.
+   * @param {MachineData} changes
+   * @returns {Machine}
+   */
+  with(changes) {
+    const data = { ...this.data, ...changes };
+    if (data.points && (changes.points || changes.phases)) delete data.bends;
+    if (data.step_points && (changes.step_points || changes.step_phases)) delete data.step_bends;
+    return new Machine(this.#cardan, data);
+  }
+
+  /**
+   * The machine with a point moved alike in all states and in the drawing.
+   * @param {number} point from the upstream end
+   * @param {[number, number, number]} by in the unit of the points
+   * @returns {Machine}
+   */
+  move(point, by) {
+    /** @param {number[][]} line */
+    const moved = (line, scale = 1) =>
+      line.map((p, i) => (i === point ? p.map((x, axis) => x + scale * by[axis]) : p));
+    const { points, drawn, step_points, unit = 1 } = this.data;
+    if (!points) throw new CardanError("points are missing; drivelines without lengths have none");
+    /** @type {MachineData} */
+    const changes = { points: points.map((line) => moved(line)) };
+    if (drawn && drawn.length) changes.drawn = moved(drawn, unit);
+    if (step_points) changes.step_points = step_points.map((line) => moved(line));
+    return this.with(changes);
+  }
+
+  /**
+   * Outputs of every state at drive angles.
+   * @param {{outputs: string[], angles: ArrayLike<number>, of_shafts?: number[], of_joints?: number[],
+   *   axes?: string, tolerance?: number}} request shafts and joints are all by default
+   * @returns {Record<string, Float64Array[][][]>} by output, item, state and component
+   */
+  evaluate(request) {
+    const { joints } = this.data;
+    const { of_shafts = range(joints + 1), of_joints = range(joints), ...rest } = request;
+    const given = this.#some([...CHAINS, ...FRAMES, ...MOUNTED, ...LOAD]);
+    const { values } = this.#cardan.call("evaluate", { ...given, of_shafts, of_joints, ...rest });
+    const [states, samples] = [this.states, request.angles.length];
+    const bearings = range(flatLength(this.data.bearings));
+    const items = { shaft: of_shafts, joint: of_joints, bearing: bearings };
+    let at = 0;
+    /** @type {Record<string, Float64Array[][][]>} */
+    const found = {};
+    for (const name of request.outputs) {
+      const row = this.#cardan.table.outputs.find((output) => output.name === name);
+      if (row === undefined) throw new CardanError(`outputs holds "${name}", which is unknown`);
+      found[name] = items[row.per].map(() => {
+        const planes = row.components.map(() => {
+          const plane = range(states).map((i) => values.subarray(at + i * samples, at + (i + 1) * samples));
+          at += states * samples;
+          return plane;
+        });
+        return range(states).map((state) => planes.map((plane) => plane[state]));
+      });
+    }
+    return found;
+  }
+
+  /**
+   * Every figure with its rank in every state.
+   * @returns {Figure[]}
+   */
+  figures() {
+    const found = this.#cardan.call("figures", this.#arguments());
+    let at = 0;
+    return found.kinds.map((/** @type {string} */ name, /** @type {number} */ i) => {
+      const [first, last] = [at, at + found.counts[i]];
+      at = last;
+      return {
+        kind: this.#kind(name),
+        item: none(found.items[i]),
+        values: found.values.slice(first, last),
+        ranks: found.ranks.slice(first, last),
+        limit: found.limits[i],
+        maximum: found.maxima[i],
+        worst: none(found.worst[i]),
+      };
+    });
+  }
+
+  /**
+   * The worst rank of all figures.
+   * @returns {string}
+   */
+  verdict() {
+    const order = this.#cardan.table.names.ranks;
+    const places = this.figures().flatMap((figure) => figure.ranks.map((rank) => order.indexOf(rank)));
+    return order[Math.max(0, ...places)];
+  }
+
+  /**
+   * The smallest single changes that bring everything within its limits.
+   * @param {{reach?: number, teeth?: number[], known_ratings?: number[]}} search
+   * @returns {Change[]}
+   */
+  suggest(search = {}) {
+    const found = this.#cardan.call("suggest", { ...this.#arguments(), ...search });
+    return found.variables.map((/** @type {string} */ variable, /** @type {number} */ i) => {
+      const worst = found.worst_kinds[i];
+      const left = { item: none(found.worst_items[i]), value: found.worst_values[i] };
+      return {
+        variable,
+        item: found.items[i],
+        axis: none(found.axes[i]),
+        from: found.from[i],
+        to: found.to[i],
+        share: found.shares[i],
+        verdict: found.verdicts[i],
+        worst: worst === undefined ? null : { kind: this.#kind(worst), ...left },
+      };
+    });
+  }
+
+  /**
+   * The setting of the yokes of each state that is closest to constant velocity, or one for all.
+   * @param {{together?: boolean, teeth?: number[]}} how
+   * @returns {Float64Array}
+   */
+  bestPhases({ together = true, teeth = [] } = {}) {
+    const given = this.#some(CHAINS);
+    if (!together) return this.#cardan.call("optimal_phases", given).phases;
+    const held = Array(this.data.joints - 1).fill(0);
+    const weights = Array(this.states).fill(1 / this.states);
+    return this.#cardan.call("common_phases", { ...given, weights, held, teeth }).phases;
+  }
+
+  /** @param {string} name */
+  #kind(name) {
+    return /** @type {KindRow} */ (this.#cardan.table.kinds.find((kind) => kind.name === name));
+  }
+
+  /**
+   * The data with these names and the number of joints.
+   * @param {string[]} names
+   * @returns {Record<string, any>}
+   */
+  #some(names) {
+    return Object.fromEntries(["joints", ...names].map((name) => [name, this.data[name]]));
+  }
+
+  #arguments() {
+    const { points, step_points, unit, title, ...given } = this.data;
+    return given;
+  }
+}
+
+/** @param {number} count */
+const range = (count) => Array.from({ length: count }, (_, i) => i);
+
+/** @param {number} number */
+const none = (number) => (number < 0 ? null : number);
+
+/**
+ * How many numbers flat or nested values have.
+ * @param {any} values
+ * @returns {number}
+ */
+function flatLength(values) {
+  if (values === undefined || values === null) return 0;
+  if (typeof values === "number") return 1;
+  let count = 0;
+  for (let i = 0; i < values.length; i++) count += flatLength(values[i]);
+  return count;
+}
