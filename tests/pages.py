@@ -11,9 +11,11 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
@@ -37,11 +39,16 @@ def tables(page: str) -> dict[str, list[list[str]]]:
     """Return the rows of every table by its caption, the head first."""
     return {
         html.unescape(caption): [
-            [html.unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)]
+            [plain(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)]
             for row in re.findall(r"<tr>(.*?)</tr>", rows)
         ]
         for caption, rows in re.findall(r"<caption>(.*?)</caption>(.*?)</table>", page, re.S)
     }
+
+
+def plain(cell: str) -> str:
+    """Return the text of a cell with numbers as the terminal has them."""
+    return re.sub(r"\N{MINUS SIGN}(?=[\d.])", "-", html.unescape(cell))
 
 
 def figure(page: str, heading: str) -> ElementTree.Element:
@@ -53,6 +60,17 @@ def figure(page: str, heading: str) -> ElementTree.Element:
     ]
     assert len(found) == 1, heading
     return found[0]
+
+
+def three(value: float) -> str:
+    """Return three digits, or every one before the point."""
+    return f"{value:.{max(0, 2 - int(f'{abs(value):.2e}'[5:]))}f}" if value else "0"
+
+
+def near(text: str) -> Any:  # noqa: ANN401 - pytest gives it no type
+    """Return what a printed number may be of: half of its last digit on either side."""
+    digits = re.findall(r"-?\d+(?:\.(\d+))?", text)[0]
+    return pytest.approx(first_number(text), abs=0.5000001 * 10.0 ** -len(digits))
 
 
 def value(text: str) -> float:

@@ -62,7 +62,7 @@ def test_the_loop_of_one_joint_is_the_closed_form() -> None:
         np.testing.assert_allclose(angle, want, rtol=1e-9)
         np.testing.assert_allclose(torque, [TORQUE, 0.0, 0.0, -TORQUE])
     labels = [line.get_label() for line in axes.get_lines()][2:]
-    assert [str(label).split(":")[0] for label in labels] == ["at 0°", "at 90°"]
+    assert [str(label).split(":")[0] for label in labels] == ["at 0°", "at 90.0°"]
     assert axes.get_ylabel() == "torque at the drive [N m]"
     assert axes.get_xlabel() == "angle of the last shaft, drive held [deg]"
     pyplot.close("all")
@@ -116,7 +116,7 @@ def test_scenes_are_those_of_the_library(tmp_path: Path) -> None:
     text = PARTS["backlash"].text(Answer(scene)["backlash"])
     for name, options in (("run", ("--into", tmp_path)), ("check", ())):
         assert text in command(name, PATH, *options)
-    assert f"largest lash     {high:.4f}°" in text
+    assert f"largest lash     {high:.2f}°" in text
     data = json.loads(command("check", PATH, "--json"))
     ANSWERS.validate(data)
     assert data["backlash"]["least_lash_deg"] == pytest.approx(low, rel=1e-12)

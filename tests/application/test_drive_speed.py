@@ -41,8 +41,8 @@ def test_thoma_is_just_within_the_rule() -> None:
     assert (found.verdict, found.shaft) == ("fair", 1)
     assert found.share == pytest.approx(1 / 11, rel=1e-3)
     words = said(scene("[10, 1]"))
-    assert "the drive varies by 0.2008% from peak to peak" in words
-    assert "Shaft 1 varies by 2.209%, so the share is 9.091%; the limit is 10.00%" in words
+    assert "the drive varies by 0.201% from peak to peak" in words
+    assert "Shaft 1 varies by 2.21%, so the share is 9.09%; the limit is 10%" in words
     assert "smaller than computed" in said(scene("[8, 1]"))
 
 

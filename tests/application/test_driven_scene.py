@@ -72,7 +72,7 @@ def test_recorded_angles_of_the_driven_shaft(tmp_path: Path) -> None:
     np.testing.assert_allclose(table["angle_deg"], [0.0, 10.0, np.nan, 400.0], atol=1e-12)
     table_of_drive = inputs(scene)["drive"]
     assert table_of_drive is not None
-    assert ("Given as angles of the driven shaft", "0 to 400.0 deg") in table_of_drive.rows
+    assert ("Given as angles of the driven shaft", "0 to 400 deg") in table_of_drive.rows
 
 
 def test_recorded_times_do_not_go_with_them(tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def test_angles_and_the_largest_force_are_marked() -> None:
         np.testing.assert_array_equal(at, path[2 * int(name[:-1])])
     (arrow,) = (text for text in axes.texts if not text.get_text())
     np.testing.assert_array_equal(arrow.xy, path[np.argmax(np.hypot(*path.T))])  # type: ignore[attr-defined]
-    assert axes.get_title(loc="left").startswith("Bearing 2, up to 138.5 N")
+    assert axes.get_title(loc="left").startswith("Bearing 2, up to 139 N")
     assert axes.get_aspect() == 1.0
 
 

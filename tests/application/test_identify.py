@@ -88,7 +88,7 @@ def test_both_joints_of_a_recording(recording: Path) -> None:
     said = {label: value.strip() for label, value in said.items()}
     assert (said["samples"], said["missing samples"]) == ("1499", "1")
     assert said["bend"].split() == ["14.00°", "9.000°"]
-    assert said["phase less twist"] == "-10.00°"
+    assert said["phase less twist"] == "-10.0°"
     assert said["equivalent bend"] == f"{LINE.equivalent().bend_deg:.2f}°"
     amplitudes = re.findall(r"[\d.e-]+°", text.partition("Orders of what was recorded")[2])
     assert amplitudes[1] == f"{LINE.harmonics([2]).angle_error_deg[0]:.4f}°"

@@ -18,6 +18,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, needed
 from cardan.app.plots import plot_heat, plot_part, plot_pin_load, plot_sizes, save
 from cardan.app.scene import Scene
+from pages import near
 
 CONVEYOR = Path(__file__).parents[2] / "examples" / "conveyor.toml"
 LINE = cardan.Driveline.from_bends([12, 18], phases=[90], degrees=True)
@@ -131,8 +132,7 @@ def test_short_lives_and_names_are_written_in_full() -> None:
     axes = plot_sizes(replace(found, sizes=tuple(sizes)))
     assert any(float(one.hours or 0.0) < 1.0 for one in sizes)
     for text_of_bar, one in zip(axes.texts, sizes, strict=True):
-        shown = float(text_of_bar.get_text().removesuffix(" h"))
-        assert shown == pytest.approx(one.hours, rel=6e-3)
+        assert one.hours == near(text_of_bar.get_text())
     for label, one in zip(axes.get_yticklabels(), sizes, strict=True):
         assert label.get_text() == one.size
         assert not label.get_parse_math()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -70,7 +71,10 @@ def of_example(name: str) -> dict[str, Any]:
     ids=["bearings", "ride_heights", "truck_heights", "truck_torsion", "steering", "lash"],
 )
 def test_a_check_after_a_move_finds_what_it_says(scene: dict[str, Any], tmp_path: Path) -> None:
-    """A hundredth less does not suffice, so the move is the smallest of its kind."""
+    """A hundredth less does not suffice, so the move is the smallest of its kind.
+
+    In words it is rounded so that it suffices as well.
+    """
     path = tmp_path / "scene.toml"
     before = checked(scene, path)
     assert before["verdict"] == "beyond"
@@ -82,6 +86,15 @@ def test_a_check_after_a_move_finds_what_it_says(scene: dict[str, Any], tmp_path
         assert checked(moved(scene, move, 0.99), path)["verdict"] != "within"
     sizes = [abs(move["shift_mm"]) for move in moves]
     assert sizes == sorted(sizes)
+    said = re.findall(
+        r"Move \D*\d* by ([\d.]+) mm along [+\N{MINUS SIGN}]([xyz])", " ".join(before["advice"])
+    )
+    assert said
+    for move, (by, axis) in zip(moves, said, strict=False):
+        assert move["axis"] == axis
+        share = float(by) / abs(move["shift_mm"])
+        assert 1.0 <= share < 1.1
+        assert checked(moved(scene, move, share), path)["verdict"] == "within"
 
 
 def test_what_is_within_needs_no_move(tmp_path: Path) -> None:
@@ -94,19 +107,25 @@ def test_what_is_within_needs_no_move(tmp_path: Path) -> None:
 def test_a_move_is_said_in_words() -> None:
     answer = Answer(load_scene(example("bearings.toml")))
     first, *_ = PARTS["moves"].sentences(answer["moves"])
-    assert first == "Move joint 2 by 12.77 mm along +y: everything is then within its limits."
+    assert first == "Move joint 2 by 12.8 mm along +y: everything is then within its limits."
 
 
 def test_a_turn_of_a_yoke_is_a_move(tmp_path: Path) -> None:
     """Of two equal bends in one plane a phase of 90 degrees cancels the motion."""
-    for teeth, turn in ((None, 60.0), (24, 60.0)):
-        driveline = {"bends_deg": [20, 20], "phases_deg": 30} | ({"teeth": teeth} if teeth else {})
+    for bend, teeth, turn in ((20, None, 60.0), (20, 24, 60.0), (20.1, None, 60.0)):
+        driveline = {"bends_deg": [20, bend], "phases_deg": 30} | (
+            {"teeth": teeth} if teeth else {}
+        )
         data = checked({"driveline": driveline}, tmp_path / "a.toml")
         (move,) = (move for move in data["moves"] if move["variable"] == "phase")
         assert move["verdict"] == "within"
         assert abs(move["turn_deg"]) <= turn + 1e-9
-        after = {"driveline": driveline | {"phases_deg": 30 + move["turn_deg"]}}
-        assert checked(after, tmp_path / "a.toml")["verdict"] == "within"
+        (said,) = re.findall(r"shaft 1 by ([\d.]+)°", data["advice"][0])
+        assert float(said) == pytest.approx(abs(move["turn_deg"]), abs=0.1)
+        for size in (abs(move["turn_deg"]), float(said)):
+            turned = np.copysign(size, move["turn_deg"])
+            after = {"driveline": driveline | {"phases_deg": 30 + turned}}
+            assert checked(after, tmp_path / "a.toml")["verdict"] == "within"
 
 
 def test_recorded_runs_have_no_moves() -> None:

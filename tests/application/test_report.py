@@ -33,7 +33,7 @@ from selenium.webdriver.remote.webelement import WebElement
 from cardan import Driveline, Limits, Load, __version__
 from cardan.app.answers.limits.figures import MotionFigures
 from cardan.app.answers.names import column_name, key_name
-from cardan.app.answers.printed import figure_text
+from cardan.app.answers.printed import number_text
 from cardan.app.answers.rows import rows_of
 from cardan.app.answers.study.page import heat_map
 from cardan.app.charts.charts import Curve, Panel, chart
@@ -50,7 +50,7 @@ from cardan.arrays import FloatArray
 from cardan.design.judged import Finding
 from cardan.design.quantities import label as label_of
 from example_scenes import DRIVELINES, EXAMPLES, Answers
-from pages import curves, scales, tables
+from pages import curves, near, scales, tables, three
 
 MACHINES = [path.stem for path in EXAMPLES if path.parent.name == "machines"]
 SMALL_PAGES = ("foeppl", "suspension", "recorded_run")
@@ -129,15 +129,20 @@ def test_joints_that_cancel_have_no_harmonics(tmp_path: Path, states: str) -> No
 
 def test_tables_are_the_librarys(tmp_path: Path) -> None:
     found = tables(written(scene(Z_SHAFT), tmp_path))
-    assert ["Torque at the drive", "300.0 N m"] in found["Load and drive"]
+    assert ["Torque at the drive", "300 N m"] in found["Load and drive"]
     assert ["Speed of the drive", "157.1 rad/s, 1500 rpm"] in found["Load and drive"]
 
     series = LINE.harmonics((2, 4, 6))
     assert found["Harmonics of shaft 2: amplitudes"] == [
         ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"],
         *(
-            [f"order {order}", f"{np.degrees(series.angle_error[i]):.3g}", f"{ratio:.3g}"]
-            for i, (order, ratio) in enumerate(zip((2, 4, 6), series.speed_ratio, strict=True))
+            [
+                f"order {order}",
+                *(number_text(each, "") for each in (error, ratio)),
+            ]
+            for order, error, ratio in zip(
+                (2, 4, 6), series.angle_error_deg, series.speed_ratio, strict=True
+            )
         ),
     ]
 
@@ -156,12 +161,14 @@ def test_tables_are_the_librarys(tmp_path: Path) -> None:
             joint.max_acceleration_ratio * (50.0 * np.pi) ** 2 for joint in joints
         ],
     }.items():
-        assert row(motion, name) == [figure_text(float(value)) for value in values], name
+        digits = {"Equivalent bend [deg]": 2, "Largest acceleration [rad/s²]": 0}.get(name)
+        shown = three if digits is None else f"{{:.{digits}f}}".format
+        assert row(motion, name) == [shown(float(value)) for value in values], name
     for name, factor in {"Speed ratio": 1.0, "Speed [rpm]": 1500.0}.items():
         for cell, joint in zip(row(motion, name), joints, strict=True):
-            low, high = map(float, cell.split(" to "))
-            assert low == pytest.approx(factor * joint.min_speed_ratio, rel=1e-4)
-            assert high == pytest.approx(factor * joint.max_speed_ratio, rel=1e-4)
+            low, high = map(near, cell.split(" to "))
+            assert factor * joint.min_speed_ratio == low
+            assert factor * joint.max_speed_ratio == high
 
     loads = "Loads of the shafts, largest over a whole turn"
     turn = np.radians(np.arange(0.0, 360.25, 0.5))
@@ -169,7 +176,7 @@ def test_tables_are_the_librarys(tmp_path: Path) -> None:
     assert found[loads][0] == ["", "shaft 0", "shaft 1", "shaft 2"]
     sizes = np.linalg.norm(moments, axis=-1)
     assert row(loads, "Largest support moment [N m]") == [
-        figure_text(size) for size in sizes.max(axis=-1)
+        three(size) for size in sizes.max(axis=-1)
     ]
     at = [cells[1:] for cells in found[loads] if cells[0] == "at drive angle [deg]"][1]
     for shaft, place in enumerate(at):
@@ -194,12 +201,12 @@ def test_many_shafts_are_rows_and_the_most_loaded_are_listed(tmp_path: Path) -> 
     peaks = np.linalg.norm(moments, axis=-1).max(axis=-1)
     most = sorted(np.argsort(-peaks)[:8])
     listed = re.findall(r"<li>shaft (\d+): up to ([\d.]+) N m</li>", page)
-    assert listed == [(str(shaft), figure_text(peaks[shaft])) for shaft in most]
+    assert listed == [(str(shaft), three(peaks[shaft])) for shaft in most]
     assert "each of the other 4 shafts: no more than these" in page
     motion = tables(page)["Motion of the shafts over a whole turn at constant drive speed"]
     assert [row[0] for row in motion] == ["", *(f"shaft {shaft}" for shaft in range(1, 12))]
     assert motion[0][1] == "Equivalent bend [deg]"
-    assert motion[-1][1] == figure_text(float(np.degrees(line.equivalent().bend)))
+    assert motion[-1][1] == f"{float(np.degrees(line.equivalent().bend)):.2f}"
 
 
 @pytest.mark.parametrize("main", [[1, 0.1, 0.2], [-1, 0.3, 0], [0.1, 1, 0], [0, -0.2, -1]])
@@ -289,7 +296,7 @@ def label_and_value(finding: Finding) -> tuple[str, str]:
     """What the page calls a figure of the motion, and its worst value with its unit."""
     rows = {name: row for name, row, _ in rows_of(MotionFigures)}
     unit = "°" if finding.unit == "deg" else f" {finding.unit}"
-    return rows[finding.figure].label, f"{figure_text(finding.worst)}{unit}"
+    return rows[finding.figure].label, f"{finding.worst:.{2 if unit == '°' else 0}f}{unit}"
 
 
 def test_answers_are_the_librarys(tmp_path: Path) -> None:
@@ -303,7 +310,7 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
         if finding.limit:
             assert str(finding.verdict) == "beyond"
             over = finding.worst - finding.limit.limit
-            stands = f"{figure_text(over)}° above the limit of {finding.limit.limit:g}°"
+            stands = f"{over:.2f}° above the limit of {finding.limit.limit:g}°"
         assert f"{label}: {value}, {stands}" in said
 
     turn = np.radians(np.arange(0.0, 360.25, 0.5))
@@ -313,22 +320,20 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
     most = int(np.argmax(peaks))
     at = np.argmax(sizes[most] >= (1.0 - 1e-9) * peaks[most]) / 2.0
     assert (
-        f"Highest bending reaction: shaft {most}, {figure_text(peaks[most])} N m, "
+        f"Highest bending reaction: shaft {most}, {three(peaks[most])} N m, "
         f"at {at:.1f}° and {at + 180.0:.1f}° of drive angle." in said
     )
     for shaft, peak in enumerate(peaks):
-        assert f"shaft {shaft}: up to {figure_text(peak)} N m" in said
+        assert f"shaft {shaft}: up to {three(peak)} N m" in said
 
     assert "Spatial arrangement: the bends lie in different planes." in said
     # 170 deg of twist are 10 deg counter-clockwise, and the yokes must follow.
     assert "input-side yoke, looking from the drive towards the output." in said
-    assert "shaft 1: 10.00° counter-clockwise = 170.00° clockwise; turn it 30.00°" in said
+    assert "shaft 1: 10.0° counter-clockwise = 170.0° clockwise; turn it 30.0°" in said
     best = np.degrees(LINE.with_phases(LINE.optimal_phases()).equivalent().bend)
-    assert f"with this setting {best:.3f}°" in said
+    assert f"with this setting {best:.2f}°" in said
     # By the last shaft's angle error, not by that of one before it.
-    first, last = (
-        figure_text(np.degrees(float(LINE.equivalent(i).max_angle_error))) for i in (1, 2)
-    )
+    first, last = (three(np.degrees(float(LINE.equivalent(i).max_angle_error))) for i in (1, 2))
     assert first != last
     assert f"the last shaft leads and lags the drive by up to {last}°" in said
 
@@ -363,7 +368,7 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
         else:
             assert (limit, maximum, source) == ("", "", "no limit given")
         ends = (finding.within_up_to, finding.tolerable_up_to)
-        rpm = [figure_text(float(speed) * 30.0 / np.pi) for speed in ends if np.isfinite(speed)]
+        rpm = [f"{int(float(speed) * 30.0 / np.pi)}" for speed in ends if np.isfinite(speed)]
         assert [f"{each} rpm" for each in rpm] == list(kept.get(label_of(finding.figure), ()))
     verdicts = [str(finding.verdict) for finding in found.findings]
     assert {"within", "tolerable", "not judged"} == set(verdicts)
@@ -386,9 +391,9 @@ def test_yokes_on_splines(tmp_path: Path) -> None:
     # From 20 deg in steps of 22.5 deg; the best would be -10 deg.
     line = Driveline.from_bends([12, 9], [170], [-2.5], degrees=True)
     left = np.degrees(line.equivalent().bend)
-    assert "shaft 1 (16 teeth): 2.50° counter-clockwise" in said
-    assert "turn it 1 tooth counter-clockwise (22.50°)" in said
-    assert f"on the best teeth {left:.3f}°." in said
+    assert "shaft 1 (16 teeth): 2.5° counter-clockwise" in said
+    assert "turn it 1 tooth counter-clockwise (22.5°)" in said
+    assert f"on the best teeth {left:.2f}°." in said
     assert "To use it in the scene: phases_deg = [-2.5]" in said
     assert "On these teeth the driveline is still beyond limits:" in said
 
@@ -406,7 +411,9 @@ def test_catalogue_rule_beside_the_exact_bend(signs: list[int], tmp_path: Path) 
     assert abs(exact - rule) < 0.05
     said = PageText(written(scene(text), tmp_path)).text
     written_signs = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in signs)
-    row = f"as in the scene{exact:.4f}{rule:.4f}{rule - exact:.4f}0.0000{written_signs}"
+    difference = f"{rule - exact:.2f}" if abs(rule - exact) > 0.005 else f"{rule - exact:.3f}"
+    difference = difference.replace("-", "\N{MINUS SIGN}")
+    row = f"as in the scene{exact:.2f}{rule:.2f}{difference}0{written_signs}"
     assert row in said
 
 
@@ -423,7 +430,7 @@ def test_without_a_load_moments_are_for_a_stated_torque(tmp_path: Path) -> None:
         of_loads = [words for _, words in headings if re.search("[Ll]oads|torque|bend|mom", words)]
         assert len(of_loads) >= 7
         assert all(assumed in words.replace("\N{NO-BREAK SPACE}", " ") for words in of_loads)
-        assert f"shaft 0: up to {figure_text(peak)} N m" in said
+        assert f"shaft 0: up to {three(peak)} N m" in said
     assert "assumed" not in PageText(written(scene(Z_SHAFT), tmp_path)).text
 
 
@@ -437,8 +444,8 @@ def test_a_study_answers_for_all_of_it(tmp_path: Path) -> None:
     assert 0 < within < 11
     assert f"Drivelines of the study: {within} of 11 within, {11 - within} beyond." in said
     largest = np.degrees(np.max(Driveline.from_bends(bends, degrees=True).equivalent().bend))
-    assert f"equivalent bend: {largest:.3f}° at bends_deg.0 = 10, " in said
-    assert f", {largest - 3.0:.3f}° above the limit of 3°" in said
+    assert f"equivalent bend: {largest:.2f}° at bends_deg.0 = 10, " in said
+    assert f", {largest - 3.0:.2f}° above the limit of 3°" in said
     assert "What varies: 11 drivelines" in said
 
 

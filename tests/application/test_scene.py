@@ -1241,9 +1241,7 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
     }
     turn = TurnFigures(drive_angles(scene), tuple(table.values()))
     lines = summary_text(turn).splitlines()
-    heading = lines.index(
-        "In these 4 samples, first -30.00°, last 60.00°, least -30.00°, largest 100.00°,"
-    )
+    heading = lines.index("In these 4 samples, first -30°, last 60°, least -30°, largest 100°,")
     assert lines[heading + 1] == "  0.4722 turns forward and back, 6.353 samples per turn"
 
 
@@ -1283,12 +1281,12 @@ def test_table_as_text() -> None:
         "  twist of the bend planes, shaft 1  0°",
         "",
         "Over a whole turn",
-        "  largest angle error, shaft 2       0.3164° at 44.84°",
-        "  speed ratio, shaft 2               0.999862 to 1.000138",
+        "  largest angle error, shaft 2       0.316° at 44.8°",
+        "  speed ratio, shaft 2               0.99986 to 1.00014",
         "  speed, shaft 2                     3000 rpm",
-        "  largest acceleration, shaft 2      1.235e-07 rad/s²",
+        "  largest acceleration, shaft 2      1.23e-07 rad/s²",
         "  largest torque, shaft 0            1234568 N m",
-        "  largest torque, shaft 2            1.235e+08 N m at 0.00°",
+        "  largest torque, shaft 2            1.23e+08 N m at 0°",
         "  largest moment, joint 0            0 N m",
         "",
         "Angles after 'at' are drive angles; at 0° the driving pin of joint 0 lies in",

@@ -23,7 +23,7 @@ from cardan.app.plots import plot_states, write_picture
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, StatesResult
 from example_scenes import example
-from pages import curves, figure, page_of, scales
+from pages import curves, figure, page_of, scales, three
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = (EXAMPLES / "ride_heights.toml").read_text(encoding="utf-8")
@@ -202,7 +202,7 @@ def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
     assert (data["cause"], data["above_limits"]) == ("phases", [])
     text = run("phase", TRUCK, tmp_path)[1]
     assert "On these teeth the driveline passes the check in every state." in text
-    assert "at most 2.829° in bump +80 mm" in text
+    assert "at most 2.83° in bump +80 mm" in text
 
 
 @pytest.mark.parametrize(("bend", "worst", "name"), [(5, "high", "W"), (3, "low", "Z")])
@@ -313,8 +313,8 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     best = -2.22 + data["best_turn_deg"]
     for off, words in (
         (0.08, "has its best place on the column: a turn improves the worst case by less"),
-        (0.12, "by 0.1200° counter-clockwise, looking from the column towards the output; that"),
-        (-0.12, "by 0.1200° clockwise, looking from the column towards the output; that leaves"),
+        (0.12, "by 0.12° counter-clockwise, looking from the column towards the output; that"),
+        (-0.12, "by 0.12° clockwise, looking from the column towards the output; that leaves"),
     ):
         near = COLUMN.replace("centre_deg = 10", f"centre_deg = {best + off!r}")
         assert words in " ".join(run("check", near, tmp_path)[1].split())
@@ -452,23 +452,23 @@ def test_the_report_has_the_loads_of_the_worst_state(tmp_path: Path) -> None:
         peaks[name] = float(np.linalg.norm(moment.support_moment, axis=-1).max())
     worst = max(peaks, key=lambda name: peaks[name])
     assert worst != "ride height"
-    assert f"shaft 1, {peaks[worst]:.1f} N m, at " in text
+    assert f"shaft 1, {peaks[worst]:.0f} N m, at " in text
     assert f"of drive angle, in {worst}." in text
     bends = np.degrees(given.drivelines().bends[:, 1])
-    assert f"joint 1 {bends.min():.3f} to {bends.max():.3f} " in text
+    assert f"joint 1 {bends.min():.2f} to {bends.max():.2f} " in text
     error = np.degrees(given.drivelines().equivalent().max_angle_error.max())
-    assert f"leads and lags the drive by up to {error:.4g}°, twice per turn, in {worst}." in text
+    assert f"leads and lags the drive by up to {three(error)}°, twice per turn, in {worst}." in text
     # The catalogue's rule is applied to the state that it stands next to.
     exact = given.drivelines().equivalent().bend_deg.max()
     (tmp_path / "one").mkdir()
     alone = answer("phase", single(-160), tmp_path / "one")["catalogue"]["present"]
     rule = np.radians(alone["equivalent_bend_deg"])
-    assert f"as in the scene {exact:.4f} {np.degrees(rule):.4f} " in text
+    assert f"as in the scene {exact:.2f} {np.degrees(rule):.2f} " in text
     forces = Answer(given)["forces"]
     assert forces
     for kind in ("joint", "bearing"):
         for force in getattr(forces, f"{kind}s"):
-            size = f"{force.largest.value:.4g} N"
+            size = f"{three(force.largest.value)} N"
             named = f"{kind.capitalize()} {force.number}, in {force.largest.state}, up to {size}"
             assert named in text
 

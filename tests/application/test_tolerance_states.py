@@ -137,7 +137,7 @@ def test_the_sentence_names_the_state() -> None:
     assert sentence.startswith(
         f"As drawn, the driveline is within the 2° limit in every state. With these tolerances, "
         f"{share} of all drivelines are within it in every state; the worst has "
-        f"{np.degrees(worst):.3f}° in low, "
+        f"{np.degrees(worst):.2f}° in low, "
     )
     tight = tolerance_figures(Scene.parse(TEXT.replace("bend_deg = 2", "bend_deg = 1.4")))
     assert tight is not None

@@ -66,13 +66,14 @@ def turn(angle: ArrayLike) -> Turn:
     return Turn(np.abs(wrapped), np.where(finite, sense, "unknown"))
 
 
-def both_senses(degrees: float, sense: str) -> str:
+def both_senses(degrees: float, sense: str, *, decimals: int = 2) -> str:
     """Return a turn in degrees as words, and the same turn made in the opposite sense.
 
     Args:
         degrees: size of the turn, at most 180.
         sense: ``"clockwise"`` or ``"counter-clockwise"``.
+        decimals: of both.
     """
     opposite = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[sense]
-    shown = f"{degrees:.2f}"
-    return f"{shown}° {sense} = {180.0 - float(shown):.2f}° {opposite}"
+    shown = f"{degrees:.{decimals}f}"
+    return f"{shown}° {sense} = {180.0 - float(shown):.{decimals}f}° {opposite}"

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from textwrap import indent
 from typing import Any
 
 import numpy as np
 
 from cardan.app.answers.rounding import ROUNDING
-from cardan.app.answers.rows import UNITS, Entry, Judged, Row, item_of, rows_of
+from cardan.app.answers.rows import (
+    DIGITS,
+    UNITS,
+    Digits,
+    Entry,
+    Judged,
+    Rounds,
+    Row,
+    item_of,
+    rows_of,
+)
 from cardan.arrays import FloatArray
 from cardan.design.wrapping import fill
+from cardan.motion.workshop import both_senses
 
 _WIDTH, _SHORT = 79, 16
 
-# What is less than this, in the unit in which it is shown, is rounding.
-_FINEST = {"deg": 1e-6, "rad": 1e-8, "mm": 1e-6, "rad_s2": 1e-9}
+# Ends of a range that need more to differ read alike.
+_MOST_DECIMALS = 8
 
 
 def capital(text: str) -> str:
@@ -30,28 +41,6 @@ def listed(parts: Sequence[str]) -> str:
     """Return ``"a, b and c"``."""
     *others, last = parts or [""]
     return " and ".join(filter(None, (", ".join(others), last)))
-
-
-def rounded_up(value: float) -> str:
-    """Return three digits, not below the value."""
-    if value <= 0.0 or not math.isfinite(value):
-        return figure_text(value)
-    step = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"
-
-
-def rounded_down(value: float, unit: str, digits: int = 3) -> str:
-    """Return so many digits, not above the value, with its unit: ``"16.1°"``."""
-    shown, step = UNITS[unit].factor * value, 1.0
-    if shown > 0.0:
-        step = 10.0 ** (math.floor(math.log10(shown)) + 1 - digits)
-    return given(math.floor(shown / step) * step / UNITS[unit].factor, unit)
-
-
-def short(value: float) -> str:
-    """Return four significant digits without zeros at the end."""
-    text = figure_text(value)
-    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
 
 
 def table_text(rows: Sequence[Sequence[str]]) -> str:
@@ -67,26 +56,91 @@ def table_text(rows: Sequence[Sequence[str]]) -> str:
 # --- rows ----------------------------------------------------------------------------------------
 
 
-def quantity(value: float, unit: str, *, radians: bool = False) -> str:
-    """Return a value in SI with its unit, a key of ``UNITS``: ``"41.30 MPa"``, ``"2.712°"``."""
-    return _with_unit(value, unit, radians, figure_text)
+def quantity(
+    value: float | Judged,
+    unit: str,
+    *,
+    radians: bool = False,
+    digits: str = "",
+    rounds: Rounds = "nearest",
+    bounds: Sequence[float] = (),
+) -> str:
+    """Return a value in SI with its unit, a key of ``UNITS``: ``"41.3 MPa"``, ``"2.71°"``.
+
+    Args:
+        value: a number, or a judged one, which is told apart from its limits.
+        unit: in which it is shown.
+        radians: whether angles are in radians.
+        digits: the key of ``DIGITS``; by default the unit.
+        rounds: up or down in magnitude if the value must still do what it promises.
+        bounds: what it is told apart from, in SI as well.
+    """
+    row = Row("figure", "", unit, digits=digits, rounds=rounds, bounds=tuple(bounds))
+    return row_text(value, row, radians=radians)
+
+
+def row_text(value: float | Judged, row: Row, *, radians: bool = False) -> str:
+    """Return a figure of a row with its unit, told apart from its limits."""
+    bounds = row.bounds
+    if isinstance(value, Judged):
+        assert value.value is not None
+        bounds += tuple(each for each in (value.limit, value.maximum) if each is not None)
+        return row_text(value.value, replace(row, bounds=bounds), radians=radians)
+    number = value
+    if not math.isfinite(number):
+        return "not known" if math.isnan(number) else "unlimited"
+    turned, kind = radians and row.unit == "deg", row.digits or row.unit
+    factor = 1.0 if turned else UNITS[row.unit].factor
+    if turned and kind == "given":
+        number = _given_in_degrees(number)
+    elif turned:
+        kind, bounds = _in_radians(kind), tuple(map(_given_in_degrees, bounds))
+    text = number_text(
+        factor * number,
+        kind,
+        apart_from=[factor * bound for bound in bounds],
+        rounds=row.rounds,
+    )
+    return in_unit([text], row.unit, radians=radians)
+
+
+def kind_of(quantity: str, unit: str) -> str:
+    """Return the key of ``DIGITS`` of an output or a closed form in a unit."""
+    name = quantity.removeprefix("max_").removeprefix("min_")
+    kind = name if name in DIGITS else unit
+    return _in_radians(kind) if unit == "rad" else kind
+
+
+def kind_of_symbol(symbol: str) -> str:
+    """Return the key of ``DIGITS`` of a unit as axes have it; that of a ratio if it is unknown."""
+    return next((key for key in UNITS if symbol_of(key) == symbol), "")
+
+
+def _in_radians(kind: str) -> str:
+    return kind if DIGITS[kind].decimals is None else "rad"
+
+
+def _given_in_degrees(radians: float) -> float:
+    """An angle as it is shown in radians although degrees were given."""
+    return float(f"{radians:.6g}")
 
 
 def given(value: float, unit: str, *, radians: bool = False) -> str:
-    """Return a value that someone gave, as ``quantity`` but without zeros at its end: ``"3°"``."""
-    return _with_unit(value, unit, radians, short)
+    """Return a value in SI that someone gave with its unit: ``"3°"``."""
+    return quantity(value, unit, radians=radians, digits="given")
 
 
-def _with_unit(value: float, unit: str, radians: bool, shown: Callable[[float], str]) -> str:
-    number = value * (1.0 if radians and unit == "deg" else UNITS[unit].factor)
-    if not math.isfinite(number):
-        return "not known" if math.isnan(number) else "unlimited"
-    return in_unit([shown(settled(number, unit))], unit, radians=radians)
-
-
-def settled(number: float, unit: str) -> float:
+def settled(number: float, kind: str) -> float:
     """Return a number in the unit in which it is shown, or 0 where it is mere rounding."""
-    return 0.0 if abs(number) < _FINEST.get(unit, 0.0) else number
+    return 0.0 if abs(number) < DIGITS[kind].finest else number
+
+
+def use_text(share: float) -> str:
+    """Say how much of a limit is used, in whole percent: 100 only of one that is used exactly."""
+    percent = round(100.0 * share)
+    if abs(share - 1.0) > ROUNDING:
+        percent = min(percent, 99) if share < 1.0 else max(percent, 101)
+    return in_unit([f"{percent}"], "percent")
 
 
 def in_unit(
@@ -146,7 +200,8 @@ def judged_text(value: Judged, row: Row) -> str:
     """Say a figure, where it is worst, and how it stands to its limit or why it is not judged."""
     if value.value is None:
         return value.why
-    figure = f"{quantity(value.value, row.unit)}{place_of(value)}"
+    number = row_text(value, row)
+    figure = f"{number}{place_of(value)}"
     if value.limit is None or value.verdict == "not judged":
         return f"{figure}, not judged: {value.why or 'no limit is given'}"
     if value.verdict == "within":
@@ -155,10 +210,15 @@ def judged_text(value: Judged, row: Row) -> str:
     if value.maximum is not None and value.verdict == "beyond":
         bound, limit = "maximum", value.maximum
     side = "above" if value.sense == "most" else "below"
-    return (
-        f"{figure}, {quantity(value.excess, row.unit)} {side} the {bound} of "
-        f"{given(limit, row.unit)}"
-    )
+    return f"{figure}, {_excess(value, row, number)} {side} the {bound} of {given(limit, row.unit)}"
+
+
+def _excess(value: Judged, row: Row, number: str) -> str:
+    """How far a figure is past its bound, with as many decimals as its number has."""
+    decimals = sum(map(str.isdigit, number.split()[0].partition(".")[2]))
+    excess = row.shown(value.excess)
+    text = f"{excess:.{decimals}f}"
+    return in_unit([text if float(text) else number_text(excess, row.unit)], row.unit)
 
 
 def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401 - of any field
@@ -166,14 +226,14 @@ def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401
     if isinstance(value, Judged):
         if value.value is None:
             return ""
-        text = quantity(value.value, row.unit, radians=radians) + place_of(value)
+        text = row_text(value, row, radians=radians) + place_of(value)
         return "; ".join(filter(None, (text, bound_of(value, row, radians=radians))))
     if value is None:
         return ""
     if row.kind == "numbers":
-        return ", ".join(quantity(each, row.unit, radians=radians) for each in value)
+        return ", ".join(row_text(each, row, radians=radians) for each in value)
     if row.kind == "figure":
-        return quantity(value, row.unit, radians=radians)
+        return row_text(value, row, radians=radians)
     if row.kind == "flag":
         return "yes" if value else "no"
     return str(value)
@@ -220,7 +280,10 @@ def table_of(
         cells, bounds, places = [], [], []
         for value, unit in zip(values, units, strict=True):
             is_judged = isinstance(value, Judged)
-            cells.append(cell(value.value if is_judged else value, unit, radians=radians))
+            if is_judged and value.value is not None:
+                cells.append(row_text(value, unit, radians=radians))
+            else:
+                cells.append(cell(value, unit, radians=radians))
             bounds.append(bound_of(value, unit, radians=radians) if is_judged else "")
             places.append(place_of(value).strip() if is_judged else "")
         if not any(cells):
@@ -247,7 +310,8 @@ def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
         value, row = entry.value, entry.row
         if len(set(value.each.values())) > 1:
             label = ", ".join(filter(None, (row.label, entry.item)))
-            cells = (quantity(each, row.unit, radians=radians) for each in value.each.values())
+            every = (replace(value, value=each) for each in value.each.values())
+            cells = (row_text(each, row, radians=radians) for each in every)
             tables.setdefault(tuple(value.each), []).append((label, *cells))
     blocks: list[str] = []
     for places, rows in tables.items():
@@ -321,10 +385,15 @@ def _several(found: Sequence[Any], radians: bool) -> str:
 # --- numbers -------------------------------------------------------------------------------------
 
 
-def angle_text(value: float, radians: bool) -> str:
+def turn_text(shown: str, sense: str) -> str:
+    """Return a turn in degrees, as it is shown, in both senses with as many decimals."""
+    return both_senses(float(shown), sense, decimals=len(shown.partition(".")[2]))
+
+
+def angle_text(value: float, *, radians: bool) -> str:
     """Write a drive angle in the unit asked for."""
-    # What rounds to zero has no sign.
-    return f"{round(value, 4) + 0.0:.4f} rad" if radians else f"{round(value, 2) + 0.0:.2f}°"
+    kind = _in_radians("phase") if radians else "phase"
+    return in_unit([number_text(value, kind)], "deg", radians=radians)
 
 
 def aligned(lines: Iterable[tuple[str, str]], width: int = 0, indent: str = "") -> str:
@@ -346,36 +415,137 @@ def _filled(lines: Iterable[tuple[str, str]], width: int, indent: str) -> Iterat
         )
 
 
-def range_ends(low: float, high: float) -> tuple[str, str]:
-    """Write both ends of a range with enough decimals for three digits of the difference."""
-    decimals = 2 - math.floor(math.log10(min(high - low, sys.float_info.max)))
-    if decimals > 9 or high - low >= 1e7:
-        return figure_text(low), figure_text(high)
-    return f"{low:.{max(0, decimals)}f}", f"{high:.{max(0, decimals)}f}"
+def number_text(
+    number: float,
+    kind: str,
+    *,
+    apart_from: Iterable[float] = (),
+    rounds: Rounds = "nearest",
+    least: int = 0,
+) -> str:
+    """Return a number with the digits of its kind, a key of ``DIGITS``, in the unit that is shown.
+
+    It has more digits where it would else read 0, or not stand as it does to what it is told apart
+    from. What differs from that by rounding only reads alike. ``least`` are the fewest decimals.
+    """
+    rule, number = DIGITS[kind], settled(number, kind)
+    if number == 0.0 or not math.isfinite(number):
+        return f"{number + 0.0:g}"
+    if rule.decimals is None and rule.digits is None:
+        return _as_given(number)
+    others = [*apart_from, *_landmarks(rule)]
+    for other in others:
+        if abs(number - other) <= ROUNDING * abs(other):
+            return _as_given(other)
+    fewest = max(least, _decimals(number, rule))
+    if rounds != "nearest":
+        fewest = max(fewest, 1 - _exponent(number))
+    texts = (_rounded(number, fewest, more, rounds) for more in range(16))
+    return next(text for text in texts if _stands(text, number, others))
 
 
-def figure_text(value: float) -> str:
-    """Four significant digits, without an exponent where that is readable."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value + 0.0:g}"
-    exponent = math.floor(math.log10(abs(value)))
-    if not -5 < exponent < 7:
-        return f"{value:.3e}"
-    return f"{value:.{max(0, 3 - exponent)}f}"
+def plain_text(number: float, kind: str, *, apart_from: Iterable[float] = ()) -> str:
+    """Return a number with the digits of its kind, but without zeros at its end."""
+    text = number_text(number, kind, apart_from=apart_from)
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
+def _landmarks(rule: Digits) -> list[float]:
+    """What only a figure reads as that equals it."""
+    return [0.0] if rule.apart is None else [0.0, rule.apart]
+
+
+def _stands(text: str, number: float, others: Sequence[float]) -> bool:
+    """Whether a text is on the side of the others that the number is on."""
+    shown = float(text)
+    return all((shown > o, shown < o) == (number > o, number < o) for o in others)
+
+
+def _as_given(number: float) -> str:
+    """All digits that someone gave, without those that a change of units brings."""
+    text = f"{number:.10g}"
+    return np.format_float_positional(float(text), trim="-") if _is_readable(number) else text
+
+
+def _is_readable(number: float) -> bool:
+    """Whether a number is read without an exponent."""
+    return -5 <= _exponent(number) < 7
+
+
+def _exponent(number: float) -> int:
+    return math.floor(math.log10(abs(number)))
+
+
+def _decimals(number: float, rule: Digits) -> int:
+    """The decimals by a rule; at least none."""
+    if rule.decimals is not None:
+        return rule.decimals
+    # Of 9.999 three digits are 10.0.
+    assert rule.digits
+    exponent = int(f"{number:.{rule.digits - 1}e}".partition("e")[2])
+    return max(0, rule.digits - 1 - exponent)
+
+
+def _rounded(number: float, fewest: int, more: int, rounds: Rounds) -> str:
+    if not _is_readable(number):
+        return f"{number:.{2 + more}e}"
+    decimals = fewest + more
+    if rounds != "nearest":
+        steps, slack = abs(number) * 10.0**decimals, 1e-12
+        steps = (
+            math.ceil(steps * (1.0 - slack))
+            if rounds == "up"
+            else math.floor(steps * (1.0 + slack))
+        )
+        number = math.copysign(steps * 10.0**-decimals, number)
+    return f"{number:.{decimals}f}"
+
+
+def range_decimals(low: float, high: float, kind: str) -> int:
+    """Return the decimals of both ends of a range: of its kind, and two digits of its width."""
+    size = max(abs(low), abs(high))
+    own = _decimals(size, DIGITS[kind]) if 0.0 < size < math.inf else 0
+    width = high - low
+    if not 0.0 < width < math.inf or 1 - _exponent(width) > _MOST_DECIMALS:
+        return own
+    return max(own, 1 - _exponent(width))
+
+
+def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
+    """Write both ends of a range, in the unit that is shown, with as many decimals."""
+    low, high = settled(low, kind), settled(high, kind)
+    decimals = range_decimals(low, high, kind)
+    first, last = (_end(end, decimals, kind) for end in (low, high))
+    # Zeros after the point of both ends say nothing.
+    if all(text.partition(".")[2].strip("0") == "" for text in (first, last)):
+        return first.partition(".")[0], last.partition(".")[0]
+    return first, last
+
+
+def _end(end: float, decimals: int, kind: str) -> str:
+    text = f"{end:.{decimals}f}"
+    is_plain = end != 0.0 and _is_readable(end)
+    return (
+        text
+        if is_plain and _stands(text, end, _landmarks(DIGITS[kind]))
+        else number_text(end, kind)
+    )
 
 
 def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:
     """Return from where to where curves go, by their labels where they differ.
 
     >>> curves_text([("shaft 1", np.array([1500.0, 1501.0])), ("2", np.array([1500.0]))], "N m")
-    'shaft 1: 1500.00 to 1501.00 N m, 2: 1500 N m'
+    'shaft 1: 1500 to 1501 N m, 2: 1500 N m'
     """
     texts = {}
+    kind = kind_of_symbol(unit)
     for label, curve in curves:
         low, high = float(np.nanmin(curve)), float(np.nanmax(curve))
         noise = ROUNDING * max(scale, abs(low), abs(high))
         middle = 0.5 * (low + high) if 0.5 * abs(low + high) > noise else 0.0
-        ends = range_ends(low, high) if high - low > noise else (short(middle),)
+        is_range = high - low > noise
+        ends = range_ends(low, high, kind) if is_range else (plain_text(middle, kind),)
         texts[label] = in_unit([" to ".join(ends)], "deg" if unit == "deg" else "", radians=False)
         texts[label] += "" if unit in ("", "deg") else f" {unit}"
     if len(set(texts.values())) == 1:

@@ -16,6 +16,7 @@ from cardan.app.scene.language.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
 Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts", "place"]
+Rounds = Literal["nearest", "up", "down"]
 
 
 class Unit(NamedTuple):
@@ -43,6 +44,45 @@ UNITS: Mapping[str, Unit] = _MORE | {
 """The units of rows by the ending of a key. Inside, figures are in SI; lives are in hours."""
 
 
+class Digits(NamedTuple):
+    """With how many digits a kind of figure is shown; all that was given if both are ``None``."""
+
+    decimals: int | None = None
+    digits: int | None = None  # so many, but every one before the point
+    apart: float | None = None  # what only a figure that equals it is shown as
+    finest: float = 0.0  # a figure below it is rounding, and shown as 0
+
+
+_THREE = Digits(digits=3)
+_UNITS = dict.fromkeys(UNITS, _THREE) | {
+    "": Digits(digits=3, finest=1e-15),
+    "deg": Digits(decimals=2, finest=1e-6),
+    "rad": Digits(decimals=4, finest=1e-8),
+    "m": Digits(decimals=4),
+    "mm": Digits(decimals=1, finest=1e-6),
+    "rad_s2": Digits(decimals=0, finest=1e-9),
+    "MPa": Digits(decimals=1),
+    "h": Digits(decimals=0),
+    "percent": Digits(digits=3, apart=100.0),
+}
+DIGITS: Mapping[str, Digits] = _UNITS | {
+    "phase": Digits(decimals=1, finest=1e-3),  # yokes, bend planes and the drive, in degrees
+    "twist": Digits(decimals=1, finest=1e-3),
+    "angle_error": Digits(digits=3, finest=1e-12),
+    "small": Digits(digits=3, finest=1e-6),  # what joints and seats yield, and the play they have
+    "speed_ratio": Digits(decimals=4, apart=1.0),
+    "direction": Digits(decimals=4, finest=1e-9),
+    "margin": Digits(decimals=2),
+    "share": Digits(decimals=1, apart=100.0),  # in percent, of drivelines or of a scatter
+    "measured": Digits(digits=4),
+    "given": Digits(),
+}
+"""With how many digits figures are shown, by their unit or their kind.
+
+A figure gets more where it would else read 0, or as what it is told apart from.
+"""
+
+
 def key_of(unit: str) -> str:
     """Return the key of ``UNITS`` for a unit of the library: ``"deg"`` for ``"rad"``."""
     return "deg" if unit == "rad" else ending_of("" if unit == "1" else unit)[1:]
@@ -58,20 +98,27 @@ class Row:
     meaning: str = ""  # what it is, for those who do not know the label
     source: str = ""  # formula and source
     limit: str = ""  # the key of the scene that gives its limit: "[slip] travel_mm"
+    digits: str = ""  # a key of DIGITS, where that is not the unit
+    rounds: Rounds = "nearest"  # "up" or "down" where the figure must do what it promises
+    apart: str = ""  # the field of the same part that it is told apart from
     is_detail: bool = False  # whether it is left out of printed text
     # "own": the field "unit" of the same part holds the unit; "each": the keys end in it as well.
     # Of an item, "own": the field "per" holds what it is.
     own: str = ""
     is_optional: bool = False  # whether JSON leaves it out where it is None or empty
     is_shown: bool = False  # whether it is held in the unit in which it is shown, as a scene has it
+    bounds: tuple[float, ...] = ()  # what the figures say that it is told apart from
 
     def beside(self, found: Any) -> Row:  # noqa: ANN401 - any part
-        """Return the row with the unit, or of an item the label, that the figures say."""
+        """Return the row with the unit, or of an item the label, and the bound of the figures."""
+        row = self
+        if self.apart and (bound := getattr(found, self.apart)) is not None:
+            row = replace(row, bounds=(bound,))
         if not self.own:
-            return self
+            return row
         if self.kind == "item":
-            return replace(self, label=found.per)
-        return replace(self, unit=found.unit)
+            return replace(row, label=found.per)
+        return replace(row, unit=found.unit)
 
     def ending(self, *, radians: bool = False) -> str:
         """Return what follows the name of the field in a key of the JSON."""
@@ -93,14 +140,20 @@ def figure(
     *,
     source: str = "",
     limit: str = "",
+    digits: str = "",
+    rounds: Rounds = "nearest",
+    apart: str = "",
     is_detail: bool = False,
 ) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
     """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``.
 
     The unit is a key of ``UNITS``. It is ``"own"`` if the field ``unit`` of the same part holds
-    that key, and ``"each"`` if the keys of the JSON end in it as well.
+    that key, and ``"each"`` if the keys of the JSON end in it as well. It is shown with the digits
+    of its unit, or of another key of ``DIGITS``.
     """
-    return _declared(Row("figure", label, unit, meaning, source, limit, is_detail))
+    return _declared(
+        Row("figure", label, unit, meaning, source, limit, digits, rounds, apart, is_detail)
+    )
 
 
 def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure

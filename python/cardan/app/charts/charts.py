@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.answers.printed import curves_text
+from cardan.app.answers.printed import curves_text, kind_of_symbol, range_ends
 from cardan.app.answers.rounding import is_steady
 from cardan.arrays import FloatArray
 
@@ -114,11 +114,12 @@ def chart(
         pieces = [" ".join(points[piece]) for piece in _pieces(values)]
         lines.append({"number": i, "label": curve.label, "pieces": pieces})
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
+    spoken = " to ".join(range_ends(low, high, kind_of_symbol(panel.unit)))
     return {
         "frame": FRAME._replace(height=FRAME.height + round(names.room)) if names else FRAME,
         "moves": first is not None,
         "heading": heading,
-        "spoken": f"{heading} over {x_label}, from {low:.4g} to {high:.4g}",
+        "spoken": f"{heading} over {x_label}, from {spoken}",
         "x_label": x_label,
         "x_ticks": [(f"{across(mark):.1f}", text) for mark, text in marks],
         "tilt": names.tilt if names else 0,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.printed import plain_text
 from cardan.app.charts.samples import Samples
 from cardan.app.pictures.space import aslant, length_text, right_and_up
 from cardan.app.scene.scene import Scene
@@ -148,7 +149,10 @@ def _dimensions(
     if rows[0]:
         flat = scene.line.directions.reshape(-1, 3) @ axes[:2].T
         slopes = np.arctan2(flat[:, 1], flat[:, 0])
-        bends = [f"{bend:.3g}°" for bend in np.degrees(np.abs(np.diff(np.unwrap(slopes))))]
+        bends = [
+            f"{plain_text(bend, 'deg')}°"
+            for bend in np.degrees(np.abs(np.diff(np.unwrap(slopes)))).tolist()
+        ]
         made += _bend_texts(joints, bends, _ROW)
     if rows[1]:
         each = scene.line.lengths().each.ravel()[1:-1]

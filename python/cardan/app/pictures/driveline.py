@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan.app.answers.printed import plain_text
 from cardan.app.pictures.labels import PlacedLabels
 from cardan.app.pictures.space import (
     DEPTH,
@@ -21,7 +22,7 @@ from cardan.app.pictures.space import (
     wedge,
     yoke,
 )
-from cardan.app.pictures.style import THIN, arrow, check_single, drawing, legend_above, number
+from cardan.app.pictures.style import THIN, arrow, check_single, drawing, legend_above
 from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray, as_float64, one_number
 from cardan.arrays.errors import ArgumentValueError
@@ -258,7 +259,7 @@ class _Sketch:
         named = [
             labels.beside(
                 self._points(self.places[joint + 1]),
-                f"joint {joint}\n{bends[joint]:.3g}°",
+                f"joint {joint}\n{plain_text(float(bends[joint]), 'deg')}°",
                 away,
                 above=True,
             )
@@ -273,7 +274,8 @@ class _Sketch:
         for shaft, phase in enumerate(np.degrees(self.line.phases) if all(named) else (), 1):
             at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
             turned = 180.0 - (180.0 - float(phase)) % 360.0
-            text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"
+            angle = plain_text(turned, "phase").replace("-", "\N{MINUS SIGN}")
+            text = f"shaft {shaft}\nphase {angle}°"
             lines = [text]
             if length_unit and lengths.size:
                 lines.append(length_text(float(lengths[shaft]), length_unit))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 import cardan.app.answers.turn.panel as panel
+from cardan.app.answers.printed import number_text
 from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.panel import TURN
 from cardan.app.pictures.style import (
@@ -86,7 +87,8 @@ def plot_angle_error(
     locus = _extremes(_joints(to))
     with drawing(ax, height_mm=55.0) as axes:
         for i, (bend, curve) in enumerate(zip(bends, np.degrees(errors), strict=True)):
-            label = f"bend {number(bend)}°: {largest[i]:.3f}° at {places[i]:.1f}°"
+            size, place = number_text(largest[i], "angle_error"), number_text(places[i], "phase")
+            label = f"bend {number(bend)}°: {size}° at {place}°"
             axes.plot(_HALF_TURN_DEG, curve, label=label, **line_style(i))
         # One line through both halves would run along the axis between them.
         for sign, label in ((1.0, "locus of the extremes"), (-1.0, "")):
@@ -275,7 +277,7 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
     radius = 0.6 * float(np.degrees(np.min(bends)))
     with drawing(ax, height_mm=78.0) as axes:
         for i, (end, bend) in enumerate(zip(ends, np.degrees(bends), strict=True)):
-            label = f"joint {item - 1 + i}: {bend:.2f}°"
+            label = f"joint {item - 1 + i}: {number_text(bend, 'deg')}°"
             axes.plot(*zip((0.0, 0.0), end, strict=True), label=label, **LINES[i])
             axes.plot(*end, marker=MARKERS[i], color=LINES[i]["color"])
         ring = {"markerfacecolor": "none", "markeredgecolor": THIN["color"], "markersize": 5.0}
@@ -289,7 +291,7 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
             head = {"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **THIN}
             axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=head)
         axes.annotate(
-            f"{np.degrees(turn.angle):.2f}°",
+            f"{number_text(float(np.degrees(turn.angle)), 'twist')}°",
             tuple(reach),
             xytext=(14.0 * np.cos(last), 6.0 * np.sin(last)),
             textcoords="offset points",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cardan.app.answers.printed import plain_text
 from cardan.app.scene.language.units import LengthUnit
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -27,13 +28,13 @@ def shaft_lengths(line: Driveline) -> FloatArray:
 
 
 def length_text(length: float, unit: LengthUnit) -> str:
-    """Return a length in m as a drawing gives it, to four digits.
+    """Return a length in m as a drawing gives it, to a tenth of a millimetre.
 
-    >>> length_text(1.30019, "mm"), length_text(12.3456, "m")
-    ('1300 mm', '12.35 m')
+    >>> length_text(1.3, "mm"), length_text(1.30019, "mm"), length_text(12.34567, "m")
+    ('1300 mm', '1300.2 mm', '12.3457 m')
     """
     value = {"mm": 1e3, "m": 1.0}[unit] * length
-    return f"{float(f'{value:.4g}'):.10g} {unit}"
+    return f"{plain_text(value, unit)} {unit}"
 
 
 def bearing_places(line: Driveline, points: FloatArray) -> FloatArray:

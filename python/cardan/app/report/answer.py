@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.drive_speed.figures import heading, sentences
 from cardan.app.answers.forces.figures import largest_text
@@ -13,7 +11,7 @@ from cardan.app.answers.forces.figures import sentences as missing_forces
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.limits.text import verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines
-from cardan.app.answers.printed import figure_text, quantity, range_ends
+from cardan.app.answers.printed import angle_text, number_text, quantity, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
@@ -22,6 +20,7 @@ from cardan.app.answers.yokes.text import (
     BEST_OF_STATES,
     advice_text,
     arrangement_text,
+    bend_text,
     phases_text,
     remedies,
     tooth_lines,
@@ -118,12 +117,12 @@ def _motion(scene: Scene, check: Check) -> str:
     found = turn_motion(scene, line, line.n_joints)
     if found.fastest - found.slowest <= _EVEN:
         return "The last shaft turns at the speed of the drive, without any variation."
-    error = figure_text(float(np.degrees(found.angle_error)))
-    slowest, fastest = range_ends(float(found.slowest), float(found.fastest))
+    error = quantity(float(found.angle_error), "deg", digits="angle_error")
+    slowest, fastest = range_ends(float(found.slowest), float(found.fastest), "speed_ratio")
     often = "" if deviates(scene) else ", twice per turn"
     return (
         f"At constant drive speed, the last shaft leads and lags the drive by up to "
-        f"{error}°{often}{place}. Its speed varies from {slowest} to {fastest} times that of the "
+        f"{error}{often}{place}. Its speed varies from {slowest} to {fastest} times that of the "
         "drive."
     )
 
@@ -142,7 +141,9 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
         if scene.recording is None and not deviates(scene):
             # Every ideal joint repeats its motion after half a turn.
             at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
-        place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
+        place = (
+            f"at {' and '.join(angle_text(angle, radians=False) for angle in at)} of drive angle"
+        )
     scene = samples.result.scene
     if scene.states:
         place += f", in {largest.state}" if largest.state else ", with the points of [driveline]"
@@ -150,9 +151,9 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
     return {
         "assumed": samples.assumed,
         "shaft": largest.item,
-        "size": figure_text(largest.size),
+        "size": number_text(largest.size, "Nm"),
         "place": place,
-        "listed": [(peak.item, figure_text(peak.size)) for peak in listed],
+        "listed": [(peak.item, number_text(peak.size, "Nm")) for peak in listed],
         "others": len(peaks) - len(listed),
     }
 
@@ -168,7 +169,9 @@ def _yokes(found: YokeFigures) -> dict[str, Any]:
         "teeth": [line.removeprefix("- ") for line in tooth_lines(found)],
         "of": "Largest equivalent bend of all states" if is_over_states else "Equivalent bend",
         "bends": [
-            (_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items() if bend is not None
+            (_SETTINGS[key], bend_text(found, bend))
+            for key, bend in bends.items()
+            if bend is not None
         ],
         "advice": " ".join([BEST_OF_STATES] * is_over_states + [advice_text(found)]),
         "tried": "On these teeth" if found.teeth else "With this setting",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
+import re
 import time
 from importlib import resources
 from pathlib import Path
@@ -113,6 +114,7 @@ def environment() -> Environment:
     )
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     made.filters["digest"] = _digest
+    made.filters["minus"] = _true_minus
     return made
 
 
@@ -121,6 +123,11 @@ def _part(name: str) -> str:
     folder = f"answers/{part}" if of_part else "report/templates"
     path = resources.files("cardan.app").joinpath(folder, of_part or name)
     return path.read_text(encoding="utf-8")
+
+
+def _true_minus(text: str) -> str:
+    """Write the numbers of a text with a true minus sign."""
+    return re.sub(r"(?<!\S)-(?=[\d.])", "\N{MINUS SIGN}", text)
 
 
 def _digest(text: str) -> str:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.printed import figure_text, range_ends
-from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.rows import UNITS
+from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends
+from cardan.app.answers.rounding import alike, is_cancelled
+from cardan.app.answers.rows import key_of
 from cardan.app.answers.turn.figures import within_turn
-from cardan.app.answers.yokes.figures import YokeFigures
+from cardan.app.answers.yokes.figures import SHOWN, YokeFigures
 from cardan.app.charts.charts import Table
 from cardan.app.charts.samples import PeakSample, Samples, deviates, equivalent, turn_motion
 from cardan.app.scene.language.units import RPM, in_degrees
@@ -31,10 +31,6 @@ _NEGLIGIBLE = 1e-6
 
 _SETTINGS = {"present": "as in the scene", "best": "best setting", "on_teeth": "on the teeth"}
 
-# A turn that would read 0.00 deg.
-_SHOWN_DEG = 0.005
-
-
 # Names and values by shaft or joint.
 _Columns = dict[str, list[tuple[str, str]]]
 
@@ -45,28 +41,30 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     Over states, ranges are those of all of them.
     """
     line = scene.drivelines() if scene.states else scene.line
-    joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
+    joints = [
+        (f"joint {j}", _span(np.degrees(line.bends[..., j]), "deg")) for j in range(line.n_joints)
+    ]
     shafts = {"Shaft": [f"shaft {i}" for i in range(line.n_joints + 1)]}
     if line.n_joints > 1:
         twists = within_turn(line.twists.reshape(-1, line.n_joints - 1))
         phases = line.phases.reshape(-1, line.n_joints - 1)
         for head, cells in (
-            ("Twist of bend planes [deg]", map(_span, twists.T)),
-            ("Phase of yokes [deg]", map(_span, within_turn(phases).T)),
+            ("Twist of bend planes [deg]", _each(twists, "twist")),
+            ("Phase of yokes [deg]", _each(within_turn(phases), "phase")),
             (f"Output-side yoke, {VIEW}", map(_setting, phases.T)),
         ):
             shafts[head] = ["", *cells, ""]
     if scene.states or not line.shape:
         directions = line.directions.reshape(-1, line.n_joints + 1, 3)
         for axis, values in zip("xyz", directions.T, strict=True):
-            shafts[f"Direction, {axis}"] = [_fixed(each, 5) for each in values]
+            shafts[f"Direction, {axis}"] = [_span(each, "direction") for each in values]
     load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
     if has_lengths(line):
-        shafts["Length [mm]"] = _by_shaft(line, 1e3 * line.lengths().each)
+        shafts["Length [mm]"] = _by_shaft(line, 1e3 * line.lengths().each, "mm")
     if load is not None and load.inertias is not None:
-        shafts["Inertia [kg m²]"] = _by_shaft(line, load.inertias)
+        shafts["Inertia [kg m²]"] = _by_shaft(line, load.inertias, "given")
     bearings = [
-        (f"bearing {number}", f"{shaft}", _span(1e3 * position))
+        (f"bearing {number}", f"{shaft}", _span(1e3 * position, "given"))
         for number, (shaft, position) in enumerate(line.bearings)
     ]
     of_bearings = ("Bearing", "Shaft", "Position from its upstream end [mm]")
@@ -78,25 +76,32 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     }
 
 
-def _by_shaft(line: Driveline, values: FloatArray) -> list[str]:
-    return [*map(_span, values.reshape(-1, line.n_joints + 1).T)]
+def _by_shaft(line: Driveline, values: FloatArray, kind: str) -> list[str]:
+    return _each(values.reshape(-1, line.n_joints + 1), kind)
+
+
+def _each(columns: FloatArray, kind: str) -> list[str]:
+    return [_span(column, kind) for column in columns.T]
 
 
 def _drive(scene: Scene, load: Load | None) -> list[tuple[str, str]]:
     given = []
     if load is not None:
-        given += [(f"Torque at the {load.end}", _span(_known(load.torque), "Nm"))]
+        torque = _span(_known(load.torque), "given")
+        given += [(f"Torque at the {load.end}", in_unit([torque], "Nm"))]
         speed = _known(load.speed)
-        given += [("Speed of the drive", f"{_span(speed, 'rad_s')}, {_span(speed, 'rpm')}")]
+        each = ((speed, "rad_s"), (speed / RPM, "rpm"))
+        texts = [in_unit([_span(values, "measured")], unit) for values, unit in each]
+        given += [("Speed of the drive", ", ".join(texts))]
         if scene.accelerates:
-            acceleration = _span(_known(load.acceleration), "rad_s2")
+            acceleration = in_unit([_span(_known(load.acceleration), "measured")], "rad_s2")
             given += [("Acceleration of the drive", acceleration)]
     known = scene.without_missing().drive_angle_deg
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
-    given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
+    given += [("Drive angles", f"{_angles(known)}, {len(known)} samples{left_out}")]
     driven = scene.without_missing().driven_angle_deg
     if driven is not None:
-        given += [("Given as angles of the driven shaft", f"{_span(driven)} deg")]
+        given += [("Given as angles of the driven shaft", _angles(driven))]
     if scene.recording is not None:
         given += [("Recording", scene.recording.name)]
     given += [
@@ -123,7 +128,11 @@ def results(samples: Samples, answer: Answer) -> list[Table]:
             for amplitudes in (series.angle_error, series.speed_ratio)
         )
         amplitudes = [
-            (f"order {order}", f"{np.degrees(error):.3g}", f"{ratio:.3g}")
+            (
+                f"order {order}",
+                number_text(np.degrees(error), "angle_error"),
+                number_text(ratio, ""),
+            )
             for order, error, ratio in zip(orders, errors, ratios, strict=True)
         ]
         heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
@@ -146,18 +155,18 @@ def _motion(scene: Scene) -> Table:
         searched = scene if scene.states or not line.shape else replace(scene, deviations=None)
         joint, found = equivalent(line, shaft), turn_motion(searched, line, shaft)
         cells = [
-            ("Equivalent bend [deg]", _span(np.degrees(joint.bend))),
-            ("Largest angle error [deg]", _span(np.degrees(found.angle_error))),
-            ("Non-uniformity U", _span(joint.non_uniformity)),
-            ("Speed ratio", _ends(found.slowest, found.fastest)),
+            ("Equivalent bend [deg]", _span(np.degrees(joint.bend), "deg")),
+            ("Largest angle error [deg]", _span(np.degrees(found.angle_error), "angle_error")),
+            ("Non-uniformity U", _span(joint.non_uniformity, "")),
+            ("Speed ratio", _ends(found.slowest, found.fastest, "speed_ratio")),
         ]
         if np.any(speed):
             rpm = speed / RPM
-            cells += [("Speed [rpm]", _ends(found.slowest * rpm, found.fastest * rpm))]
-        cells += [("Largest acceleration ratio", _span(found.acceleration))]
+            cells += [("Speed [rpm]", _ends(found.slowest * rpm, found.fastest * rpm, "rpm"))]
+        cells += [("Largest acceleration ratio", _span(found.acceleration, ""))]
         if np.any(speed):
             acceleration = found.acceleration * speed * speed
-            cells += [("Largest acceleration [rad/s²]", _span(acceleration))]
+            cells += [("Largest acceleration [rad/s²]", _span(acceleration, "rad_s2"))]
         columns[f"shaft {shaft}"] = cells
     over = (
         "the bends of all samples" if scene.line.shape else "a whole turn at constant drive speed"
@@ -183,14 +192,20 @@ def _largest(samples: Samples, per: str) -> Table:
 
 def _cells(peak: PeakSample, *, states: bool) -> list[tuple[str, str]]:
     size, unit = in_degrees(np.array(peak.size), peak.output.unit)
+    kind = kind_of(peak.output.name, key_of(peak.output.unit))
     name = f"Largest {peak.output.label}"
-    cells = [(f"{name} [{unit}]" if unit else name, _figure(size))]
-    cells += [("at drive angle [deg]", "any" if peak.at_deg is None else f"{peak.at_deg:.1f}")]
+    cells = [(f"{name} [{unit}]" if unit else name, number_text(float(size), kind))]
+    cells += [
+        (
+            "at drive angle [deg]",
+            "any" if peak.at_deg is None else number_text(peak.at_deg, "phase"),
+        )
+    ]
     if states:
         cells += [("in", peak.state or "all states")]
     if peak.vector is not None:
         for axis, value in zip("xyz", peak.vector, strict=True):
-            cells += [(f"{axis} component there [{unit}]", _figure(value))]
+            cells += [(f"{axis} component there [{unit}]", number_text(value, kind))]
     return cells
 
 
@@ -227,7 +242,12 @@ def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
         exact, by_rule = np.degrees((line.equivalent().bend, line.catalogue_bend(signs)))
         compared.append(("present", exact, by_rule, np.degrees(np.max(off)), ""))
     rows = [
-        (_SETTINGS[key], *map(_fixed, (exact, by_rule, by_rule - exact, off)), words)
+        (
+            _SETTINGS[key],
+            *(_span(values, "deg") for values in (exact, by_rule, by_rule - exact)),
+            _span(off, "phase"),
+            words,
+        )
         for key, exact, by_rule, off, words in compared
     ]
     heads = (
@@ -247,18 +267,7 @@ def _setting(phases: FloatArray) -> str:
         return ""
     found = turn(phases[0])
     degrees = float(np.degrees(found.angle))
-    return f"{degrees:.2f}° {found.sense}" if degrees >= _SHOWN_DEG else "in one plane"
-
-
-def _figure(value: float | FloatArray) -> str:
-    return figure_text(float(value) + 0.0)
-
-
-def _fixed(values: FloatArray | float, decimals: int = 4) -> str:
-    """A value, or the least and the largest of several; what is rounding reads 0."""
-    low, high = (f"{end:.{decimals}f}" for end in (np.min(values), np.max(values)))
-    low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
-    return low if low == high else f"{low} to {high}"
+    return f"{number_text(degrees, 'phase')}° {found.sense}" if degrees >= SHOWN else "in one plane"
 
 
 def _known(values: FloatArray) -> FloatArray:
@@ -266,18 +275,24 @@ def _known(values: FloatArray) -> FloatArray:
     return values[~np.isnan(values)]
 
 
-def _span(values: FloatArray | float, unit: str = "") -> str:
-    """A figure, or the least and the largest of several, in a unit of ``UNITS``."""
-    symbol, factor = UNITS[unit]
-    low, high = float(factor * np.min(values)), float(factor * np.max(values))
+def _angles(degrees: FloatArray) -> str:
+    """The first and the last of drive angles, to a tenth of a degree where they were recorded."""
+    ends = dict.fromkeys(
+        number_text(round(float(end), 1), "given") for end in (np.min(degrees), np.max(degrees))
+    )
+    return f"{' to '.join(ends)} deg"
+
+
+def _span(values: FloatArray | float, kind: str) -> str:
+    """A figure, or the least and the largest of several, with the digits of a kind."""
+    low, high = float(np.min(values)), float(np.max(values))
     if abs(low) < _NEGLIGIBLE * abs(high):
         low = 0.0
-    if high - low <= 1e-9 * max(abs(low), abs(high)):
-        return f"{_figure(high)} {symbol}".rstrip()
-    return f"{_figure(low)} to {_figure(high)} {symbol}".rstrip()
+    if alike(low, high):
+        return number_text(high, kind)
+    return " to ".join(range_ends(low, high, "measured" if kind == "given" else kind))
 
 
-def _ends(first: FloatArray, second: FloatArray) -> str:
-    """The least and the largest of two, with enough decimals to tell them apart."""
-    low, high = float(np.min([first, second])), float(np.max([first, second]))
-    return " to ".join(range_ends(low, high)) if high > low else _figure(high)
+def _ends(first: FloatArray, second: FloatArray, kind: str) -> str:
+    """The least and the largest of two."""
+    return _span(np.array([np.min([first, second]), np.max([first, second])]), kind)

@@ -28,10 +28,17 @@ class OrderFigures:
 
     order: int = item("order")
     shaft: int = count("shaft")
-    angle_error: Judged = figure("angle error", "deg", "amplitude, with the deviations")
-    angle_error_drawn: Judged | None = figure("drawn angle error", "deg", "ideal joints")
+    angle_error: Judged = figure(
+        "angle error", "deg", "amplitude, with the deviations", digits="angle_error"
+    )
+    angle_error_drawn: Judged | None = figure(
+        "drawn angle error", "deg", "ideal joints", digits="angle_error"
+    )
     angle_error_worst: Judged | None = figure(
-        "worst angle error", "deg", "largest within the tolerances of the joints"
+        "worst angle error",
+        "deg",
+        "largest within the tolerances of the joints",
+        digits="angle_error",
     )
     acceleration: Judged | None = figure(
         "acceleration", "rad_s2", "amplitude at the speed of the drive, with the deviations"

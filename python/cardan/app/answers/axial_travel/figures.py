@@ -21,11 +21,19 @@ class Slide:
     """What slides at one joint, with its driving shaft held in place."""
 
     joint: int = item("joint")
-    travel: Judged = figure("travel", "mm", "from peak to peak over a turn")
-    order_1: float = figure("order 1", "mm", "amplitude of what changes once per turn of the drive")
-    order_2: float = figure("order 2", "mm", "amplitude of what changes twice per turn")
-    order_3: float = figure("order 3", "mm", "amplitude of what changes three times per turn")
-    order_4: float = figure("order 4", "mm", "amplitude of what changes four times per turn")
+    travel: Judged = figure("travel", "mm", "from peak to peak over a turn", digits="small")
+    order_1: float = figure(
+        "order 1", "mm", "amplitude of what changes once per turn of the drive", digits="small"
+    )
+    order_2: float = figure(
+        "order 2", "mm", "amplitude of what changes twice per turn", digits="small"
+    )
+    order_3: float = figure(
+        "order 3", "mm", "amplitude of what changes three times per turn", digits="small"
+    )
+    order_4: float = figure(
+        "order 4", "mm", "amplitude of what changes four times per turn", digits="small"
+    )
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,9 @@ class BacklashFigures:
         limit="[limits] lash_deg",
     )
     least_lash: float | None = figure("least lash", "deg", "over the turn")
-    torque: float | None = figure("torque", "Nm", "that winds the last shaft up beyond its lash")
+    torque: float | None = figure(
+        "torque", "Nm", "that winds the last shaft up beyond its lash", digits="given"
+    )
     end: Literal["drive", "output", ""] = word("acting at the", "where the torque acts")
     wind_up: Judged | None = figure(
         "largest wind-up", "deg", "by which the torque twists the crosses, either way"

@@ -8,7 +8,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
-from cardan.app.answers.printed import given, short
+from cardan.app.answers.printed import angle_text, given, quantity
 from cardan.app.pictures.style import (
     THIN,
     check_kind,
@@ -52,7 +52,8 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
             axes.plot(
                 np.degrees(angle),
                 torque,
-                label=f"at {turn[sample]:.4g}°: loose by {np.degrees(found.lash[sample]):.4g}°",
+                label=f"at {angle_text(float(turn[sample]), radians=False)}: loose by "
+                f"{quantity(float(found.lash[sample]), 'deg')}",
                 **line_style(place),
             )
         held = "angle of the last shaft, drive held [deg]"
@@ -72,7 +73,7 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
         axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))
         both = found.lash + 2.0 * found.wind_up
         if np.any(found.wind_up):
-            label = f"from {short(found.torque)} to \N{MINUS SIGN}{given(found.torque, 'Nm')}"
+            label = f"from {given(found.torque, 'Nm')} to \N{MINUS SIGN}{given(found.torque, 'Nm')}"
             axes.plot(turn, np.degrees(both), label=label, **line_style(1))
         ends = (0.0, 360.0), (0.0, 1.1 * float(np.degrees(np.max(both))))
         finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import quantity, use_text
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.app.scene.sections.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
@@ -26,13 +26,17 @@ class BallJointFigures:
 
     ball: str = word("material of the ball")
     seat: str = word("material of the seat")
-    load: float = figure("load", "N", "force between ball and seat")
+    load: float = figure("load", "N", "force between ball and seat", digits="given")
     radius: float = figure("radius of the ball", "mm")
     radius_from: Literal["scene", "allowable pressure"] = word(
         "radius from", "a scene without a radius leaves it to the allowable pressure"
     )
-    half_angle: float = figure("half-angle of the seat", "deg", "from the load to the edge")
-    clearance: float = figure("clearance", "mm", "radius of the seat less that of the ball")
+    half_angle: float = figure(
+        "half-angle of the seat", "deg", "from the load to the edge", digits="given"
+    )
+    clearance: float = figure(
+        "clearance", "mm", "radius of the seat less that of the ball", digits="given"
+    )
     ball_pressure: Judged = figure(
         "peak pressure on the ball",
         "MPa",
@@ -55,16 +59,22 @@ class BallJointFigures:
         "load over projected area", "MPa", "mean pressure as bearing catalogues count it"
     )
     allowable_load: float | None = figure(
-        "largest allowable load", "N", "at which the peak pressure is just allowable"
+        "largest allowable load",
+        "N",
+        "at which the peak pressure is just allowable",
+        rounds="down",
     )
     smallest_radius: float | None = figure(
-        "smallest allowable radius", "mm", "of a ball whose peak pressure is just allowable"
+        "smallest allowable radius",
+        "mm",
+        "of a ball whose peak pressure is just allowable",
+        rounds="up",
     )
     ball_approach: float | None = figure(
-        "approach, ball", "mm", "how far it yields in line with the load"
+        "approach, ball", "mm", "how far it yields in line with the load", digits="small"
     )
     seat_approach: float | None = figure(
-        "approach, seat", "mm", "how far it yields in line with the load"
+        "approach, seat", "mm", "how far it yields in line with the load", digits="small"
     )
     ball_strain: float | None = figure("compression of the layer of the ball", "percent")
     seat_strain: float | None = figure("compression of the layer of the seat", "percent")
@@ -207,16 +217,16 @@ def _verdict(found: BallJointFigures) -> str:
     if judged.verdict == "within":
         return (
             "The ball joint is within the allowable pressure: the peak uses "
-            f"{quantity(found.peak / judged.limit, 'percent')} of what the scene allows the "
+            f"{use_text(found.peak / judged.limit)} of what the scene allows the "
             f"{_named(found, weaker)}."
         )
     assert found.smallest_radius is not None
     assert found.allowable_load is not None
-    radius = math.ceil(1e4 * found.smallest_radius) / 1e4
     return (
         f"The ball joint is beyond the allowable pressure that the scene gives the "
-        f"{_named(found, weaker)}. A ball of {quantity(radius, 'mm')} radius is within it; this "
-        f"one carries up to {quantity(found.allowable_load, 'N')}."
+        f"{_named(found, weaker)}. A ball of "
+        f"{quantity(found.smallest_radius, 'mm', rounds='up')} radius is within it; this one "
+        f"carries up to {quantity(found.allowable_load, 'N', rounds='down')}."
     )
 
 

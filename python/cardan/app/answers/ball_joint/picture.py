@@ -12,7 +12,7 @@ from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
     pressure_curve,
 )
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import given, quantity
 from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import THIN, arrow, check_kind, drawing, finish, line_style, page
 from cardan.app.scene.sections.ball_joint import BallJointCase
@@ -99,7 +99,7 @@ def drawn(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
             "seat": f"{_path(shapes.seat)}Z",
             "pressure": f"{_path(shapes.pressure)}Z",
             "arrows": [_path(arrow) for arrow in shapes.arrows],
-            "load": quantity(case.load, "N"),
+            "load": given(case.load, "N"),
             "peak": peak,
             "spoken": f"Ball and seat in section: the pressure is largest in line with the load, "
             f"{peak}",
@@ -163,7 +163,7 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
             edge = np.full(2, side * found.contact_angle)
             axes.plot(*_section(edge, np.array([-1.0, _SEAT])).T, **THIN)
         arrow(axes, (0.0, 0.75), (0.0, -0.15), "-|>", "black", 1.2)
-        axes.text(0.07, 0.35, quantity(case.load, "N"), parse_math=False)
+        axes.text(0.07, 0.35, given(case.load, "N"), parse_math=False)
         peak = quantity(found.peak, "MPa")
         axes.text(0.0, -1.04 - _SEAT, peak, ha="center", va="top", parse_math=False)
         axes.text(0.0, 1.06, f"ball radius {quantity(float(case.joint.radius), 'mm')}", ha="center")

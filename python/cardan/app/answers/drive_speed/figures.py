@@ -17,9 +17,9 @@ from typing import Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.printed import quantity, rounded_up
+from cardan.app.answers.printed import given, quantity
 from cardan.app.answers.rounding import is_cancelled
-from cardan.app.answers.rows import UNITS, count, figure, word
+from cardan.app.answers.rows import count, figure, word
 from cardan.app.scene.scene import Scene
 
 SHARE = 0.1
@@ -50,9 +50,12 @@ class DriveSpeed:
         "variation of the drive over that of the shaft",
         source=f"{SOURCE}: fair up to 10 %",
     )
-    inertia: float = figure("inertia of shaft 0", "kgm2")
+    inertia: float = figure("inertia of shaft 0", "kgm2", digits="given")
     needed: float = figure(
-        "needed inertia of shaft 0", "kgm2", "least that makes the assumption fair"
+        "needed inertia of shaft 0",
+        "kgm2",
+        "least that makes the assumption fair",
+        rounds="up",
     )
 
 
@@ -119,8 +122,8 @@ def heading(found: DriveSpeed) -> str:
 
 def sentences(found: DriveSpeed) -> Iterator[str]:
     """Say how far the drive varies, by whose rule that is judged and what to change."""
-    limit = quantity(SHARE, "percent")
-    needed = f"{rounded_up(found.needed)} {UNITS['kgm2'].symbol}"
+    limit = given(SHARE, "percent")
+    needed = quantity(found.needed, "kgm2", rounds="up")
     if found.verdict == "no drive inertia":
         inertia = f"at least {needed}" if found.needed > 0.0 else "any inertia"
         yield (
@@ -134,11 +137,11 @@ def sentences(found: DriveSpeed) -> Iterator[str]:
         f"Without torque, the speed of the drive varies by {quantity(found.variation, 'percent')} "
         f"from peak to peak. Shaft {found.shaft} varies by "
         f"{quantity(found.shaft_variation, 'percent')}, so the share is "
-        f"{quantity(found.share, 'percent')}; the limit is {limit} ({SOURCE})."
+        f"{quantity(found.share, 'percent', bounds=[SHARE])}; the limit is {limit} ({SOURCE})."
     )
     if found.verdict == "not fair":
         yield (
             "Inertia torques of a freely running drive are smaller than computed, by about that "
             f"share. A fair assumption needs {needed} of shaft 0, which has "
-            f"{quantity(found.inertia, 'kgm2')}."
+            f"{given(found.inertia, 'kgm2')}."
         )

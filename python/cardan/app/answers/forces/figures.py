@@ -93,7 +93,9 @@ class OverTurn:
 
     number: int = item("")
     largest: Judged = figure("largest force", "N")
-    at: float | None = figure("at", "deg", "first drive angle at which it is largest")
+    at: float | None = figure(
+        "at", "deg", "first drive angle at which it is largest", digits="phase"
+    )
     mean: float | None = figure("mean", "N", "length of the mean force vector")
     order_1: float | None = figure(
         "order 1", "N", "largest part that changes once per turn, if the joints have deviations"
@@ -234,8 +236,12 @@ def largest_text(found: Forces) -> str:
     force = max(found.bearings, key=lambda force: force.largest.value or 0.0, default=None)
     if force is None or not force.largest.value:
         return ""
-    at = "" if force.at is None else f", at {quantity(force.at, 'deg')} of drive angle"
+    at = (
+        ""
+        if force.at is None
+        else f", at {quantity(force.at, 'deg', digits='phase')} of drive angle"
+    )
     return (
         f"Largest bearing force: bearing {force.number}, shaft {force.shaft}, "
-        f"{quantity(force.largest.value, 'N')}{place_of(force.largest)}{at}."
+        f"{quantity(force.largest, 'N')}{place_of(force.largest)}{at}."
     )

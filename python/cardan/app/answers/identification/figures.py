@@ -37,7 +37,10 @@ class Order:
     order: int = item("order")
     unit: str = word("unit", is_detail=True)
     amplitude: float = figure(
-        "amplitude", "own", "joints have even orders, eccentric encoders orders 1 and 3"
+        "amplitude",
+        "own",
+        "joints have even orders, eccentric encoders orders 1 and 3",
+        digits="measured",
     )
 
 
@@ -46,10 +49,10 @@ class JointBend:
     """The bend of one of two joints."""
 
     joint: int = item("joint")
-    bend: float = figure("bend", "deg")
-    standard_deviation: float | None = figure("standard deviation", "deg")
-    interval_low: float = figure("95% interval from", "deg")
-    interval_high: float = figure("95% interval to", "deg")
+    bend: float = figure("bend", "deg", digits="measured")
+    standard_deviation: float | None = figure("standard deviation", "deg", digits="measured")
+    interval_low: float = figure("95% interval from", "deg", digits="measured")
+    interval_high: float = figure("95% interval to", "deg", digits="measured")
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,8 @@ class BendOfPart:
     turn: float | None = optional(
         figure("turn", "", "the mean of these turns, where no speed is known")
     )
-    bend: float = figure("bend", "deg")
-    standard_deviation: float | None = figure("standard deviation", "deg")
+    bend: float = figure("bend", "deg", digits="measured")
+    standard_deviation: float | None = figure("standard deviation", "deg", digits="measured")
 
 
 @dataclass(frozen=True)
@@ -75,27 +78,38 @@ class Identified:
     missing_samples: int = count("missing samples", "rows of the file that are not")
     turns: float = figure("turns of the drive", meaning="at least 1")
     mean_ratio: float = figure(
-        "mean speed ratio", meaning="of the driven shaft to the drive; 1 but for a drift"
+        "mean speed ratio",
+        meaning="of the driven shaft to the drive; 1 but for a drift",
+        digits="speed_ratio",
     )
     equivalent_bend: float = figure(
-        "equivalent bend", "deg", "bend of the single joint that turns the last shaft as unevenly"
+        "equivalent bend",
+        "deg",
+        "bend of the single joint that turns the last shaft as unevenly",
+        digits="measured",
     )
     standard_deviation: float | None = figure(
-        "standard deviation of the bend", "deg", "by the noise"
+        "standard deviation of the bend", "deg", "by the noise", digits="measured"
     )
-    interval_low: float = figure("95% interval from", "deg", "contains the bend in 95 % of cases")
-    interval_high: float = figure("95% interval to", "deg")
+    interval_low: float = figure(
+        "95% interval from", "deg", "contains the bend in 95 % of cases", digits="measured"
+    )
+    interval_high: float = figure("95% interval to", "deg", digits="measured")
     detection_limit: float = figure(
-        "smallest bend detected", "deg", "that the noise alone may imitate"
+        "smallest bend detected", "deg", "that the noise alone may imitate", digits="measured"
     )
     detected: bool = flag("detected", "whether the bend is larger than the noise permits to detect")
     angle_offset: float = figure(
         "offset of the drive angle",
         "deg",
         "to add to the recorded angle, so that the driving pin is in the bend plane at 0°",
+        digits="phase",
     )
     phase_less_twist: float | None = figure(
-        "phase less twist", "deg", "of two joints, modulo 180°; 0° where they should cancel"
+        "phase less twist",
+        "deg",
+        "of two joints, modulo 180°; 0° where they should cancel",
+        digits="phase",
     )
     purity: float | None = figure(
         "purity",
@@ -105,7 +119,9 @@ class Identified:
         "standard deviation of the purity", meaning="by the noise"
     )
     unit: str = word("unit", "of the residual and the orders", is_detail=True)
-    residual: float = figure("not explained, rms", "own", "what remains without the joints")
+    residual: float = figure(
+        "not explained, rms", "own", "what remains without the joints", digits="measured"
+    )
     recorded: Literal["angle error", "speed ratio"] = word(
         "recorded", "what the orders and the residual are of"
     )

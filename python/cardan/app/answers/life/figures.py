@@ -38,9 +38,9 @@ class Step:
     """A step of the duty cycle."""
 
     step: str = item("step")
-    share: float = figure("share of the time", "percent")
-    speed: float = figure("speed", "rpm", "of the drive")
-    torque: float = figure("torque", "Nm", "of the load")
+    share: float = figure("share of the time", "percent", digits="given")
+    speed: float = figure("speed", "rpm", "of the drive", digits="given")
+    torque: float = figure("torque", "Nm", "of the load", digits="given")
     end: Literal["drive", "output"] = word("at", "the end of the driveline that the torque acts at")
     bends: tuple[StepBend, ...] = parts("bend", "of each joint")
 
@@ -52,7 +52,9 @@ class JointLife:
     joint: int = item("joint")
     size: str | None = word("size", "in the table of sizes")
     bearing: BearingType = word("bearing", "of the pins")
-    rating: float | None = figure("rating", "Nm", "torque for 5000 h at 3 deg and 100 rpm")
+    rating: float | None = figure(
+        "rating", "Nm", "torque for 5000 h at 3 deg and 100 rpm", digits="given"
+    )
     hours: Judged | None = figure(
         "L10 life",
         "h",
@@ -87,7 +89,7 @@ class SizeLife:
     """A size of the table at every joint."""
 
     size: str = item("size")
-    rating: float | None = figure("rating", "Nm")
+    rating: float | None = figure("rating", "Nm", digits="given")
     hours: float | None = figure("L10 life", "h", "of the joint that fails first")
     decisive: int | None = count("fails first", "the joint that does")
     fits: bool = flag("within its limits", "whether bends, speeds and heat are")
@@ -98,9 +100,9 @@ class SizeLife:
 class LifeFigures:
     """The joints of a scene over its duty cycle, where several are possible in the worst one."""
 
-    hours: float | None = figure("L10 life", "h", "of the joint that fails first")
+    hours: float | None = figure("L10 life", "h", "of the joint that fails first", apart="target")
     decisive: int | None = count("fails first", "the joint that does")
-    target: float | None = figure("required life", "h", "by the scene")
+    target: float | None = figure("required life", "h", "by the scene", digits="given")
     of_sizes: Judged | None = figure(
         "life with the best size",
         "h",

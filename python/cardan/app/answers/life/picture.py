@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
-from cardan.app.answers.printed import curves_text, given
+from cardan.app.answers.printed import curves_text, given, quantity
 from cardan.app.answers.rounding import is_steady, signed
 from cardan.app.charts.charts import Curve, Panel, bars, chart
 from cardan.app.pictures.style import (
@@ -160,7 +160,7 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
 def _bars(found: LifeFigures) -> list[tuple[str, float, str]]:
     """The sizes whose life is known."""
     known = ((one.size, one.hours) for one in found.sizes)
-    return [(size, hours, given(hours, "h")) for size, hours in known if hours is not None]
+    return [(size, hours, quantity(hours, "h")) for size, hours in known if hours is not None]
 
 
 def _whole(answer: Answer) -> Figure:

@@ -54,7 +54,7 @@ def _headline(found: LifeFigures) -> str:
         if target is not None:
             relation = "below" if first.hours.verdict == "beyond" else "at least"
             required = f", {relation} the required {_hours(target)}"
-        life = f"L10 life {_hours(first.hours.value)}{place_of(first.hours)}{required}"
+        life = f"L10 life {quantity(first.hours, 'h')}{place_of(first.hours)}{required}"
         parts += [life, f"joint {first.joint} fails first"]
     if found.chosen is not None:
         parts.append(f"size {found.chosen} would give {_chosen(found)}")
@@ -75,7 +75,8 @@ def _headline(found: LifeFigures) -> str:
 
 
 def _chosen(found: LifeFigures) -> str:
-    return next(_hours(one.hours or 0.0) for one in found.sizes if one.size == found.chosen)
+    hours = next(one.hours or 0.0 for one in found.sizes if one.size == found.chosen)
+    return quantity(hours, "h", bounds=[] if found.target is None else [found.target])
 
 
 def _faults(joint: JointLife) -> Iterator[str]:
@@ -89,8 +90,8 @@ def _faults(joint: JointLife) -> Iterator[str]:
             continue
         if judged.value is not None and judged.verdict == "beyond":
             yield (
-                f"{is_} {quantity(judged.value, unit)}{place_of(judged)}; its type permits "
-                f"{quantity(judged.limit, unit)}."
+                f"{is_} {quantity(judged, unit)}{place_of(judged)}; its type permits "
+                f"{given(judged.limit, unit)}."
             )
     for judged, what in ((joint.speed_bend, "speed times bend"), (joint.heat, "heat")):
         if judged and judged.why:

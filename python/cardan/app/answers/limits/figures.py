@@ -25,8 +25,8 @@ class SpeedLimits:
     """The drive speeds up to which an excitation keeps its limit and its maximum."""
 
     excitation: str = item("excitation")
-    within_up_to: float = figure("within up to", "rpm", "drive speed")
-    tolerable_up_to: float | None = figure("tolerable up to", "rpm", "drive speed")
+    within_up_to: float = figure("within up to", "rpm", "drive speed", rounds="down")
+    tolerable_up_to: float | None = figure("tolerable up to", "rpm", "drive speed", rounds="down")
 
 
 @dataclass(frozen=True)

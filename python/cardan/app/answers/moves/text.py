@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from cardan.app.answers.moves.figures import Move
-from cardan.app.answers.printed import quantity
-from cardan.motion.workshop import both_senses
+from cardan.app.answers.printed import given, number_text, quantity, turn_text
 
 # More are not read.
 _MOST = 5
@@ -27,12 +26,12 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
 def _change(move: Move) -> str:
     if move.turn is not None:
         sense = "clockwise" if move.turn > 0.0 else "counter-clockwise"
-        turn = both_senses(abs(math.degrees(move.turn)), sense)
+        turn = turn_text(number_text(abs(math.degrees(move.turn)), "phase", rounds="up"), sense)
         return f"Turn the output-side yoke of {move.of} by {turn}"
     if move.rating is not None:
-        return f"Choose a rating of {quantity(move.rating, 'Nm')} for {move.of}"
+        return f"Choose a rating of {given(move.rating, 'Nm')} for {move.of}"
     assert move.shift is not None
-    by = quantity(abs(move.shift), "mm")
+    by = quantity(abs(move.shift), "mm", rounds="up")
     if move.axis is not None:
         sign = "+" if move.shift > 0.0 else "\N{MINUS SIGN}"
         return f"Move {move.of} by {by} along {sign}{move.axis}"

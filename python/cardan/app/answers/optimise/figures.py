@@ -48,8 +48,10 @@ class InState:
 
     state: str = item("state")
     unit: str = word("unit", _UNIT, is_detail=True)
-    before: float = figure("before", "own", "as the scene is")
+    before: float = figure("before", "own", "as the scene is", apart="limit")
     after: float = figure("after", "own", "with the values found")
+    # Of what is kept.
+    limit: float | None = None
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class Kept:
 
     quantity: str = item("quantity")
     unit: str = word("unit", _UNIT)
-    limit: float = figure("limit", "own")
+    limit: float = figure("limit", "own", digits="given")
     at_limit: bool = flag("at its limit")
     states: tuple[InState, ...] = parts("States")
 
@@ -167,10 +169,14 @@ def optimised(scene: Scene) -> Optimised | None:
 
 
 def _states(
-    asked: Optimisation, unit: str, before: FloatArray, after: FloatArray
+    asked: Optimisation,
+    unit: str,
+    before: FloatArray,
+    after: FloatArray,
+    limit: float | None = None,
 ) -> tuple[InState, ...]:
     ends = zip(asked.names, before.tolist(), after.tolist(), strict=True)
-    return tuple(InState(name, unit, *values) for name, *values in ends)
+    return tuple(InState(name, unit, was, is_now, limit) for name, was, is_now in ends)
 
 
 def _variables(asked: Optimisation, best: Optimum) -> Iterator[Changed]:
@@ -199,6 +205,7 @@ def _variables(asked: Optimisation, best: Optimum) -> Iterator[Changed]:
 def _kept(asked: Optimisation, best: Optimum) -> Iterator[Kept]:
     for (name, after), limit in zip(best.kept.items(), asked.keep.values(), strict=True):
         unit = key_of(asked.measure("keep", name).unit)
-        states = _states(asked, unit, best.kept_before[name], after)
+        bound = limit / UNITS[unit].factor
+        states = _states(asked, unit, best.kept_before[name], after, bound)
         is_reached = bool(np.max(after) >= (1.0 - _REACHED) * limit)
-        yield Kept(name, unit, limit / UNITS[unit].factor, is_reached, states)
+        yield Kept(name, unit, bound, is_reached, states)

@@ -10,7 +10,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.names import key_name
 from cardan.app.answers.optimise.figures import Optimised
 from cardan.app.answers.optimise.text import by_state
-from cardan.app.answers.printed import symbol_of, table_of, with_unit
+from cardan.app.answers.printed import plain_text, symbol_of, table_of, with_unit
 from cardan.app.answers.rows import NotFound
 from cardan.app.answers.states.figures import without_common
 from cardan.app.charts.charts import Curve, Panel, Table, chart
@@ -58,7 +58,12 @@ def _chart(found: Optimised, number: int) -> dict[str, Any]:
     variable, over = found.asked.variables[number], found.over(number)
     known = np.isfinite(over.values)
     best = variable.base + float(found.best.x[number])
-    curves = [Curve(f"best at {best:.6g} {symbol_of(variable.unit)}".strip(), over.within[known])]
+    curves = [
+        Curve(
+            f"best at {plain_text(best, variable.unit)} {symbol_of(variable.unit)}".strip(),
+            over.within[known],
+        )
+    ]
     if np.any(np.isfinite(over.beyond)):
         curves.append(Curve("beyond a limit", over.beyond[known]))
     panel = Panel(found.goal_words, symbol_of(found.minimised.unit), tuple(curves), 1.0)

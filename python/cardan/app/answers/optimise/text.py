@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from cardan.app.answers.optimise.figures import InState, Optimised
-from cardan.app.answers.printed import capital, given, listed, part_text, quantity
+from cardan.app.answers.printed import (
+    capital,
+    given,
+    listed,
+    number_text,
+    part_text,
+    quantity,
+)
 from cardan.app.answers.rows import UNITS, NotFound
 from cardan.app.scene.study.optimisation import Variable
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import VIEW
+
+# Digits that a change may have beside those of its unit.
+_MOST_MORE = 4
 
 # Smaller changes, in the unit of the key, are not worth a word.
 _SHOWN = 5e-4
@@ -64,23 +77,50 @@ def _result(found: Optimised) -> str:
 
 def change_lines(found: Optimised) -> Iterator[str]:
     """Say what to do about each variable."""
-    for variable, change in zip(found.asked.variables, found.best.x.tolist(), strict=True):
+    for variable, change, size in zip(
+        found.asked.variables, found.best.x.tolist(), _sizes(found), strict=True
+    ):
         # Of several entries each has its own value.
         values, stays = variable.axis.key, "they are"
         if len(_numbers(variable)) == 1:
-            ends = (_number(end) for end in (variable.base, variable.base + change))
+            end = variable.base + math.copysign(float(size), change)
+            ends = (number_text(end, "given") for end in (variable.base, end))
             values, stays = f"{values}: {' → '.join(ends)}{_unit(variable)}", "it is"
         if abs(change) < _SHOWN:
             yield f"leave {_what(variable)} as {stays} ({variable.axis.key})"
         else:
-            yield f"{_action(variable, change)} ({values})"
+            yield f"{_action(variable, change, size)} ({values})"
 
 
-def _action(variable: Variable, change: float) -> str:
-    size, what = f"{_number(abs(change))}{_unit(variable)}", _what(variable)
+def _sizes(found: Optimised) -> list[str]:
+    """The sizes of all changes, with the fewest digits with which the limits are kept."""
+    variables, changes = found.asked.variables, found.best.x
+    for more in range(_MOST_MORE):
+        sizes = [
+            _size(variable, abs(change), more)
+            for variable, change in zip(variables, changes.tolist(), strict=True)
+        ]
+        _, kept = found.asked.values_at(np.copysign([[*map(float, sizes)]], changes))
+        if kept[0]:
+            break
+    return sizes
+
+
+def _size(variable: Variable, size: float, more: int) -> str:
+    if variable.teeth:
+        return f"{size:.15g}"
+    kind = "phase" if variable.is_phase else variable.unit
+    text = number_text(size, kind)
+    if more:
+        text = number_text(size, kind, least=len(text.partition(".")[2]) + more)
+    return text if variable.is_phase else number_text(float(text), "given")
+
+
+def _action(variable: Variable, change: float, shown: str) -> str:
+    size, what = f"{shown}{_unit(variable)}", _what(variable)
     if variable.is_phase:
         sense = "clockwise" if change > 0.0 else "counter-clockwise"
-        turn = f"{abs(change):.2f}°"
+        turn = f"{number_text(float(shown), 'phase')}°"
         if not variable.teeth:
             return f"turn {what} by {turn} {sense}"
         teeth = abs(round(change * variable.teeth / 360.0))
@@ -131,7 +171,8 @@ def limit_lines(found: Optimised) -> list[str]:
             variable = found.asked.variables[active.variable]
             lines.append(
                 f"{variable.axis.key} is at the {'lower' if active.kind == 'low' else 'upper'} end "
-                f"of its range, a change of {_number(active.limit)}{_unit(variable)}."
+                f"of its range, a change of "
+                f"{number_text(active.limit, 'given')}{_unit(variable)}."
             )
         else:
             (kept,) = (each for each in found.kept if each.quantity == active.quantity)
@@ -148,10 +189,6 @@ def limit_lines(found: Optimised) -> list[str]:
 def _unit(variable: Variable) -> str:
     symbol = UNITS[variable.unit].symbol
     return symbol if symbol in ("°", "") else f" {symbol}"
-
-
-def _number(value: float) -> str:
-    return f"{round(value, 3) + 0.0:.10g}"
 
 
 def _bullets(texts: Iterator[str] | list[str]) -> list[str]:

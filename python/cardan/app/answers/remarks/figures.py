@@ -90,8 +90,8 @@ def _lengths(scene: Scene) -> Iterator[Remark]:
     for shaft in np.flatnonzero(odd):
         yield Remark(
             f"[driveline] {key}",
-            f"shaft {shaft} is {quantity(float(lengths[shaft]), 'm')} long; the key takes "
-            f"{ENDINGS[unit].name}",
+            f"shaft {shaft} is {quantity(float(lengths[shaft]), 'm', digits='measured')} long; "
+            f"the key takes {ENDINGS[unit].name}",
         )
 
 
@@ -186,7 +186,7 @@ def _tubes(scene: Scene) -> Iterator[Remark]:
     if outer > WIDEST:
         yield Remark(
             "[tubes] outer_diameter_mm",
-            f"a shaft is {quantity(outer, 'm')} wide; the key takes millimetres",
+            f"a shaft is {given(outer, 'm')} wide; the key takes millimetres",
         )
 
 

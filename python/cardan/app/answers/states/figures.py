@@ -8,6 +8,7 @@ from typing import Literal
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.figures import FIGURES
+from cardan.app.answers.printed import kind_of, number_text
 from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, word, worst_of
 from cardan.app.answers.study.figures import End, Extremes, extremes
 from cardan.app.scene.study.states import STATE, StatesResult
@@ -18,7 +19,7 @@ class StateFigures:
     """The motion of the driveline in one state; ``None`` of what is not known or has no meaning."""
 
     state: str = item("state")
-    equivalent_bend: float | None = figure("equivalent bend", "deg")
+    equivalent_bend: float | None = figure("equivalent bend", "deg", apart="limit")
     bend_difference: float | None = figure("bend difference", "deg", is_detail=True)
     torsional_excitation: float | None = figure("torsional excitation", "rad_s2", is_detail=True)
     inertia_excitation_driving: float | None = figure(
@@ -31,6 +32,8 @@ class StateFigures:
     beyond: str = word("beyond", "what is beyond its limit in this state, besides the bend")
     bends: tuple[float, ...] = numbers("bends", "deg", "of the joints")
     lengths: tuple[float, ...] = numbers("lengths", "mm", "of the shafts, where they are known")
+    # Of the equivalent bend.
+    limit: float | None = None
 
 
 def find(answer: Answer) -> tuple[StateFigures, ...]:
@@ -60,6 +63,7 @@ def find(answer: Answer) -> tuple[StateFigures, ...]:
                 ),
                 bends=tuple(lines.bends[i].tolist()),
                 lengths=tuple(lengths[i].tolist()) if lengths.ndim > 1 else (),
+                limit=motion.equivalent_bend.limit,
             )
         )
     return tuple(found)
@@ -120,6 +124,10 @@ class FigureOfStates:
     )
     least: StateEnd = parts("least")
     largest: StateEnd = parts("largest")
+
+    def text(self, value: float) -> str:
+        """Return a value of it without its unit."""
+        return number_text(value, kind_of(self.quantity, self.unit))
 
 
 @dataclass(frozen=True)

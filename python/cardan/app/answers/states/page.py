@@ -10,7 +10,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import CLASSES, tables_of
-from cardan.app.answers.printed import figure_text, quantity
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.states.figures import (
     StateFigures,
     StatesFigures,
@@ -37,7 +37,7 @@ def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> di
             {
                 "class": CLASSES[state.verdict],
                 "state": state.state,
-                "words": f"{quantity(state.equivalent_bend or 0.0, 'deg')}, {state.verdict}",
+                "words": f"{_bend(state)}, {state.verdict}",
             }
             for state in each
         ],
@@ -46,10 +46,16 @@ def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> di
     }
 
 
+def _bend(state: StateFigures) -> str:
+    return quantity(
+        state.equivalent_bend or 0.0, "deg", bounds=[] if state.limit is None else [state.limit]
+    )
+
+
 def _values(found: StatesFigures) -> Table:
     """A row for each state: the values of its keys and its figures."""
     columns = [[f"{value:.6g}" for value in key.values] for key in found.keys]
-    columns += [[*map(figure_text, each.values)] for each in found.figures]
+    columns += [[each.text(value) for value in each.values] for each in found.figures]
     heads = [key_name(key.key) for key in found.keys]
     heads += [column_name(each.source.source) for each in found.figures]
     rows = list(zip(found.names, *columns, strict=True))
@@ -61,7 +67,7 @@ def _worst(found: StatesFigures) -> Table:
     for each in found.figures:
         cells = [column_name(each.source.source)]
         for end in (each.least, each.largest):
-            cells += [figure_text(end.value), end.state or "all"]
+            cells += [each.text(end.value), end.state or "all"]
         rows.append(cells)
     return Table("Least and largest", ("Figure", "Least", "in state", "Largest", "in state"), rows)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from cardan.app.answers.printed import aligned, figure_text, settled, table_text
+from cardan.app.answers.printed import aligned, settled, table_text
 from cardan.app.answers.rounding import alike
 from cardan.app.answers.states.figures import StatesFigures
 
@@ -18,10 +18,7 @@ _WIDTH = 79
 def states_text(found: StatesFigures) -> str:
     """Return the figures of every state as tables of plain text, at most 79 wide, and the worst."""
     columns = [[key.key, *(f"{value:.6g}" for value in key.values)] for key in found.keys]
-    columns += [
-        [each.column, *(figure_text(settled(value, each.unit)) for value in each.values)]
-        for each in found.figures
-    ]
+    columns += [[each.column, *map(each.text, each.values)] for each in found.figures]
     names = ["States", *(f"  {name}" for name in found.names)]
     parts = [table_text([*zip(names, *group, strict=True)]) for group in _groups(names, columns)]
     if worst := list(worst_lines(found)):
@@ -35,7 +32,7 @@ def worst_lines(found: StatesFigures) -> Iterator[tuple[str, str]]:
         value = settled(each.largest.value, each.unit)
         varies = not alike(each.least.value, value)
         if each.source.less_is_better and math.isfinite(value) and varies:
-            yield each.column, f"{figure_text(value)} in {each.largest.state}"
+            yield each.column, f"{each.text(value)} in {each.largest.state}"
 
 
 def _groups(names: Sequence[str], columns: Sequence[list[str]]) -> Iterator[list[list[str]]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, over
-from cardan.app.answers.printed import place_of, quantity
+from cardan.app.answers.printed import given, place_of, quantity
 from cardan.app.answers.rows import Judged, figure, word
 from cardan.arrays import FloatArray
 
@@ -20,9 +20,13 @@ from cardan.arrays import FloatArray
 class SteeringFigures:
     """A steering column; ratio, slope and turns are those where it is farthest from symmetry."""
 
-    centre: float = figure("straight ahead", "deg", "drive angle at which the wheels are straight")
+    centre: float = figure(
+        "straight ahead", "deg", "drive angle at which the wheels are straight", digits="given"
+    )
     ratio: Judged = figure(
-        "ratio", meaning="speed of the last shaft over that of the column, straight ahead"
+        "ratio",
+        meaning="speed of the last shaft over that of the column, straight ahead",
+        digits="speed_ratio",
     )
     slope: Judged = figure(
         "slope of the ratio",
@@ -110,9 +114,9 @@ def sentences(found: SteeringFigures) -> Iterator[str]:
         yield f"Left and right are symmetric{' in all states' if offset.each else ''}."
         return
     yield (
-        f"Left and right differ: straight ahead is {quantity(offset.value, 'deg')} from the "
+        f"Left and right differ: straight ahead is {quantity(offset, 'deg')} from the "
         f"nearest symmetric angle{place_of(offset)}{_judged(offset, 'deg')}, and the ratio differs "
-        f"by up to {quantity(ratio.value, 'percent')}{place_of(ratio)}{_judged(ratio, 'percent')}."
+        f"by up to {quantity(ratio, 'percent')}{place_of(ratio)}{_judged(ratio, 'percent')}."
     )
     yield _turning(found)
 
@@ -120,7 +124,7 @@ def sentences(found: SteeringFigures) -> Iterator[str]:
 def _judged(value: Judged, unit: str) -> str:
     if value.limit is None:
         return ""
-    return f", {value.verdict} the limit of {quantity(value.limit, unit)}"
+    return f", {value.verdict} the limit of {given(value.limit, unit)}"
 
 
 def _turning(found: SteeringFigures) -> str:
@@ -135,7 +139,7 @@ def _turning(found: SteeringFigures) -> str:
     if abs(found.best_turn) < _SETTABLE:
         return (
             "The driving yoke of joint 0 has its best place on the column: a turn improves the "
-            f"worst case by less than {quantity(_SETTABLE, 'deg')}."
+            f"worst case by less than {given(_SETTABLE, 'deg')}."
         )
     return (
         f"Turn the driving yoke of joint 0 on the column by {_turn(found.best_turn)}, looking from "

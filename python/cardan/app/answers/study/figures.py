@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from cardan.app.answers.over import at_keys
+from cardan.app.answers.printed import kind_of, range_ends
 from cardan.app.answers.rounding import CANCELLED, ROUNDING, alike
 from cardan.app.answers.rows import as_shown, count, figure, item, optional, parts, place, word
 from cardan.app.scene.study.axes import Axis
@@ -53,6 +54,12 @@ class Extremes:
     component: str = optional(word("component", "of a vector: x, y or z"))
     least: End = parts("least")
     largest: End = parts("largest")
+
+    @property
+    def texts(self) -> tuple[str, str]:
+        """Both ends without their unit, with as many decimals."""
+        kind = kind_of(self.quantity, self.least.unit)
+        return range_ends(self.least.value, self.largest.value, kind)
 
     @property
     def is_finite(self) -> bool:

@@ -12,7 +12,7 @@ from cardan.app.answers.limits.check import check_row
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import judged_lines
-from cardan.app.answers.printed import figure_text, range_ends
+from cardan.app.answers.printed import kind_of_symbol, range_ends
 from cardan.app.answers.rounding import ROUNDING
 from cardan.app.answers.study.figures import End, extremes
 from cardan.app.answers.table import PARTS
@@ -72,10 +72,9 @@ def _extremes(result: StudyResult) -> Table:
         if not found.is_finite:
             rows.append([name, "", "not finite", *("" for _ in result.axes)])
         elif not found.varies:
-            rows.append([name, "", figure_text(ends[0].value), *("any" for _ in result.axes)])
+            rows.append([name, "", found.texts[0], *("any" for _ in result.axes)])
         else:
-            texts = range_ends(*(end.value for end in ends))
-            for which, text, end in zip(("least", "largest"), texts, ends, strict=True):
+            for which, text, end in zip(("least", "largest"), found.texts, ends, strict=True):
                 rows.append([name, which, text, *_places(result, end)])
     keys = [f"at {key_name(axis.key)}" for axis in result.axes]
     return Table("Extremes", ("Figure", "", "Value", *keys), rows)
@@ -203,11 +202,12 @@ def heat_map(
     place = np.unravel_index(int(np.argmin(values)), values.shape)
     x_label, y_label = labels
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
+    ends = (float(np.min(values)), float(np.max(values)))
+    spoken = " to ".join(range_ends(*ends, kind_of_symbol(panel.unit)))
     return {
         "frame": FRAME,
         "heading": heading,
-        "spoken": f"{heading} over {x_label} and {y_label}, "
-        f"from {np.min(values):.4g} to {np.max(values):.4g}",
+        "spoken": f"{heading} over {x_label} and {y_label}, from {spoken}",
         "x_label": x_label,
         "y_label": y_label,
         "x_ticks": [(f"{to_x(t):.1f}", number(t)) for t in ticks_of(x_label, x[0], x[-1])],

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from cardan.app.answers.printed import aligned, figure_text, place_text, range_ends
+from cardan.app.answers.printed import aligned, place_text
 from cardan.app.answers.study.figures import Extremes, StudyFigures
 from cardan.app.answers.turn.figures import DriveAngles
 from cardan.app.answers.turn.text import angles_text
@@ -51,13 +51,14 @@ def _figures(found: Sequence[Extremes]) -> str:
 
 def _figure(found: Extremes, width: int) -> Iterator[str]:
     if not found.is_finite or not found.varies:
-        value = figure_text(found.least.value) if found.is_finite else "not finite"
+        value = found.texts[0] if found.is_finite else "not finite"
         yield aligned([(found.column, value)], width)
         return
     yield found.column
     ends = (found.least, found.largest)
-    figures = range_ends(*(end.value for end in ends))
-    texts = [f"{figure} at {place_text(end.at)}" for figure, end in zip(figures, ends, strict=True)]
+    texts = [
+        f"{figure} at {place_text(end.at)}" for figure, end in zip(found.texts, ends, strict=True)
+    ]
     yield aligned(zip(("least", "largest"), texts, strict=True), 11, "  ")
 
 

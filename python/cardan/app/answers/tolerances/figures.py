@@ -42,8 +42,8 @@ class Given:
 
     group: str = item("group")
     unit: str = word("unit", _UNIT, is_detail=True)
-    least: float = figure("least tolerance, ±", "own", "above 0")
-    largest: float = figure("largest tolerance, ±", "own")
+    least: float = figure("least tolerance, ±", "own", "above 0", digits="given")
+    largest: float = figure("largest tolerance, ±", "own", digits="given")
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,7 @@ class Permitted(Given):
         "factor",
         "",
         "by which its tolerances may be multiplied; null if the others alone exceed the limit",
+        rounds="down",
     )
     needless: bool = flag("needless", "whether nothing reaches the limit")
 
@@ -67,7 +68,9 @@ class Share:
     group: str = word("group", "of parameters", is_detail=True)
     of: Literal["joint", "shaft", "point"] = word("of", is_detail=True)
     number: int = count("number", "of the joint, shaft or point", is_detail=True)
-    share: float = figure("share in the scatter", "percent", "of a point all coordinates together")
+    share: float = figure(
+        "share in the scatter", "percent", "of a point all coordinates together", digits="share"
+    )
 
 
 @dataclass(frozen=True)
@@ -77,10 +80,16 @@ class ToleranceFigure:
     label: str = item("figure")
     name: str = word("name", "in a scene", is_detail=True)
     unit: str = word("unit", _UNIT, is_detail=True)
-    nominal: Judged = figure("in the middle of the tolerances", "own", "as drawn or as measured")
-    half: float = figure("half of the drivelines up to", "own", "median")
-    most: float = figure("95% up to", "own", "of 100 drivelines, 95 are not above it")
-    nearly: float = figure("99% up to", "own", "of 100 drivelines, 99 are not above it")
+    nominal: Judged = figure(
+        "in the middle of the tolerances", "own", "as drawn or as measured", apart="limit"
+    )
+    half: float = figure("half of the drivelines up to", "own", "median", apart="limit")
+    most: float = figure(
+        "95% up to", "own", "of 100 drivelines, 95 are not above it", apart="limit"
+    )
+    nearly: float = figure(
+        "99% up to", "own", "of 100 drivelines, 99 are not above it", apart="limit"
+    )
     worst: Judged = figure(
         "worst with tolerances",
         "own",
@@ -95,10 +104,15 @@ class ToleranceFigure:
         "own",
         "that no driveline within the tolerances exceeds",
         source="triangle inequality in the hyperbolic plane",
+        apart="limit",
     )
-    limit: float | None = figure("limit", "own", is_detail=True)
+    limit: float | None = figure("limit", "own", digits="given", is_detail=True)
     passing: Judged | None = figure(
-        "share within the limit", "percent", "of the drivelines", limit="[tolerances] share"
+        "share within the limit",
+        "percent",
+        "of the drivelines",
+        limit="[tolerances] share",
+        digits="share",
     )
     measured: bool = flag(
         "measured", "whether joints in the middle have measured deviations", is_detail=True

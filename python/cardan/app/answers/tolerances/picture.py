@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.page import tables_of
-from cardan.app.answers.printed import capital, given, quantity, with_unit
+from cardan.app.answers.printed import capital, given, with_unit
 from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigure,
@@ -82,7 +82,7 @@ def _scatter(figure: ToleranceFigure, of: Tolerances) -> dict[str, Any]:
     if limit is not None and figure.limit is not None:
         step = np.where(x > limit, 100.0, 0.0)
         step[np.searchsorted(x, limit, side="left") + 1] = 100.0
-        curves.append(Curve(f"limit {quantity(figure.limit, figure.unit)}", step))
+        curves.append(Curve(f"limit {given(figure.limit, figure.unit)}", step))
     panel = Panel(f"Random drivelines up to this {figure.label}", "%", tuple(curves), 100.0)
     return chart(panel, x, with_unit(figure.label, figure.unit))
 

@@ -11,7 +11,6 @@ from cardan.app.answers.printed import (
     part_text,
     place_of,
     quantity,
-    rounded_down,
     table_text,
 )
 from cardan.app.answers.rows import Judged
@@ -50,7 +49,7 @@ def _state_rows(figure: ToleranceFigure) -> list[list[str]]:
     }
     known = {head: each for head, each in columns.items() if each is not None}
     rows = [
-        [state, *(quantity(each.each[state], figure.unit) for each in known.values())]
+        [state, *(_value(figure, each.each[state]) for each in known.values())]
         for state in figure.worst.each
     ]
     heads = ["state", *known]
@@ -115,7 +114,10 @@ def _permitted(part: Permitted, found: ToleranceFigures) -> str:
         return f"No accuracy of the {group} brings every driveline within {limit}{same}."
     if math.isinf(part.factor):
         return f"With any error of the {group} every driveline is within {limit}{same}."
-    ends = [rounded_down(part.factor * end, part.unit) for end in (part.least, part.largest)]
+    ends = [
+        quantity(part.factor * end, part.unit, digits="small", rounds="down")
+        for end in (part.least, part.largest)
+    ]
     sizes = " to ".join(f"±{end}" for end in dict.fromkeys(ends))
     searched = found.figures[0].worst_kind == "search"
     every = "As far as a search finds, every" if searched else "Every"
@@ -123,7 +125,8 @@ def _permitted(part: Permitted, found: ToleranceFigures) -> str:
 
 
 def _value(figure: ToleranceFigure, value: float) -> str:
-    return quantity(value, figure.unit)
+    bounds = [] if figure.limit is None else [figure.limit]
+    return quantity(value, figure.unit, bounds=bounds)
 
 
 def _limit(figure: ToleranceFigure) -> str:
@@ -132,10 +135,5 @@ def _limit(figure: ToleranceFigure) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share; one that is not all of it never as 100 %."""
-    text = f"{100.0 * share:.1f}"
-    if text == "100.0" and share < 1.0:
-        return "more than 99.9%"
-    if text == "0.0" and share > 0.0:
-        return "less than 0.1%"
-    return f"{text}%"
+    """Write a share of the drivelines."""
+    return quantity(share, "percent", digits="share")

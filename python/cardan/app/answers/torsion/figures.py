@@ -55,7 +55,7 @@ class Share:
     """The part of a compliant shaft in the energy of twist."""
 
     shaft: int = item("shaft")
-    share: float = figure("share in the energy of twist", "percent")
+    share: float = figure("share in the energy of twist", "percent", digits="share")
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class BendRule:
 
     shaft: int = item("shaft")
     bend: float = figure("equivalent bend behind it", "deg", "up to the next compliant shaft")
-    factor: float = figure("factor", source="tan²(bend/2)")
+    factor: float = figure("factor", source="tan²(bend/2)", apart="damping_ratio")
     damping_ratio: float = figure(
         "damping ratio", meaning="of the mode in which it is twisted most"
     )

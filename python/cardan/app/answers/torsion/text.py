@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from cardan.app.answers.printed import (
     capital,
     given,
+    in_unit,
     listed,
+    plain_text,
     quantity,
-    rounded_down,
-    rounded_up,
-    short,
 )
 from cardan.app.answers.torsion.figures import (
+    BendRule,
     CriticalSpeed,
     SpeedRange,
     TorsionBasics,
@@ -55,10 +55,10 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         if rule.exceeded:
             where = "" if rule.inside else ", outside the speed range"
             yield (
-                f"the equivalent bend of {given(rule.bend, 'deg')} behind shaft {rule.shaft} "
+                f"the equivalent bend of {_bend(rule)} behind shaft {rule.shaft} "
                 f"permits unstable motion near {_rpm(rule.speed)}{where}, because tan²(bend/2) = "
-                f"{short(rule.factor)} exceeds the damping ratio of "
-                f"{short(round(rule.damping_ratio, 9))} ({_RULE_SOURCE})"
+                f"{quantity(rule.factor, '', bounds=[rule.damping_ratio])} exceeds the damping "
+                f"ratio of {given(rule.damping_ratio, '')} ({_RULE_SOURCE})"
             )
     if held := _held(found):
         yield held
@@ -109,11 +109,12 @@ def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
     if not rules:
         return text
     rule = max(rules, key=lambda rule: rule.factor - rule.damping_ratio)
-    permitted = rounded_down(2.0 * math.atan(math.sqrt(rule.damping_ratio)), "deg", 4)
+    permitted = 2.0 * math.atan(math.sqrt(rule.damping_ratio))
     return (
-        f"{text} To leading order a damping ratio of at least {rounded_up(rule.factor)} prevents "
-        f"this, or an equivalent bend behind shaft {rule.shaft} of at most "
-        f"{permitted} instead of {given(rule.bend, 'deg')}."
+        f"{text} To leading order a damping ratio of at least "
+        f"{quantity(rule.factor, '', rounds='up')} prevents this, or an equivalent bend behind "
+        f"shaft {rule.shaft} of at most {quantity(permitted, 'deg', rounds='down')} instead of "
+        f"{_bend(rule, math.degrees(permitted))}."
     )
 
 
@@ -165,7 +166,7 @@ def _largest(found: TorsionFigures) -> Iterator[str]:
         return
     mean = ""
     if abs(torque.mean) > _ROUNDING * torque.size:
-        mean = f", {short(torque.size / abs(torque.mean))} times the mean torque there"
+        mean = f", {quantity(torque.size / abs(torque.mean), '')} times the mean torque there"
     yield (
         f"The largest torque is {quantity(torque.size, 'Nm')}, in shaft {torque.shaft} at "
         f"{_rpm(torque.speed)}{mean}."
@@ -198,5 +199,10 @@ def _ends(part: SpeedRange, word: str) -> str:
     return stop if start == stop else f"{start.removesuffix(' rpm')} {word} {stop}"
 
 
+def _bend(rule: BendRule, *apart_from_deg: float) -> str:
+    bend = plain_text(math.degrees(rule.bend), "deg", apart_from=apart_from_deg)
+    return in_unit([bend], "deg")
+
+
 def _rpm(speed: float) -> str:
-    return given(speed, "rpm")
+    return quantity(speed, "rpm")

@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, largest_torques
-from cardan.app.answers.printed import figure_text, place_of, quantity, rounded_up
+from cardan.app.answers.printed import given, place_of, quantity
 from cardan.app.answers.rows import Judged, figure, item, worst_of
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -45,7 +45,11 @@ class TubeFigures:
     )
     speed: Judged | None = figure("largest speed", "rpm", "of the shaft")
     margin: Judged | None = figure(
-        "margin", "", "critical bending speed over the speed", limit="[tubes] least_margin"
+        "margin",
+        "",
+        "critical bending speed over the speed",
+        limit="[tubes] least_margin",
+        digits="margin",
     )
     half: Judged | None = figure(
         "distance from half critical",
@@ -141,14 +145,15 @@ def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
         if stress and stress.verdict == "beyond" and stress.value and stress.limit:
             yield (
                 f"The shear stress in the tube of shaft {tube.shaft} is "
-                f"{quantity(stress.value, 'MPa')}{place_of(stress)}, beyond the permitted "
-                f"{quantity(stress.limit, 'MPa')}."
+                f"{quantity(stress, 'MPa')}{place_of(stress)}, beyond the permitted "
+                f"{given(stress.limit, 'MPa')}."
             )
         if margin and margin.verdict == "beyond" and margin.value and margin.limit:
             yield (
-                f"The critical bending speed of shaft {tube.shaft} is {figure_text(margin.value)} "
+                f"The critical bending speed of shaft {tube.shaft} is "
+                f"{quantity(margin, '', digits='margin')} "
                 f"times its speed{place_of(margin)}; the scene requires "
-                f"{figure_text(margin.limit)} times."
+                f"{given(margin.limit, '')} times."
             )
         yield from _bending(tube)
     verdict = worst_of(each.verdict for each in judged)
@@ -170,8 +175,9 @@ def _bending(tube: TubeFigures) -> Iterator[str]:
         return
     if half.verdict != "beyond" and (half.limit is not None or half.value > _NEAR):
         return
-    near = f"within {rounded_up(100.0 * half.value)} % of" if half.value else "at"
-    required = "" if half.limit is None else f"; the scene requires {100.0 * half.limit:g} %"
+    share = quantity(half, "percent", rounds="up")
+    near = f"within {share} of" if half.value else "at"
+    required = "" if half.limit is None else f"; the scene requires {given(half.limit, 'percent')}"
     yield (
         f"Shaft {tube.shaft} turns {near} half its critical bending speed"
         f"{_speeds(tube.critical, half)}{place_of(half)}{required}: the moments of its bent joints "

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from cardan.app.answers.printed import number_text
 from cardan.app.answers.rounding import flat_limits
 from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
@@ -122,7 +123,9 @@ def names(
     elif not line.shape:
         known = [""]
     elif line.n_joints == 1:
-        known = [f"bend {bend:.4g}°" for bend in np.degrees(line.bends[:, 0])]
+        known = [
+            f"bend {number_text(bend, 'given')}°" for bend in np.degrees(line.bends[:, 0]).tolist()
+        ]
     else:
         known = [f"driveline {i}" for i in range(line.shape[0])]
     return checked_labels(labels, known)

@@ -10,9 +10,10 @@ from types import MappingProxyType
 from cardan.app.answers.printed import (
     aligned,
     angle_text,
-    figure_text,
     in_unit,
     items_text,
+    kind_of,
+    number_text,
     range_ends,
 )
 from cardan.app.answers.turn.figures import DriveAngles, SignalFigures, SummaryRow, TurnFigures
@@ -60,19 +61,25 @@ def over_text(angles: DriveAngles, *, radians: bool = False) -> str:
 
 def angles_text(angles: DriveAngles, *, radians: bool = False) -> str:
     """Say from where to where drive angles go, and in how many turns of how many samples."""
-    first, last = (_angle(angle, radians) for angle in (angles.first, angles.last))
+    first, last = (_end(angle, radians) for angle in (angles.first, angles.last))
     turns = f"{angles.turns:.4g} turn{'s' if angles.turns != 1.0 else ''}"
     per_turn = "" if angles.samples_per_turn is None else f"{angles.samples_per_turn:.4g} samples"
     if angles.min is None or angles.max is None:
         return f"{first} to {last}, {turns}{per_turn and f' of {per_turn}'}"
-    low, high = (_angle(angle, radians) for angle in (angles.min, angles.max))
+    low, high = (_end(angle, radians) for angle in (angles.min, angles.max))
     text = f"first {first}, last {last}, least {low}, largest {high}, "
     text += f"{angles.turns:.4g} turns forward and back"
     return f"{text}{per_turn and f', {per_turn} per turn'}"
 
 
+def _end(degrees: float, radians: bool) -> str:
+    """An end of a sweep as someone gave it, of a recording to a tenth of a degree."""
+    end = round(math.radians(degrees), 4) if radians else round(degrees, 1)
+    return in_unit([number_text(end, "given")], "deg", radians=radians)
+
+
 def _angle(degrees: float, radians: bool) -> str:
-    return angle_text(math.radians(degrees) if radians else degrees, radians)
+    return angle_text(math.radians(degrees) if radians else degrees, radians=radians)
 
 
 def _is_short(angles: DriveAngles) -> bool:
@@ -118,7 +125,7 @@ def noise_text(angles: DriveAngles) -> str | None:
     """Warn of an acceleration that is mostly noise; ``None`` if it is not."""
     for signal in angles.signals:
         if signal.quiet_reach:
-            noise = f"{figure_text(signal.noise or 0.0)} {signal.unit} rms"
+            noise = f"{_recorded(signal.noise or 0.0)} {signal.unit} rms"
             return (
                 f"the acceleration is mostly noise, {noise}, and so are the torques of inertias; "
                 f"try filter_reach = {signal.quiet_reach} in [angles]"
@@ -157,12 +164,15 @@ def _line(rows: Sequence[SummaryRow], radians: bool) -> tuple[str, str]:
     )
     label = f"largest {label}" if first.statistic == "peak" else label
     label += f", {items_text(first.per, [first.item] if is_range else [row.item for row in rows])}"
-    values = [_in_unit(row, radians) for row in rows]
+    unit = "rad" if radians and first.unit == "deg" else first.unit
+    values, kind = [_in_unit(row, radians) for row in rows], kind_of(quantity, unit)
     if is_range:
-        apart = 0.0 < values[-1] - values[0] < math.inf
-        figures = range_ends(values[0], values[-1]) if apart else (figure_text(values[0]),)
+        apart = values[-1] > values[0]
+        figures = (
+            range_ends(values[0], values[-1], kind) if apart else (number_text(values[0], kind),)
+        )
         return label, in_unit(figures, last.unit, " to ", radians=radians)
-    text = in_unit([figure_text(value) for value in values], first.unit, ", ", radians=radians)
+    text = in_unit([number_text(value, kind) for value in values], first.unit, radians=radians)
     if len(rows) == 1 and first.at_drive_angle is not None:
         text += f" at {_angle(first.at_drive_angle, radians)}"
     return label, text
@@ -196,20 +206,24 @@ def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[
     if signal.signal == "time":
         yield f"{_time(first, last - first)} to {_time(last, last - first)} s"
         if step:
-            yield f"{figure_text(1.0 / step)} samples per second"
+            yield f"{_recorded(1.0 / step)} samples per second"
         if signal.longest_gap is not None and signal.longest_gap_after is not None:
             after = _time(signal.longest_gap_after, last - first)
-            longest = f"{figure_text(signal.longest_gap)} s after {after} s"
+            longest = f"{_recorded(signal.longest_gap)} s after {after} s"
             several = f"{signal.gaps} gaps, the longest"
             yield f"{several if (signal.gaps or 0) > 1 else 'a gap of'} {longest}"
         return
-    yield f"first {figure_text(first)}, last {figure_text(last)} {unit}"
+    yield f"first {_recorded(first)}, last {_recorded(last)} {unit}"
     low, high = signal.min, signal.max
     if high - low > 1e-6 * max(abs(low), abs(high)):
-        yield f"{' to '.join(range_ends(low, high))} {unit}"
+        yield f"{' to '.join(range_ends(low, high, 'measured'))} {unit}"
     if signal.filter_samples:
         count = min(signal.filter_samples, samples)
-        yield f"by parabolas over {count} samples, {figure_text((count - 1) * step)} s"
+        yield f"by parabolas over {count} samples, {_recorded((count - 1) * step)} s"
+
+
+def _recorded(value: float) -> str:
+    return number_text(value, "measured")
 
 
 def _time(time: float, duration: float) -> str:

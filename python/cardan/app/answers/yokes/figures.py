@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
 from cardan.app.answers.limits.check import check_states
+from cardan.app.answers.limits.figures import motion_of
+from cardan.app.answers.printed import judged_text
 from cardan.app.answers.rounding import ROUNDING, equivalent_bend_deg
-from cardan.app.answers.rows import count, figure, item, numbers, optional, parts, word
+from cardan.app.answers.rows import (
+    DIGITS,
+    Judged,
+    count,
+    entries,
+    figure,
+    item,
+    numbers,
+    optional,
+    parts,
+    word,
+)
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.states import States
 from cardan.arrays import FloatArray
@@ -20,7 +33,10 @@ from cardan.motion.phases import Arrangement
 from cardan.motion.workshop import VIEW, turn
 
 SHOWN = 0.005
-"""Less than this, in degrees, would read 0.00."""
+"""Less than this, in degrees, is nothing to turn."""
+
+# Of a phase: no yoke is set more exactly.
+_MOST_DECIMALS = 4
 
 Sense = Literal["none", "clockwise", "counter-clockwise"]
 _T = TypeVar("_T")
@@ -132,6 +148,8 @@ class Advice:
     bend_ranges: tuple[BendRange, ...] = parts("bends", "none of several states")
     states: OverStates | None = optional(parts("states"))
     teeth: tuple[ShaftSetting, ...] = parts("on teeth", "the best setting on the splines, if known")
+    # Of the phases in degrees, with which the best setting keeps a limit that it can keep.
+    decimals: int = field(kw_only=True)
 
     @property
     def settable_deg(self) -> float:
@@ -185,7 +203,11 @@ def yoke_settings(scene: Scene) -> YokeFigures:
     rules = {
         key: root_rule(each[int(np.argmax(each.equivalent().k))]) for key, each in lines.items()
     }
-    above = [str(finding) for finding in check.findings if not np.all(finding.passes)]
+    above = [
+        f"{row.label}: {judged_text(value, row)} ({value.source})"
+        for _, row, value, _ in entries(motion_of(scene, check), "limits")
+        if isinstance(value, Judged) and value.verdict == "beyond"
+    ]
     return YokeFigures(
         **vars(found), view=VIEW, catalogue=_by_setting(RootRules, rules), above_limits=tuple(above)
     )
@@ -282,7 +304,23 @@ def _advice(
         ),
         over,
         tuple(_setting(line, i, settings["on_teeth"][i], count) for i, count in enumerate(teeth)),
+        decimals=_decimals(line, states, settings["best"], limit_deg),
     )
+
+
+def _decimals(line: Driveline, states: States | None, best: FloatArray, limit_deg: float) -> int:
+    """The fewest decimals of settings and turns with which a limit is kept, if it can be."""
+    fewest = DIGITS["phase"].decimals or 0
+    for decimals in range(fewest, _MOST_DECIMALS + 1):
+        ways = [start + _rounded(best - start, decimals) for start in (0.0 * best, line.phases)]
+        lines = [one for phases in ways for one in _of_states(line, states, phases)]
+        if max(map(equivalent_bend_deg, lines)) <= limit_deg * (1.0 + ROUNDING):
+            return decimals
+    return fewest
+
+
+def _rounded(angles: FloatArray, decimals: int) -> FloatArray:
+    return np.radians(np.round(np.degrees(angles), decimals))
 
 
 def _setting(line: Driveline, place: int, phase: float, teeth: int | None = None) -> ShaftSetting:

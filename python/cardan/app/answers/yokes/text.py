@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cardan.app.answers.printed import listed
+from cardan.app.answers.printed import in_unit, listed, number_text, plain_text, quantity, turn_text
 from cardan.app.answers.yokes.figures import SHOWN, Advice, BendRange, ShaftSetting, YokeFigures
 from cardan.design.wrapping import fill
-from cardan.motion.workshop import ARROW, SAME_YOKE, VIEW, both_senses
+from cardan.motion.workshop import ARROW, SAME_YOKE, VIEW
 
 _WIDTH = 79
 
@@ -71,8 +71,8 @@ def phases_text(found: Advice) -> str:
 def yoke_lines(found: Advice) -> list[str]:
     """Say the setting of each shaft, one line per shaft."""
     return [
-        f"shaft {shaft.shaft}: {_setting(shaft)}; "
-        + ("nothing to turn" if shaft.turn_deg < SHOWN else f"turn it {_turn_text(shaft)}")
+        f"shaft {shaft.shaft}: {_setting(found, shaft)}; "
+        + ("nothing to turn" if shaft.turn_deg < SHOWN else f"turn it {_turn_text(found, shaft)}")
         for shaft in found.shafts
     ]
 
@@ -84,12 +84,12 @@ def tooth_lines(found: Advice) -> list[str]:
     lines = ["On the splines:"]
     # Over several states teeth cost something in one and gain it in another.
     if found.states is None:
-        cost = _deg(found.settable_deg - found.equivalent_bend_deg.best)
+        cost = quantity(math.radians(found.settable_deg - found.equivalent_bend_deg.best), "deg")
         lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
     for tooth in found.teeth:
-        change = f"turn it {_turn_text(tooth)}" if tooth.turn_teeth else "nothing to turn"
+        change = f"turn it {_turn_text(found, tooth)}" if tooth.turn_teeth else "nothing to turn"
         spline = "cannot be turned" if (tooth.teeth or 0) < 3 else f"{tooth.teeth} teeth"
-        lines.append(f"- shaft {tooth.shaft} ({spline}): {_setting(tooth)}; {change}")
+        lines.append(f"- shaft {tooth.shaft} ({spline}): {_setting(found, tooth)}; {change}")
     return lines
 
 
@@ -101,13 +101,19 @@ def _table(found: YokeFigures) -> list[str]:
         columns.append(("on teeth", bends.on_teeth, rules.on_teeth))
     rows = [
         ("", *(name for name, _, _ in columns)),
-        ("Equivalent bend", *(_deg(bend) for _, bend, _ in columns)),
-        ("Catalogue's root rule", *(_deg(rule.equivalent_bend_deg) for _, _, rule in columns)),
+        ("Equivalent bend", *(bend_text(found, bend) for _, bend, _ in columns)),
+        (
+            "Catalogue's root rule",
+            *(bend_text(found, rule.equivalent_bend_deg) for _, _, rule in columns),
+        ),
         (
             "  its fork signs",
             *(" ".join("+-"[sign < 0] for sign in rule.fork_signs) for _, _, rule in columns),
         ),
-        ("  yokes off these by", *(f"{rule.off_deg:.2f}°" for _, _, rule in columns)),
+        (
+            "  yokes off these by",
+            *(in_unit([number_text(rule.off_deg, "phase")], "deg") for _, _, rule in columns),
+        ),
     ]
     return _columns(rows)
 
@@ -120,7 +126,7 @@ def _states_table(found: Advice) -> list[str]:
     known = [(name, values) for name, values in columns if values]
     rows = [("Equivalent bend", *(name for name, _ in known))]
     for i, name in enumerate(found.states.names):
-        rows.append((f"  {name}", *(_deg(values[i]) for _, values in known)))
+        rows.append((f"  {name}", *(bend_text(found, values[i]) for _, values in known)))
     return [*_columns(rows), "", BEST_OF_STATES]
 
 
@@ -129,24 +135,36 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
     return [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, *cells in rows]
 
 
-def _deg(value: float) -> str:
-    return f"{value:.3f}°"
+def bend_text(found: Advice, bend_deg: float) -> str:
+    """Write an equivalent bend, told apart from its limit."""
+    bend = number_text(bend_deg, "deg", apart_from=[found.limit_deg])
+    return in_unit([bend], "deg")
 
 
-def _setting(shaft: ShaftSetting) -> str:
+def _limit(found: Advice) -> str:
+    return in_unit([number_text(found.limit_deg, "given")], "deg")
+
+
+def _setting(found: Advice, shaft: ShaftSetting) -> str:
     if shaft.setting_deg < SHOWN:
         return "in one plane"
-    return both_senses(shaft.setting_deg, shaft.sense)
+    return turn_text(_phase(found, shaft.setting_deg), shaft.sense)
 
 
-def _turn_text(shaft: ShaftSetting) -> str:
+def _phase(found: Advice, degrees: float) -> str:
+    """A turn of a yoke with the decimals that the limit needs."""
+    return number_text(degrees, "phase", least=found.decimals)
+
+
+def _turn_text(found: Advice, shaft: ShaftSetting) -> str:
     """How to turn a yoke; the other way round too where that is not much longer."""
+    turn = _phase(found, shaft.turn_deg)
     if shaft.turn_teeth:
         teeth = "tooth" if shaft.turn_teeth == 1 else "teeth"
-        return f"{shaft.turn_teeth} {teeth} {shaft.turn_sense} ({shaft.turn_deg:.2f}°)"
+        return f"{shaft.turn_teeth} {teeth} {shaft.turn_sense} ({turn}°)"
     if shaft.turn_deg <= 45.0:
-        return f"{shaft.turn_deg:.2f}° {shaft.turn_sense}"
-    return both_senses(shaft.turn_deg, shaft.turn_sense).replace(" = ", " or ")
+        return f"{turn}° {shaft.turn_sense}"
+    return turn_text(turn, shaft.turn_sense).replace(" = ", " or ")
 
 
 def _wrapped(line: str) -> str:
@@ -164,10 +182,11 @@ def _wrapped(line: str) -> str:
 
 def advice_text(found: Advice) -> str:
     """Say what is left at best, on the teeth where these are known, and what would fix it."""
-    limit, bends = f"the limit of {found.limit_deg:.4g}°", found.equivalent_bend_deg
+    limit, bends = f"the limit of {_limit(found)}", found.equivalent_bend_deg
     if found.states:
         return _states_advice_text(found, limit)
-    present, settable = _deg(bends.present), _deg(found.settable_deg)
+    present = bend_text(found, bends.present)
+    settable = bend_text(found, found.settable_deg)
     if found.cause == "bends":
         return " ".join(remedies(found))
     if found.cause == "none" and not found.turned:
@@ -179,7 +198,7 @@ def advice_text(found: Advice) -> str:
         )
     cause = f"The phases are the cause: {present} is beyond {limit}."
     if found.settable_deg > found.limit_deg:
-        best = _deg(bends.best)
+        best = bend_text(found, bends.best)
         return f"{cause} The exact setting leaves {best}, but no teeth bring it within the limit."
     which = listed([f"shaft {shaft.shaft}" for shaft in found.turned])
     return (
@@ -194,10 +213,11 @@ def remedies(found: Advice) -> list[str]:
         return []
     if found.states:
         return _states_remedies(found)
-    settable, best = _deg(found.settable_deg), _deg(found.equivalent_bend_deg.best)
+    settable = bend_text(found, found.settable_deg)
+    best = bend_text(found, found.equivalent_bend_deg.best)
     if found.cause == "phases" and found.settable_deg > found.limit_deg:
         return [
-            f"No teeth of the splines bring it within the limit of {found.limit_deg:.4g}°: the "
+            f"No teeth of the splines bring it within the limit of {_limit(found)}: the "
             f"best teeth leave {settable}. The exact setting would leave {best}."
         ]
     if found.cause == "phases":
@@ -207,7 +227,9 @@ def remedies(found: Advice) -> list[str]:
 
 
 def _turns(found: Advice) -> str:
-    turns = ", of ".join(f"shaft {shaft.shaft} by {_turn_text(shaft)}" for shaft in found.turned)
+    turns = ", of ".join(
+        f"shaft {shaft.shaft} by {_turn_text(found, shaft)}" for shaft in found.turned
+    )
     return f"Turn the output-side yoke of {turns}, {VIEW}"
 
 
@@ -215,13 +237,13 @@ def _at_most(found: Advice) -> str:
     """What can be set leaves over the states, and in which of them."""
     assert found.states
     worst = found.states.worst
-    return f"{_deg(found.settable_deg)} in {worst.on_teeth or worst.best}"
+    return f"{bend_text(found, found.settable_deg)} in {worst.on_teeth or worst.best}"
 
 
 def _states_advice_text(found: Advice, limit: str) -> str:
     assert found.states
     verdict = "within" if found.cause == "none" else "beyond"
-    now = f"{_deg(found.equivalent_bend_deg.present)} in {found.states.worst.present}"
+    now = f"{bend_text(found, found.equivalent_bend_deg.present)} in {found.states.worst.present}"
     now = f"The largest equivalent bend of all states is {now}, {verdict} {limit}."
     if not found.turned:
         return f"{now} The yokes have the best common setting."
@@ -239,7 +261,7 @@ def _states_remedies(found: Advice) -> list[str]:
         return ["A single joint cannot cancel its own unevenness; add a second joint."]
     return [
         f"Even the best common setting of the yokes leaves {_at_most(found)}, beyond the "
-        f"limit of {found.limit_deg:.4g}°. Bring the bends of the joints nearer to each other "
+        f"limit of {_limit(found)}. Bring the bends of the joints nearer to each other "
         "in that state. More weight of that state favours it at the cost of the others."
     ]
 
@@ -251,11 +273,11 @@ def _too_different(found: Advice) -> str:
     if len(bent) == 1:
         return "One bend alone cannot cancel; no phase can fix that"
     if len(bent) == 2:
-        bends = " and ".join(f"{joint.bend_deg:.4g}°" for joint in bent)
+        bends = " and ".join(f"{_bend(joint)}" for joint in bent)
         return f"The bends differ ({bends}); no phase can fix that"
     largest = _largest(found)
     return (
-        f"Joint {largest.joint} is bent by {largest.bend_deg:.4g}°, more than the other "
+        f"Joint {largest.joint} is bent by {_bend(largest)}, more than the other "
         "joints can cancel; no phase can fix that"
     )
 
@@ -272,11 +294,20 @@ def _changes(found: Advice) -> str:
     then = "; then set the yokes anew"
     if not found.shafts:
         then = ", or add a second joint with the same bend"
-    return f"To come within the limit of {found.limit_deg:.4g}°, give {changes}{then}."
+    return f"To come within the limit of {_limit(found)}, give {changes}{then}."
 
 
 def _bent(found: Advice) -> list[BendRange]:
     return [joint for joint in found.bend_ranges if joint.bend_deg >= SHOWN]
+
+
+def _bend(joint: BendRange) -> str:
+    """A bend, which mostly someone gave, without zeros at its end."""
+    return in_unit([plain_text(joint.bend_deg, "deg", apart_from=_ends(joint))], "deg")
+
+
+def _ends(joint: BendRange) -> tuple[float, float]:
+    return joint.from_deg, joint.to_deg
 
 
 def _largest(found: Advice) -> BendRange:
@@ -284,7 +315,7 @@ def _largest(found: Advice) -> BendRange:
 
 
 def _range(joint: BendRange) -> str:
-    most = f"{math.floor(joint.to_deg * 100.0 + 1e-6) / 100.0:.2f}°"
+    most = number_text(joint.to_deg, "deg", rounds="down")
     if joint.from_deg < SHOWN:
-        return f"at most {most}"
-    return f"{math.ceil(joint.from_deg * 100.0 - 1e-6) / 100.0:.2f}° to {most}"
+        return f"at most {in_unit([most], 'deg')}"
+    return in_unit([number_text(joint.from_deg, "deg", rounds="up"), most], "deg", " to ")
