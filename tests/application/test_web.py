@@ -21,6 +21,7 @@ from selenium.webdriver.chrome.service import Service
 
 import bits_cases
 import cardan
+import oracle
 import tiers
 from cardan import Driveline, Load
 from cardan.app.scene import Scene
@@ -185,7 +186,7 @@ def test_recorded_evaluations_have_the_same_bits(
 ) -> None:
     groups = bits_cases.GROUPS if tiers.whole else (bits_cases.of_loads, bits_cases.of_forces)
     calls, wanted = [], []
-    plan_at = bits_cases.plan_at
+    plan_at = oracle.plan_at
 
     def recording(line: Driveline, names: Any, **options: Any) -> Any:  # noqa: ANN401
         plan = plan_at(line, names, **options)
@@ -465,7 +466,7 @@ def test_chromium_has_the_same_bits(tmp_path: Path) -> None:
     for _ in range(12):
         data, line, load = random_machine(random)
         calls.append(("from_points", data))
-        request = {"outputs": list(OUTPUTS), "of_shafts": range(line.n_joints + 1)}
+        request: dict[str, Any] = {"outputs": OUTPUTS, "of_shafts": range(line.n_joints + 1)}
         request |= {"of_joints": range(line.n_joints), "angles": np.linspace(0.0, 3.0, 40)}
         calls.append(("evaluate", {**loaded(line, load), **request}))
     asked = {"calls": listed(calls)}
