@@ -96,7 +96,10 @@ export class Cardan {
     this.#module = module;
     this.#exports = instance.exports;
     this.#exports.describe();
-    /** What the module describes. @type {Table} */
+    /**
+     * What the module describes.
+     * @type {Table}
+     */
     this.table = JSON.parse(this.#text());
     this.#numbers = new Map(this.table.functions.map((row, number) => [row.name, number]));
   }
@@ -109,6 +112,8 @@ export class Cardan {
   static async load(bytes) {
     let code = new Uint8Array(/** @type {ArrayBuffer} */ (bytes));
     if (code[0] === 0x1f && code[1] === 0x8b) {
+      // Older declarations of the browser's functions do not know it.
+      const { DecompressionStream } = /** @type {any} */ (globalThis);
       const stream = new Blob([code]).stream().pipeThrough(new DecompressionStream("gzip"));
       code = new Uint8Array(await new Response(stream).arrayBuffer());
     }
@@ -246,7 +251,10 @@ export class Machine {
    */
   constructor(cardan, data) {
     this.#cardan = cardan;
-    /** The arguments of the function `figures`, and `points`. @type {MachineData} */
+    /**
+     * The arguments of the function `figures`, and `points`.
+     * @type {MachineData}
+     */
     this.data = data;
     const { joints, points, unit, phases, step_points, step_phases } = data;
     if (points && !data.bends) {
@@ -290,9 +298,9 @@ export class Machine {
     const { points, drawn, step_points, unit = 1 } = this.data;
     if (!points) throw new CardanError("points are missing; drivelines without lengths have none");
     /** @type {MachineData} */
-    const changes = { points: points.map((line) => moved(line)) };
+    const changes = { points: points.map((/** @type {number[][]} */ line) => moved(line)) };
     if (drawn && drawn.length) changes.drawn = moved(drawn, unit);
-    if (step_points) changes.step_points = step_points.map((line) => moved(line));
+    if (step_points) changes.step_points = step_points.map((/** @type {number[][]} */ line) => moved(line));
     return this.with(changes);
   }
 

@@ -1,6 +1,7 @@
 """Scenes: a driveline, its load, drive angles and study in one short file, and what they give."""
 
 from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.machine import machine_data
 from cardan.app.scene.scene import BallJointScene, Scene, SceneResult, load_scene
 from cardan.app.scene.sections.ball_joint import BallJointCase, Material
 from cardan.app.scene.starters import STARTERS
@@ -24,5 +25,6 @@ __all__ = [
     "StudyResult",
     "cluster",
     "load_scene",
+    "machine_data",
     "stream",
 ]
