@@ -25,7 +25,8 @@ ALONE = [
     ["jerk_ratio"],
 ]
 LOADED = [["moment"], ["bending_driving"], ["bending_driven"], ["support_moment"]]
-# In single precision only the motion at moderate bends finds its pins, strip by strip.
+# In single precision only loops at moderate bends find pins: those of motions and of the moment
+# vector of the first joint, strip by strip.
 TIERS: dict[str, dict[str, Any]] = {
     "double": {},
     "float32": {"dtype": np.float32},
@@ -75,13 +76,27 @@ def test_another_output_changes_no_bit(line: Driveline, level: str, tier: str) -
 @pytest.mark.parametrize("tier", TIERS)
 def test_any_number_of_angles_has_the_same_bits(tier: str) -> None:
     # Strips have 64 angles, and a shorter array has none.
-    plan = plan_at(LINES["joint"], MOTION, **TIERS[tier])
     angle = np.linspace(-7.0, 9.0, 200)
-    whole = plan(angle)
-    for length in (1, 63, 64, 65, 127, 128, 150):
-        part = plan(angle[:length].copy())
-        for name in MOTION:
-            np.testing.assert_array_equal(part[name], whole[name][:length])
+    for names in (MOTION, ["moment"]):
+        plan = plan_at(LINES["joint"], names, load=Load(drive_torque=50.0), **TIERS[tier])
+        whole = plan(angle)
+        for length in (1, 63, 64, 65, 127, 128, 150):
+            part = plan(angle[:length].copy())
+            for name in names:
+                same = whole[name][:, :length] if name == "moment" else whole[name][:length]
+                np.testing.assert_array_equal(part[name], same)
+
+
+@pytest.mark.parametrize("tier", TIERS)
+def test_a_torque_beside_a_moment_changes_no_bit(tier: str) -> None:
+    # It reads the power of each sample, which the moment alone does not need.
+    options = {"load": Load(drive_torque=50.0), **TIERS[tier]}
+    moment, torque, both = (
+        plan_at(LINES["joint"], names, shafts=0, **options)(angles())
+        for names in (["moment"], ["torque"], ["moment", "torque"])
+    )
+    assert equal(moment, both, ["moment"])
+    assert equal(torque, both, ["torque"])
 
 
 @pytest.mark.parametrize(
@@ -91,6 +106,8 @@ def test_any_number_of_angles_has_the_same_bits(tier: str) -> None:
         (["speed_ratio"], "double"),
         (["moment"], "double"),
         (MOTION, "float32"),
+        (["moment"], "float32"),
+        (["moment"], "single precision in doubles"),
         (MOTION, "single precision in doubles"),
     ],
 )

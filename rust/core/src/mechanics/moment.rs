@@ -18,6 +18,7 @@ use crate::mechanics::joint::Joint;
 use crate::mechanics::turning::TurnMatrix;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
+use crate::number::trig::Angle;
 
 /// One joint of a driveline in space, and the map from the drive angle to its input angle.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +68,17 @@ impl<T: Real> TorsionParts<T> {
     }
 }
 
+/// `sin² α` and `sin α cos α` of a reduced angle `α`. A quarter turn exchanges the squares and changes
+/// the sign of the product, which is positive if zero.
+#[inline(always)]
+pub(crate) fn parts_of_reduced<T: Angle>((remainder, quadrant): (T, u64)) -> [T; 2] {
+    let (s, c) = T::tangent(remainder);
+    let (sine2, cosine2, odd) = (s.square(), c.square(), quadrant & 1);
+    let scale = (sine2 + cosine2).recip();
+    let square = if odd == 1 { cosine2 } else { sine2 };
+    [square * scale, s.turned_if(odd).times(c) * scale]
+}
+
 impl<T: Real> Pose<T> {
     /// If the joint's normal is parallel to an axis of space: the two axes of the plane of both
     /// shafts, then the axis of the normal.
@@ -103,17 +115,33 @@ impl<T: Real> Pose<T> {
     #[inline(always)]
     pub(crate) fn moment<const PLANAR: bool>(&self, torsion: T, s: T, c: T) -> [T; 3] {
         let TorsionParts { sine2, product, .. } = self.unit_parts(s, c);
+        self.of_parts::<PLANAR>(torsion, [sine2, product])
+    }
+
+    /// The same from `sin² α` and `sin α cos α`.
+    #[inline(always)]
+    pub(crate) fn of_parts<const PLANAR: bool>(&self, torsion: T, parts: [T; 2]) -> [T; 3] {
+        [
+            self.along::<PLANAR, 0>(torsion, parts),
+            self.along::<PLANAR, 1>(torsion, parts),
+            self.along::<PLANAR, 2>(torsion, parts),
+        ]
+    }
+
+    /// Component `I` of that moment vector.
+    #[inline(always)]
+    pub(crate) fn along<const PLANAR: bool, const I: usize>(
+        &self,
+        torsion: T,
+        [sine2, product]: [T; 2],
+    ) -> T {
         // The factors of a torsion that all samples share are products that they share as well.
-        let of_torsion = |vector: &[T; 3], i: usize| vector[i] * torsion;
-        let in_plane = |i: usize| {
-            of_torsion(&self.in_plane, i).mul_add(sine2, of_torsion(&self.shaft_axis, i))
-        };
-        if PLANAR {
-            [in_plane(0), in_plane(1), of_torsion(&self.plane_normal, 2) * product]
-        } else {
-            let all = |i: usize| of_torsion(&self.plane_normal, i).mul_add(product, in_plane(i));
-            [all(0), all(1), all(2)]
+        let normal = self.plane_normal[I] * torsion;
+        if PLANAR && I == 2 {
+            return normal * product;
         }
+        let in_plane = (self.in_plane[I] * torsion).mul_add(sine2, self.shaft_axis[I] * torsion);
+        if PLANAR { in_plane } else { normal.mul_add(product, in_plane) }
     }
 
     /// Component `I` of the moment that the bearings exert on the driving or the driven shaft. It
@@ -317,4 +345,28 @@ pub(crate) fn absorbed_power<T: Real>(
 ) -> T {
     let turning = speed.square().mul_add(acceleration_ratio, acceleration * ratio);
     inertia * turning * ratio
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::trig;
+
+    /// The parts of each angle have the bits of those from its pin.
+    fn parts<T: Angle>() {
+        let pose = Pose::<T>::of_bend(T::from_f64(0.5), T::from_f64(0.75));
+        for i in -400..400 {
+            let reduced = T::reduce(f64::from(i) * 0.1);
+            let (s, c) = trig::pin(reduced);
+            let TorsionParts { sine2, product, .. } = pose.unit_parts(s, c);
+            let words = [sine2, product].map(|part| part.value().into().to_bits());
+            assert_eq!(parts_of_reduced(reduced).map(|part| part.value().into().to_bits()), words);
+        }
+    }
+
+    #[test]
+    fn parts_of_reduced_angles_are_those_of_pins() {
+        parts::<f32>();
+        parts::<f64>();
+    }
 }

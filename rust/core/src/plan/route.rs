@@ -29,7 +29,7 @@ pub(crate) enum Pins {
     Stored,
     /// The only loop that needs them computes them itself.
     Fresh,
-    /// The strips of the only shaft that needs them compute them.
+    /// The strips of the only shaft or joint that needs them compute them.
     Strips,
 }
 

@@ -51,6 +51,8 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) folded: Option<&'a Folded<T>>,
     /// Whether the results exceed the caches, so that strips are stored past them.
     pub(crate) past_caches: bool,
+    /// Whether they exceed the cache of a core, so that strips request the memory of their results.
+    pub(crate) asks_results: bool,
     /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -155,16 +157,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         for (column, cursor) in self.shared.table.columns.iter().zip(&mut self.scratch.cursors) {
             *cursor = self.shared.table.locate(&column.strides, row);
         }
-        // Values that all samples of the row share are gathered once, not chunk by chunk.
-        for index in self.load_columns() {
-            let longest = self.scratch.longest;
-            let gathered = &mut self.scratch.gathered[index];
-            gathered.resize(longest, 0.0);
-            if let (origin, 0) = self.scratch.cursors[index] {
-                gathered.fill(self.shared.table.columns[index].data[origin]);
-            }
-        }
-        self.scratch.kept_power = 0;
+        (self.scratch.keeps_columns, self.scratch.kept_power) = (false, 0);
         let rows = match self.shared.table.geometry_variation() {
             GeometryVariation::One => row..row + 1,
             GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
@@ -374,9 +367,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             row_offset,
             pins,
         };
+        let asks = shared.asks_results && direct.is_some();
         let stored = Chunk { pins: Pins::Stored, ..chunk };
         let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
-            let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
+            let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive, asks);
             if plan.is_as_built() {
                 let joints = &folded.as_built;
                 let buffers = &mut scratch.as_built;
@@ -390,16 +384,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 motion::run_motion(&stored, scratch, outputs);
             }
             let Some(step) = &plan.load else { return true };
-            for index in loads.clone() {
-                let (origin, step) = scratch.cursors[index];
-                if step != 0 {
-                    let begin = origin + samples.start * step;
-                    table.columns[index].read(begin, step, &mut scratch.gathered[index][..size]);
+            let mut run_load = |chunk: &Chunk<'_, T>, scratch: &mut Scratch<T>| {
+                if load::reads_power(plan, step, chunk.pins, even) {
+                    scratch.gather(table, loads.clone(), samples.start, size);
                 }
-            }
-            if !load::run_load(&chunk, step, table, scratch, outputs) {
+                load::run_load(chunk, step, table, scratch, outputs)
+            };
+            if !run_load(&chunk, scratch) {
                 kernels::find_pins(level, plan, drive, None, scratch, size);
-                load::run_load(&stored, step, table, scratch, outputs);
+                run_load(&stored, scratch);
             }
             true
         };

@@ -1,4 +1,5 @@
-//! The rotation of one shaft and its rates, or its rates in single precision, strip by strip.
+//! The rotation of one shaft and its rates, or in single precision its rates or the moment vector of a
+//! joint, strip by strip.
 //!
 //! One loop for everything holds so many results that a core overlaps few of its iterations, and one
 //! over both angles and single-precision numbers uses half of each register. The pins of a strip, its
@@ -11,8 +12,9 @@ use std::any::Any;
 use cardan_memory::ask;
 
 use crate::mechanics::joint::{self, JointConstants};
+use crate::mechanics::moment::{Pose, parts_of_reduced};
 use crate::number::atan::AtanRange;
-use crate::number::float::{Float, Real};
+use crate::number::float::Float;
 use crate::number::reduction::{self, LargeAngleFlag, LargeFractionFlag};
 use crate::number::{Number, Precision};
 use crate::plan::output::Output;
@@ -42,6 +44,7 @@ struct Strip<T, const N: usize>([T; N]);
 /// Outputs of the only shaft that needs pins, from at least `N` angles. Returns whether
 /// they are valid: not if an angle is too large for its reduction.
 #[inline(always)]
+#[allow(clippy::too_many_lines, reason = "the loops of a strip, each a function of its own")]
 pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
     step: &ShaftStep,
     range: AtanRange,
@@ -50,7 +53,10 @@ pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
     outputs: &mut Outputs<'_, '_, W>,
 ) -> bool {
     let turn = (step.shaft > 1).then_some(turn);
-    let past_caches = outputs.bypass_caches();
+    let (past_caches, asks) = (outputs.bypass_caches(), outputs.asks());
+    let in_numbers = size_of::<W>() == size_of::<T::Float>();
+    // Where registers are narrow, the loop of angle errors converts them as well.
+    let is_direct = !in_numbers && !outputs.has_wide_registers();
     let plane = |output| step.planes.get(output);
     let is_angle = plane(Output::Angle).is_some();
     let mut planes = outputs.chosen([
@@ -65,15 +71,16 @@ pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
     };
     let (zero, last) = (T::from_f64(0.0), angles.len() - N);
     let (mut pins, mut numbers) = ([strip(zero); 2], [strip(zero.value()); 3]);
-    let (mut near, mut tangents, mut strips) = (strip(zero), strip(zero), [strip(W::default()); 3]);
+    let (mut tangents, mut strips) = (strip(zero), [strip(W::default()); 3]);
+    let (mut near, mut near_words) = (strip(zero.value()), strip(W::default()));
     for first in (0..angles.len()).step_by(N) {
         // The last strip computes some samples of the one before it again.
         let first = first.min(last);
         let angles: &[f64; N] = angles[first..].first_chunk().expect("a whole strip");
         if past_caches {
-            for line in (0..N).step_by(8) {
-                ask(angles, AHEAD + line);
-            }
+            ask_ahead(angles);
+        } else if asks {
+            ask_for::<W, N>(&mut planes, first + N);
         }
         // An angle alone leaves room for its pins in the loop of its tangents.
         let alone = needed == [true, false, false]
@@ -96,20 +103,30 @@ pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
         let rotation = words_of(rotation, first, past_caches, own);
         let ratio = words_of(ratio, first, past_caches, own_ratios);
         let acceleration = words_of(acceleration, first, past_caches, own_accelerations);
-        let in_numbers = size_of::<W>() == size_of::<T::Float>();
+        let drive = (in_numbers && is_angle).then_some(in_words_of(angles, &mut near.0));
+        let [rotates, has_ratio, has_acceleration] = needed;
         {
-            let drive = (in_numbers && is_angle).then_some(in_numbers_of(angles, &mut near.0));
-            let rotation = as_numbers(rotation, &mut rotations.0);
             let ratio = as_numbers(ratio, &mut ratios.0);
             let acceleration = as_numbers(acceleration, &mut accelerations.0);
+            let moderate = range.is_moderate();
             match needed {
                 [true, _, true] => {
                     find_motion(&joint, pins, &mut tangents.0, ratio, acceleration);
-                    find_errors(range, drive, &tangents.0, rotation);
+                    if !is_direct {
+                        let rotation = as_numbers(rotation, &mut rotations.0);
+                        find_errors(range, drive, &tangents.0, rotation);
+                    }
                 }
-                _ if alone => find_errors(range, drive, &tangents.0, rotation),
-                [true, has_ratio, false] => {
-                    find_rotations(range, drive, &joint, pins, &mut tangents.0, rotation);
+                [true, _, false] => {
+                    if moderate && !alone {
+                        find_tangents(&joint, pins, &mut tangents.0);
+                    }
+                    let rotation = as_numbers(rotation, &mut rotations.0);
+                    match (is_direct, moderate) {
+                        (true, _) => {}
+                        (_, true) => find_errors(range, drive, &tangents.0, rotation),
+                        _ => find_steep_errors(range, drive, &joint, pins, rotation),
+                    }
                     if has_ratio {
                         find_ratios(&joint, pins, ratio);
                     }
@@ -118,11 +135,13 @@ pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
                 [false, _, false] => find_ratios(&joint, pins, ratio),
             }
         }
+        if rotates && is_direct {
+            let drive = is_angle.then_some(in_words_of(angles, &mut near_words.0));
+            find_errors(range, drive, &tangents.0, rotation);
+        }
         if !in_numbers {
-            let drive = is_angle.then_some(angles);
-            let [rotates, has_ratio, has_acceleration] = needed;
-            if rotates {
-                convert(drive, &rotations.0, rotation);
+            if rotates && !is_direct {
+                convert(is_angle.then_some(angles), &rotations.0, rotation);
             }
             if has_ratio {
                 convert(None, &ratios.0, ratio);
@@ -132,14 +151,100 @@ pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
             }
         }
         if past_caches {
-            for (plane, strip) in planes.iter_mut().zip(&strips) {
-                if let Some(plane) = plane {
-                    plane.put_words(first, &strip.0);
-                }
-            }
+            put_strips(&mut planes, first, &strips);
         }
     }
     too_large.none()
+}
+
+/// The moment vector of the joint that the drive turns, for one torque at all samples, from at least
+/// `N` angles; its components are those of the pose, in these planes. Returns whether they
+/// are valid: not if an angle is too large for turn fractions.
+#[inline(always)]
+pub(crate) fn run_moment<const PLANAR: bool, T: Number, W: Float, const N: usize>(
+    pose: &Pose<T>,
+    torque: T,
+    angles: &[f64],
+    planes: [usize; 3],
+    outputs: &mut Outputs<'_, '_, W>,
+) -> bool {
+    let (past_caches, asks) = (outputs.bypass_caches(), outputs.asks());
+    let mut planes = outputs.chosen(planes.map(Some));
+    let mut too_large = LargeFractionFlag::default();
+    let (zero, last) = (T::from_f64(0.0), angles.len() - N);
+    let mut parts: [Strip<T, N>; 2] = [strip(zero); 2];
+    let mut strips = [strip(W::default()); 3];
+    for first in (0..angles.len()).step_by(N) {
+        let first = first.min(last);
+        let angles: &[f64; N] = angles[first..].first_chunk().expect("a whole strip");
+        if past_caches {
+            ask_ahead(angles);
+        } else if asks {
+            ask_for::<W, N>(&mut planes, first + N);
+        }
+        let [Strip(square), Strip(product)] = &mut parts;
+        find_phases(angles, square, &mut too_large);
+        for i in 0..N {
+            [square[i], product[i]] = parts_of_reduced(T::from_turn_fraction(square[i].bits()));
+        }
+        let parts = (&*square, &*product);
+        let [x, y, z] = &mut planes;
+        let [own_x, own_y, own_z] = &mut strips;
+        let x = words_of(x, first, past_caches, own_x);
+        let y = words_of(y, first, past_caches, own_y);
+        let z = words_of(z, first, past_caches, own_z);
+        find_component::<PLANAR, 0, T, W, N>(pose, torque, parts, x);
+        find_component::<PLANAR, 1, T, W, N>(pose, torque, parts, y);
+        find_component::<PLANAR, 2, T, W, N>(pose, torque, parts, z);
+        if past_caches {
+            put_strips(&mut planes, first, &strips);
+        }
+    }
+    !too_large.any()
+}
+
+/// A component of the moment vectors of a strip. One loop per component converts its words at once.
+#[inline(always)]
+fn find_component<const PLANAR: bool, const I: usize, T: Number, W: Float, const N: usize>(
+    pose: &Pose<T>,
+    torque: T,
+    (square, product): (&[T; N], &[T; N]),
+    words: &mut [W; N],
+) {
+    for i in 0..N {
+        let along = pose.along::<PLANAR, I>(torque, [square[i], product[i]]);
+        words[i] = W::near(along.value().into());
+    }
+}
+
+/// Requests angles that are read some strips later.
+#[inline(always)]
+fn ask_ahead<const N: usize>(angles: &[f64; N]) {
+    for line in (0..N).step_by(8) {
+        ask(angles, AHEAD + line);
+    }
+}
+
+/// Requests the memory of results from `first` on.
+#[inline(always)]
+fn ask_for<W: Float, const N: usize>(planes: &mut [Option<Words<'_, W>>; 3], first: usize) {
+    for plane in planes.iter_mut().flatten() {
+        plane.ask(first, N);
+    }
+}
+
+/// Stores strips in the planes that there are.
+#[inline(always)]
+fn put_strips<W: Float, const N: usize>(
+    planes: &mut [Option<Words<'_, W>>; 3],
+    first: usize,
+    strips: &[Strip<W, N>; 3],
+) {
+    for (plane, strip) in planes.iter_mut().zip(strips) {
+        if let Some(plane) = plane {
+            plane.put_words(first, &strip.0);
+        }
+    }
 }
 
 /// The words of a plane from `first` on, or those of a strip if the plane's bypass the caches.
@@ -167,17 +272,17 @@ fn as_numbers<'a, W: Float, F: Float, const N: usize>(
     (words as &mut dyn Any).downcast_mut().unwrap_or(numbers)
 }
 
-/// The angles themselves, if they have the type of numbers, else numbers near to them.
+/// The angles themselves, if they have the type of words, else words near to them.
 #[inline(always)]
-fn in_numbers_of<'a, T: Real, const N: usize>(
+fn in_words_of<'a, W: Float, const N: usize>(
     angles: &'a [f64; N],
-    near: &'a mut [T; N],
-) -> &'a [T; N] {
+    near: &'a mut [W; N],
+) -> &'a [W; N] {
     if let Some(angles) = (angles as &dyn Any).downcast_ref() {
         return angles;
     }
     for i in 0..N {
-        near[i] = T::from_f64(angles[i]);
+        near[i] = W::near(angles[i]);
     }
     near
 }
@@ -222,11 +327,7 @@ fn find_pins<T: Number, const N: usize>(
     too_large: &mut TooLarge,
 ) {
     if T::PRECISION.costs().turn_fractions {
-        for i in 0..N {
-            let phase = reduction::turn_fraction_q30(angles[i]);
-            too_large.fractions.accumulate(phase);
-            cosine[i] = T::of_bits(phase);
-        }
+        find_phases(angles, cosine, &mut too_large.fractions);
         for i in 0..N {
             (sine[i], cosine[i]) = PinLine::sin_cos(T::from_turn_fraction(cosine[i].bits()));
         }
@@ -240,6 +341,20 @@ fn find_pins<T: Number, const N: usize>(
         for i in 0..N {
             (sine[i], cosine[i]) = turned_pin((sine[i], cosine[i]), turn);
         }
+    }
+}
+
+/// The fractions of a turn of the angles of a strip.
+#[inline(always)]
+fn find_phases<T: Number, const N: usize>(
+    angles: &[f64; N],
+    phases: &mut [T; N],
+    too_large: &mut LargeFractionFlag,
+) {
+    for i in 0..N {
+        let phase = reduction::turn_fraction_q30(angles[i]);
+        too_large.accumulate(phase);
+        phases[i] = T::of_bits(phase);
     }
 }
 
@@ -272,56 +387,58 @@ fn find_motion<T: Number, const N: usize>(
     }
 }
 
-/// Angle errors, added to drive angles if these are given.
+/// Tangents of the angle error at moderate bends.
 #[inline(always)]
-fn find_rotations<T: Number, const N: usize>(
-    range: AtanRange,
-    drive: Option<&[T; N]>,
+fn find_tangents<T: Number, const N: usize>(
     joint: &JointConstants<T>,
     (sine, cosine): StripPins<'_, T, N>,
     tangents: &mut [T; N],
-    rotations: &mut [T::Float; N],
 ) {
-    match range {
-        AtanRange::Any => {
-            store_errors(
-                drive,
-                rotations,
-                #[inline(always)]
-                |i| {
-                    let (y, x) = joint::steep_error_tangent(joint, sine[i], cosine[i]);
-                    T::atan_any(y, x)
-                },
-            );
-        }
-        AtanRange::One => {
-            store_errors(
-                drive,
-                rotations,
-                #[inline(always)]
-                |i| {
-                    let (y, x) = joint::error_tangent(joint, sine[i], cosine[i]);
-                    T::atan_one(y, x)
-                },
-            );
-        }
-        _ => {
-            for i in 0..N {
+    for i in 0..N {
+        let (y, x) = joint::error_tangent(joint, sine[i], cosine[i]);
+        tangents[i] = y / x;
+    }
+}
+
+/// Angle errors at steep bends, added to drive angles if these are given.
+#[inline(always)]
+fn find_steep_errors<T: Number, W: Float, const N: usize>(
+    range: AtanRange,
+    drive: Option<&[W; N]>,
+    joint: &JointConstants<T>,
+    (sine, cosine): StripPins<'_, T, N>,
+    rotations: &mut [W; N],
+) {
+    if range == AtanRange::Any {
+        store_errors(
+            drive,
+            rotations,
+            #[inline(always)]
+            |i| {
+                let (y, x) = joint::steep_error_tangent(joint, sine[i], cosine[i]);
+                T::atan_any(y, x)
+            },
+        );
+    } else {
+        store_errors(
+            drive,
+            rotations,
+            #[inline(always)]
+            |i| {
                 let (y, x) = joint::error_tangent(joint, sine[i], cosine[i]);
-                tangents[i] = y / x;
-            }
-            find_errors(range, drive, tangents, rotations);
-        }
+                T::atan_one(y, x)
+            },
+        );
     }
 }
 
 /// Angle errors at moderate bends from their tangents, added to drive angles if these are given.
 #[inline(always)]
-fn find_errors<T: Number, const N: usize>(
+fn find_errors<T: Number, W: Float, const N: usize>(
     range: AtanRange,
-    drive: Option<&[T; N]>,
+    drive: Option<&[W; N]>,
     tangents: &[T; N],
-    rotations: &mut [T::Float; N],
+    rotations: &mut [W; N],
 ) {
     macro_rules! by {
         ($atan:ident) => {
@@ -365,21 +482,22 @@ fn find_ratios<T: Number, const N: usize>(
     }
 }
 
-/// Stores angle errors, added to drive angles if these are given. The error at a zero is positive, so
-/// that the sum has the bits of one with an error term.
+/// Stores angle errors, added to drive angles if these are given. A sum of two words in double
+/// precision, rounded to a word, is their sum. The error at a zero is positive, so that the sum has the
+/// bits of one with an error term.
 #[inline(always)]
-fn store_errors<T: Number, const N: usize>(
-    drive: Option<&[T; N]>,
-    rotations: &mut [T::Float; N],
+fn store_errors<T: Number, W: Float, const N: usize>(
+    drive: Option<&[W; N]>,
+    rotations: &mut [W; N],
     error: impl Fn(usize) -> T,
 ) {
     if let Some(drive) = drive {
         for i in 0..N {
-            rotations[i] = (drive[i] + error(i)).value();
+            rotations[i] = W::near(drive[i].into() + error(i).value().into());
         }
     } else {
         for i in 0..N {
-            rotations[i] = error(i).value();
+            rotations[i] = W::near(error(i).value().into());
         }
     }
 }

@@ -13,8 +13,9 @@ use crate::number::{Number, Precision};
 use crate::plan::output::{self, Output};
 use crate::plan::request::{Axes, End};
 use crate::plan::route::Pins;
-use crate::plan::steps::{JointStep, LoadStep, Station};
+use crate::plan::steps::{JointStep, LoadStep, Plan, Station};
 use crate::run::as_built;
+use crate::run::by_strips::{self, strip_length};
 use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
 use crate::run::fold::Folded;
 use crate::run::forces::{ForceBuffers, run_forces, run_turning_forces};
@@ -28,7 +29,7 @@ use crate::run::supports::{run_supports, run_turning_supports};
 use crate::run::torsion_parts;
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
-use crate::sincos::fresh::FreshPins;
+use crate::sincos::fresh::{FreshPins, ReducedAngles};
 
 /// Torques and moments for one chunk, in order from the end where the torque is given. Returns whether
 /// all results are valid, as the motion does.
@@ -43,7 +44,29 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     let &Chunk { level, plan, drive, folded, chains, geometry, size, .. } = chunk;
     let mut valid = true;
     let lines = ChunkLines { chains, numbers: &folded.lines, geometry };
-    let shares_power = has_even_torque(load, scratch.cursors[TORQUE]);
+    let (origin, step) = scratch.cursors[TORQUE];
+    let shares_power = has_even_torque(load, (origin, step));
+    let alone = finds_pins_alone(plan, chunk.pins, shares_power);
+    if let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
+        (alone, drive, geometry)
+    {
+        let (step, pose) = (&plan.joints[0], &folded.poses[0][index]);
+        let torque = T::from_f64(table.columns[TORQUE].data[origin]);
+        valid = T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                if compact || T::LOW {
+                    return true;
+                }
+                run_even_moment(step, pose, torque, angles, &mut outputs.by(stores))
+            },
+        );
+        if !reads_power(plan, load, chunk.pins, shares_power) {
+            return valid;
+        }
+    }
+    scratch.allocate_power(plan);
     let Scratch {
         gathered,
         pins,
@@ -115,7 +138,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                 },
             );
         }
-        if station.torsion || station.force_power {
+        if !alone && (station.torsion || station.force_power) {
             let joint = station.shaft - 1;
             let poses = &folded.poses[joint][..geometry.count(size)];
             let power = power.view(size);
@@ -167,27 +190,12 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                 }
                 _ => None,
             };
-            if let Some((angles, index)) =
-                fresh.filter(|_| joint == 0 && is_even && step.is_moment())
-            {
-                let torque = T::from_f64(gathered[TORQUE][0]);
+            if let Some((angles, index)) = fresh {
                 valid &= T::run(
                     level,
                     #[inline(always)]
                     |compact, stores| {
-                        if compact || T::LOW {
-                            return true;
-                        }
-                        let outputs = &mut outputs.by(stores);
-                        run_even_moment(step, &poses[index], torque, angles, outputs)
-                    },
-                );
-            } else if let Some((angles, index)) = fresh {
-                valid &= T::run(
-                    level,
-                    #[inline(always)]
-                    |compact, stores| {
-                        if !stores.has_wide_registers() || T::LOW {
+                        if !stores.has_wide_registers() || T::PRECISION != Precision::Double {
                             return true;
                         }
                         let too_large = Cell::new(LargeAngleFlag::for_quadrants());
@@ -275,8 +283,20 @@ pub(super) fn has_even_torque(load: &LoadStep, (_, step): (usize, usize)) -> boo
     step == 0 && !load.absorbs()
 }
 
+/// Whether the moment vector of the first joint, for one torque at all samples, is all that needs pins,
+/// and its loops find them.
+fn finds_pins_alone(plan: &Plan, pins: Pins, even: bool) -> bool {
+    pins != Pins::Stored && even && plan.joints[0].is_moment()
+}
+
+/// Whether any loop reads the power of each sample.
+pub(super) fn reads_power(plan: &Plan, load: &LoadStep, pins: Pins, even: bool) -> bool {
+    let alone = finds_pins_alone(plan, pins, even);
+    !alone || load.stations.iter().any(|station| station.torque.is_some())
+}
+
 /// The moment vector of the first joint, whose pins are those of the drive, for one torque at all
-/// samples. Its loop finds the pins itself. Returns whether they are valid.
+/// samples. Its loops find the pins themselves. Returns whether they are valid.
 #[inline(always)]
 fn run_even_moment<T: Number, W: Float>(
     step: &JointStep,
@@ -285,15 +305,32 @@ fn run_even_moment<T: Number, W: Float>(
     angles: &[f64],
     outputs: &mut Outputs<'_, '_, W>,
 ) -> bool {
-    let too_large = &Cell::new(LargeAngleFlag::for_quadrants());
-    let pins = FreshPins::<T, false> { angles, turn: [T::from_f64(0.0); 2], too_large };
-    let pose = pose.by_own_pins();
+    let Some(plane) = step.planes.get(Output::Moment) else { return true };
     if let Some(axes) = pose.plane_axes() {
-        let at = Same(pose.with_axes(axes));
-        run_moment::<true, T, W>(step, at, axes, pins, Same(torque), outputs);
+        let (pose, planes) = (pose.with_axes(axes), axes.map(|axis| plane + axis));
+        run_drive_moment::<true, T, W>(&pose, torque, angles, planes, outputs)
     } else {
-        run_moment::<false, T, W>(step, Same(pose), AXES, pins, Same(torque), outputs);
+        let planes = AXES.map(|axis| plane + axis);
+        run_drive_moment::<false, T, W>(pose, torque, angles, planes, outputs)
     }
+}
+
+/// The same in planes for the components of a pose: in strips in single precision, else in one loop.
+#[inline(always)]
+fn run_drive_moment<const PLANAR: bool, T: Number, W: Float>(
+    pose: &Pose<T>,
+    torque: T,
+    angles: &[f64],
+    planes: [usize; 3],
+    outputs: &mut Outputs<'_, '_, W>,
+) -> bool {
+    if T::PRECISION == Precision::Single {
+        const N: usize = strip_length(Precision::Single);
+        return by_strips::run_moment::<PLANAR, T, W, N>(pose, torque, angles, planes, outputs);
+    }
+    let too_large = &Cell::new(LargeAngleFlag::for_quadrants());
+    let reduced = (ReducedAngles::new(angles, too_large), angles.len());
+    map::drive_moment::<PLANAR, T>(*pose, torque, reduced, outputs.several(planes));
     !too_large.get().any()
 }
 

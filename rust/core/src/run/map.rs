@@ -295,6 +295,25 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     );
 }
 
+/// The same of the joint that the drive turns, from its reduced angles and one torque.
+#[inline(always)]
+pub(crate) fn drive_moment<const PLANAR: bool, T: Number>(
+    pose: Pose<T>,
+    torque: T,
+    (angles, length): (impl Strips<Value = (T, u64)>, usize),
+    out: [impl Sink<T>; 3],
+) {
+    over_samples(
+        length,
+        (Same((pose, torque)), angles),
+        out,
+        #[inline(always)]
+        |((pose, torque), reduced)| {
+            pose.of_parts::<PLANAR>(torque, moment::parts_of_reduced(reduced))
+        },
+    );
+}
+
 /// The same in axes that turn with the driven shaft.
 #[inline(always)]
 pub(crate) fn turning_moment<T: Real>(

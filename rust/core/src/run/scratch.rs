@@ -1,5 +1,7 @@
 //! The buffers of a block, which its chunks share, and how long these are.
 
+use std::ops::Range;
+
 use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
@@ -14,8 +16,11 @@ use crate::sincos::rotation;
 pub(crate) struct Scratch<T: Number> {
     /// The index of the current row's first element in each column of the table, and its step.
     pub(crate) cursors: Vec<(usize, usize)>,
-    /// The load's columns for the current chunk; those that the plan does not need are empty.
+    /// The load's columns for the current chunk; those that the plan does not need are empty, and all
+    /// are until a chunk needs them.
     pub(crate) gathered: Vec<Vec<f64>>,
+    /// Whether the columns with one number for all samples of the row contain it.
+    pub(crate) keeps_columns: bool,
     /// Samples of the longest chunk.
     pub(crate) longest: usize,
     /// Empty until a chunk needs them.
@@ -33,6 +38,7 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) turned_pins: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load or a cross needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
+    /// Empty until a chunk needs it, as the torsion is.
     pub(crate) power: Column<T>,
     /// How many samples of `power` all chunks of the row share.
     pub(crate) kept_power: usize,
@@ -61,11 +67,11 @@ impl<T: Number> Scratch<T> {
         let needs_pins = !routes.splits() || steep || plan.needs_poses();
         let behind_chain = plan.moving().any(|step| step.shaft > 1);
         let loaded = plan.load.is_some();
-        let moments = plan.any_joint.torsion;
         let supports = plan.joints.iter().any(JointStep::needs_support);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![]; table.columns.len()] } else { vec![] },
+            keeps_columns: false,
             longest,
             pins: columns(0),
             wide_pins: columns(size(wide)),
@@ -75,9 +81,9 @@ impl<T: Number> Scratch<T> {
             rotates_pins: needs_pins && behind_chain,
             turned_pins: columns(size(wide && plan.reach() > 1)),
             rates,
-            power: Column::new(size(loaded)),
+            power: Column::new(0),
             kept_power: 0,
-            torsion: Column::new(size(moments)),
+            torsion: Column::new(0),
             parts: columns(size(supports)),
             support: columns(size(supports)),
             forces: ForceBuffers::new(plan, longest),
@@ -94,6 +100,35 @@ impl<T: Number> Scratch<T> {
         if self.rotates_pins && self.rotated_pins[0].is_empty() {
             self.rotated_pins = columns(self.longest);
         }
+    }
+
+    /// Allocates the power and the torsion, unless they exist.
+    pub(crate) fn allocate_power(&mut self, plan: &Plan) {
+        if self.power.is_empty() {
+            self.power = Column::new(self.longest);
+            self.torsion = Column::new(if plan.any_joint.torsion { self.longest } else { 0 });
+        }
+    }
+
+    /// Gathers columns of the load for `size` samples of the row from `first` on.
+    pub(crate) fn gather(
+        &mut self,
+        table: &Table<'_>,
+        columns: Range<usize>,
+        first: usize,
+        size: usize,
+    ) {
+        for index in columns {
+            let (column, (origin, step)) = (&table.columns[index], self.cursors[index]);
+            let gathered = &mut self.gathered[index];
+            gathered.resize(self.longest, 0.0);
+            if step != 0 {
+                column.read(origin + first * step, step, &mut gathered[..size]);
+            } else if !self.keeps_columns {
+                gathered.fill(column.data[origin]);
+            }
+        }
+        self.keeps_columns = true;
     }
 
     /// Allocates angle errors for this number of samples, or none.

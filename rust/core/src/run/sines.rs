@@ -117,11 +117,16 @@ pub(crate) fn pins<T: Number>(
         return Pins::Stored;
     }
     let is_single = T::PRECISION == Precision::Single;
+    let has_strips = size >= strip_length(T::PRECISION) && (plan.moderate || !is_single);
     let mut moving = plan.moving();
     match (moving.next(), moving.next(), plan.any_joint.pin_loops) {
-        (None, _, 1) if !is_single && !plan.needs_sense() => {
+        (None, _, 1) if !plan.needs_sense() => {
             let short = even && plan.joints[0].is_moment();
-            if short || has_wide_registers(level) { Pins::Fresh } else { Pins::Stored }
+            match is_single {
+                true if short && has_strips => Pins::Strips,
+                false if short || has_wide_registers(level) => Pins::Fresh,
+                _ => Pins::Stored,
+            }
         }
         (Some(step), None, 0) => {
             let (route, range) = folded.route(routes, step.shaft, geometry);
@@ -130,7 +135,7 @@ pub(crate) fn pins<T: Number>(
                 Pins::Stored
             } else if !by_strips {
                 Pins::Fresh
-            } else if size >= strip_length(T::PRECISION) && (plan.moderate || !is_single) {
+            } else if has_strips {
                 Pins::Strips
             } else {
                 Pins::Stored

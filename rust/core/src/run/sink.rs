@@ -132,27 +132,42 @@ pub(crate) struct Outputs<'a, 'b, W> {
     size: usize,
     stores: Stores,
     angles: &'a [f64],
+    asks: bool,
 }
 
 impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
     /// The chunk's window of these planes. With each strip, the drive angles that follow those of
-    /// the chunk by its length are requested, if they lie in an array.
+    /// the chunk by its length are requested, if they lie in an array; and if it `asks`, so is the
+    /// memory of results that will pass through the caches.
     #[inline(always)]
     pub(crate) fn new(
         planes: &'a mut [Plane<'b, W>],
         window: &Range<usize>,
         stores: Stores,
         drive: DriveAngles<'a>,
+        asks: bool,
     ) -> Self {
         let angles = if let DriveAngles::Array(angles) = drive { angles } else { &[] };
-        Self { planes, first: window.start, size: window.len(), stores, angles }
+        Self { planes, first: window.start, size: window.len(), stores, angles, asks }
     }
 
     /// The same planes in a function that stores strips in another way.
     #[inline(always)]
     pub(crate) fn by(&mut self, stores: Stores) -> Outputs<'_, 'b, W> {
-        let Self { planes, first, size, angles, .. } = self;
-        Outputs { planes, first: *first, size: *size, stores, angles }
+        let Self { planes, first, size, angles, asks, .. } = self;
+        Outputs { planes, first: *first, size: *size, stores, angles, asks: *asks }
+    }
+
+    /// Whether a cache line of results is one register.
+    #[inline(always)]
+    pub(crate) fn has_wide_registers(&self) -> bool {
+        self.stores.has_wide_registers()
+    }
+
+    /// Whether the memory of results is requested before they are stored.
+    #[inline(always)]
+    pub(crate) fn asks(&self) -> bool {
+        self.asks
     }
 
     /// Whether results bypass the caches.
@@ -237,6 +252,15 @@ impl<W: Float> Words<'_, W> {
     #[inline(always)]
     pub(crate) fn words(&mut self) -> &mut [W] {
         self.plane.words()
+    }
+
+    /// Requests the memory of so many words, which will pass through the caches.
+    #[inline(always)]
+    pub(crate) fn ask(&mut self, first: usize, length: usize) {
+        let words = self.plane.words();
+        for line in (0..length).step_by(Plane::<W>::STRIP) {
+            cardan_memory::ask(words, first + line);
+        }
     }
 
     /// Stores words that fill cache lines, from word `first` on.

@@ -9,6 +9,7 @@ use cardan_memory::write_strips;
 use crate::error::{Error, Result};
 use crate::input::sweep::Sweep;
 use crate::input::table::{GeometryVariation, Table};
+use crate::number::Precision;
 use crate::number::float::Float;
 use crate::number::trig::Angle;
 use crate::plan::output::Output;
@@ -43,6 +44,11 @@ const LONGEST: usize = 4 * BLOCK;
 /// The fewest bytes of angles and results that are stored past the caches. Fewer may still be in a
 /// cache when they are read.
 const PAST_CACHES: usize = 48 << 20;
+
+/// The fewest bytes of angles and results that do not stay in the second-level cache of most cores.
+/// Strips of single-precision numbers then request the memory of the next results. Doubles take so much
+/// time between two stores that requests gain nothing.
+const PAST_OWN_CACHE: usize = 3 << 19;
 
 /// The fewest bytes of results for which the allocator of glibc always gets new pages.
 const NEW_PAGES: usize = 32 << 20;
@@ -180,9 +186,12 @@ impl<'a, 's> Run<'a, 's> {
         // The system clears a new page at the first store to it, which leaves its lines in the
         // caches: stores past them would write these back first.
         let new_pages = execution.new_memory && of_plane.saturating_mul(plan.planes) >= NEW_PAGES;
-        let past_caches = of_plane.saturating_mul(plan.planes + 1) >= PAST_CACHES && !new_pages;
+        let bytes = of_plane.saturating_mul(plan.planes + 1);
+        let past_caches = bytes >= PAST_CACHES && !new_pages;
+        let is_single = T::PRECISION == Precision::Single;
+        let asks_results = is_single && bytes >= PAST_OWN_CACHE && !past_caches;
         let stop = execution.stop;
-        Shared { plan, table, level, routes, tables, folded, past_caches, stop }
+        Shared { plan, table, level, routes, tables, folded, past_caches, asks_results, stop }
     }
 }
 

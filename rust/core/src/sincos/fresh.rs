@@ -1,9 +1,11 @@
-//! Pins that are not stored.
+//! Pins that are not stored, and the reduced angles for such ones.
 
 use std::cell::Cell;
 use std::iter::once;
+use std::marker::PhantomData;
 
 use crate::number::reduction::LargeAngleFlag;
+use crate::number::strips::{At, Strips};
 use crate::number::trig::Angle;
 use crate::sincos::array::{PinLine, SinCosBlock, SinCosBlocks, SinCosKind, turned_pin};
 
@@ -57,10 +59,7 @@ impl<T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlock<T>
 
     #[inline(always)]
     fn get(&self, i: usize) -> (T, T) {
-        let reduced = T::reduce(self.angles[i]);
-        let mut too_large = self.too_large.get();
-        too_large.accumulate(reduced.1);
-        self.too_large.set(too_large);
+        let reduced = reduced(self.angles[i], self.too_large);
         // A quarter turn only exchanges sine and cosine and changes a sign, so that the other turn
         // may come before it.
         let pin = PinLine::sin_cos(if SIGNED { reduced } else { (reduced.0, 0) });
@@ -74,4 +73,48 @@ impl<T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlock<T>
             cardan_memory::ask(self.angles, i + AHEAD + line);
         }
     }
+}
+
+/// The angles of an array, reduced by the loop that needs them.
+#[derive(Clone, Copy)]
+pub(crate) struct ReducedAngles<'a, T> {
+    angles: &'a [f64],
+    /// Records angles that are too large for the fast reduction. Their remainders are meaningless.
+    too_large: &'a Cell<LargeAngleFlag>,
+    numbers: PhantomData<T>,
+}
+
+impl<'a, T> ReducedAngles<'a, T> {
+    #[inline(always)]
+    pub(crate) fn new(angles: &'a [f64], too_large: &'a Cell<LargeAngleFlag>) -> Self {
+        Self { angles, too_large, numbers: PhantomData }
+    }
+}
+
+impl<T: Angle> At for ReducedAngles<'_, T> {
+    type Value = (T, u64);
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> (T, u64) {
+        reduced(self.angles[i], self.too_large)
+    }
+}
+
+impl<T: Angle> Strips for ReducedAngles<'_, T> {
+    type Strip = Self;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self {
+        Self { angles: &self.angles[first..first + length], ..*self }
+    }
+}
+
+/// Reduces an angle, and records it if it is too large for that.
+#[inline(always)]
+fn reduced<T: Angle>(angle: f64, too_large: &Cell<LargeAngleFlag>) -> (T, u64) {
+    let reduced = T::reduce(angle);
+    let mut flag = too_large.get();
+    flag.accumulate(reduced.1);
+    too_large.set(flag);
+    reduced
 }
