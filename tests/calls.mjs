@@ -26,12 +26,26 @@ export function digest(values) {
   return [own.length, ...sums];
 }
 
-/** The answer to each call: digests or names by result, or the message of an error. */
+/** Of planes with so many rows of so many samples, one row of each. */
+function rowsOf([row, rows, samples], values) {
+  const planes = values.length / (rows * samples);
+  const parts = Array.from({ length: planes }, (_, plane) => {
+    const first = (plane * rows + row) * samples;
+    return Array.from(values.subarray(first, first + samples));
+  });
+  return Float64Array.from(parts.flat());
+}
+
+/**
+ * The answer to each call: digests or names by result, or the message of an error. A call may name
+ * one driveline of all, whose rows count.
+ */
 export function answers(cardan, calls) {
-  return calls.map(([name, given]) => {
+  return calls.map(([name, given, line]) => {
     const values = Object.entries(given).map(([key, value]) => [key, decoded(value)]);
     try {
       const found = cardan.call(name, Object.fromEntries(values));
+      if (line !== undefined && found.values) found.values = rowsOf(line, found.values);
       const shown = ([key, values]) => [key, Array.isArray(values) ? values : digest(values)];
       return Object.fromEntries(Object.entries(found).map(shown));
     } catch (error) {
@@ -54,6 +68,7 @@ export function judged(cardan, { data, search }) {
   return {
     verdict: machine.verdict(),
     figures: machine.figures().map(flat),
+    limited: machine.figures({ limited: true }).map(flat),
     // Without its arrays it is made from its points.
     made: data.unit === undefined ? null : cardan.machine(rest).figures().map(flat),
     moved: move ? [move.verdict, machine.move(move.item, by).verdict()] : null,
@@ -74,7 +89,7 @@ export function frames(cardan, data, count) {
     if (data.points) machine = machine.move(1, [0, (i % 7) * (data.unit === 1e-3 ? 1 : 1e-3), 0]);
     machine.evaluate({ outputs, angles });
     const curves = performance.now();
-    machine.figures();
+    machine.figures({ limited: true });
     times.push([curves - start, performance.now() - start]);
   }
   const worst = (i) => times.map((time) => time[i]).sort((a, b) => a - b);

@@ -34,7 +34,7 @@ NODE = shutil.which("node")
 MACHINES = sorted((WEB.parent / "app" / "scene" / "machines").glob("*.toml"))
 FACTORS = (0x01000193, 0x9E3779B1)
 
-Call = tuple[str, dict[str, Any]]
+Call = tuple[str, dict[str, Any]] | tuple[str, dict[str, Any], tuple[int, int, int]]
 
 
 REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
@@ -81,9 +81,12 @@ def packed(values: Any) -> Any:  # noqa: ANN401
     return {"f64": base64.b64encode(data).decode()}
 
 
-def listed(calls: Iterable[Call]) -> list[tuple[str, dict[str, Any]]]:
+def listed(calls: Iterable[Call]) -> list[Any]:
     """Calls as ``calls.mjs`` reads them."""
-    return [(name, {key: packed(value) for key, value in own.items()}) for name, own in calls]
+    return [
+        (name, {key: packed(value) for key, value in own.items()}, *row)
+        for name, own, *row in calls
+    ]
 
 
 def in_node(folder: Path, **asked: Any) -> dict[str, Any]:  # noqa: ANN401
@@ -141,10 +144,15 @@ def evaluations(line: Driveline, names: Any, angle: Any, found: Any, options: An
     rows = np.column_stack([number, *(np.broadcast_to(x, shape).ravel() for x in loads.values())])
     groups, place = np.unique(rows, axis=0, return_inverse=True)
     for k in range(0, len(groups), max(1, len(groups) // 24)):
-        mask = np.ravel(place) == k
-        call = lines_of(own[int(groups[k, 0])])
+        # The module refuses angles that are not finite.
+        mask = (np.ravel(place) == k) & np.isfinite(drive)
+        if not mask.any():
+            continue
+        # All of a batch, because its largest bends decide on the formulas.
+        call = lines_of(own)
         if load is not None:
-            of = dict(zip(loads, groups[k, 1:], strict=True))
+            full = np.ones(own.size)
+            of = {name: x * full for name, x in zip(loads, groups[k, 1:], strict=True)}
             call |= {name: of[name] for name in ("torque", "speed", "acceleration")}
             call |= {"end": load.end, "inertia_shafts": list(by_shaft)}
             call["inertias"] = [of[f"inertia {shaft}"] for shaft in by_shaft]
@@ -161,10 +169,13 @@ def evaluations(line: Driveline, names: Any, angle: Any, found: Any, options: An
         planes = []
         for name in names:
             array = np.asarray(found[name])
-            components = array.shape[1 + len(shape) :]
+            components = array.shape[-1:] if cardan.OUTPUTS[name].axes else ()
+            # The last shaft alone has no axis for shafts.
+            array = array.reshape(-1, *shape, *components)
             array = array.reshape(len(array), -1, *components)[:, mask]
             planes.append(np.moveaxis(array, -1, 1) if components else array)
-        yield ("evaluate", call), np.concatenate([plane.ravel() for plane in planes])
+        row = (int(groups[k, 0]), own.size, int(mask.sum()))
+        yield ("evaluate", call, row), np.concatenate([plane.ravel() for plane in planes])
 
 
 def sweep_of(sweep: cardan.Sweep) -> dict[str, Any]:
@@ -214,6 +225,7 @@ def test_recorded_evaluations_have_the_same_bits(
     ]
     print(f"{len(calls)} calls, {sum(map(len, wanted))} results")
     assert not wrong, (len(wrong), wrong[0])
+    assert sum(map(len, wanted)) > 1_000_000
 
 
 # --- random machines ------------------------------------------------------------------------
@@ -326,6 +338,8 @@ def test_machines_are_judged_with_the_same_bits(file: Path, tmp_path: Path) -> N
         for one in machine.figures()
     ]
     assert answer["figures"] == figures
+    limited = [not np.isnan(one.limit) for one in machine.figures()]
+    assert answer["limited"] == [one for one, has in zip(figures, limited, strict=True) if has]
     assert answer["made"] == (figures if scene.points is not None else None)
     assert answer["verdict"] == machine.verdict()
     changes = [
@@ -355,6 +369,7 @@ def test_a_machine_has_the_names_of_the_module(tmp_path: Path) -> None:
 
 # --- what goes wrong ------------------------------------------------------------------------
 
+STRAIGHT: dict[str, Any] = lines_of(Driveline.from_bends([0.0]))
 BAD = (np.nan, np.inf, -1.0, 0.5, 1e9, 1e300, 0.0)
 
 
@@ -370,7 +385,7 @@ def test_malformed_calls_get_an_error(tmp_path: Path) -> None:
         row = tables[random.choice(list(tables))]
         names = [field["name"] for field in row["arguments"]]
         extra = {
-            **{"outputs": ["angle", "moment"], "of_shafts": [0, 1], "of_joints": [0]},
+            **{"outputs": ["angle_error", "moment"], "of_shafts": [0, 1], "of_joints": [0]},
             **{"angles": [0.1, 0.2], "shaft": 1, "weights": [1.0], "held": [0], "orders": [2]},
             **{"rpm": [100.0], "means": [1.0] * 5, "variations": [0.01]},
         }
@@ -414,6 +429,11 @@ def test_malformed_calls_get_an_error(tmp_path: Path) -> None:
         ("from_points", {"joints": 1, "points": [0.0] * 9}, "points[0, 1] is (0, 0, 0) after"),
         ("from_points", {"joints": 1, "points": [np.nan] * 9}, "a point must be finite"),
         ("ranks", {}, "function ranks is unknown"),
+        (
+            "orders",
+            {**STRAIGHT, "outputs": "angle", "of_shafts": 1, "orders": 2},
+            'outputs holds "angle", which grows from turn to turn',
+        ),
         ("tubes", {"length": "long"}, 'length holds "long", which is unknown'),
         ("tubes", {"lengths": 1.0}, "lengths is no argument of tubes"),
         ("tubes", {"length": [1.0]}, "length has 1 values; 0 drivelines need 1 each"),
@@ -428,8 +448,7 @@ def test_errors_say_what_is_wrong(
 
 
 def test_results_that_no_memory_holds_are_refused(tmp_path: Path) -> None:
-    line = lines_of(Driveline.from_bends([0.1]))
-    call = {**line, "outputs": ["angle"], "of_shafts": [1], "start": 0.0, "stop": 1.0}
+    call = {**STRAIGHT, "outputs": ["angle"], "of_shafts": [1], "start": 0.0, "stop": 1.0}
     answer = in_node(tmp_path, calls=listed([("evaluate", {**call, "samples": 1e9})]))
     problem = "samples need 1 x 1 x 1000000000 results; at most 4194304 are possible"
     assert answer["answers"][0]["error"] == problem

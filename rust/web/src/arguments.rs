@@ -73,7 +73,7 @@ impl<'a> Arguments<'a> {
     /// The same, each of which must be finite.
     pub(crate) fn finite(&self, name: &'static str) -> Result<&'a [f64]> {
         let values = self.of(name);
-        check(name, values, "it must be finite", |x| x.is_finite())?;
+        check(name, values, "it must be finite", f64::is_finite)?;
         Ok(values)
     }
 
@@ -213,7 +213,7 @@ impl<'a> Arguments<'a> {
     }
 }
 
-impl<'a> Lines<'a> {
+impl Lines<'_> {
     /// The number of drivelines.
     pub(crate) fn count(&self) -> usize {
         self.shape[0]

@@ -92,10 +92,8 @@ pub(crate) fn hours(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     check_length("means", means.len(), bends.len(), 5)?;
     check_length("rpm", rpm.len(), bends.len(), 1)?;
     check_length("ratings", ratings.len(), bends.len(), 1)?;
-    let each = means.as_chunks::<5>().0.iter().enumerate();
-    let (hours, by_law) = each
-        .map(|(joint, &means)| hours_of(means, bends[joint], rpm[joint], ratings[joint]).into())
-        .collect::<(Vec<f64>, Vec<f64>)>();
+    let of = |(joint, &means)| hours_of(means, bends[joint], rpm[joint], ratings[joint]).into();
+    let (hours, by_law) = means.as_chunks::<5>().0.iter().enumerate().map(of).unzip();
     Ok(vec![hours, by_law])
 }
 

@@ -122,7 +122,9 @@ fn item(item: Option<usize>) -> f64 {
 }
 
 pub(crate) fn figures(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
-    let found = machine(arguments)?.figures(Execution::default())?;
+    let machine = machine(arguments)?;
+    let machine = if arguments.flag("limited")? { machine.limited() } else { machine };
+    let found = machine.figures(Execution::default())?;
     let column = |of: &dyn Fn(&Figure) -> f64| found.iter().map(of).collect::<Vec<f64>>();
     Ok(vec![
         column(&|one| one.kind as usize as f64),

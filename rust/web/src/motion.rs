@@ -1,7 +1,7 @@
 //! Outputs at drive angles, and what they do over a turn.
 
 use cardan::{
-    Angles, Execution, Plan, Planes, Request, Result, Samples, Sought, Source, Sweep, Turns,
+    Angles, Execution, Peak, Plan, Planes, Request, Result, Samples, Sought, Source, Sweep, Turns,
     drive_angles as driven,
 };
 
@@ -76,8 +76,8 @@ pub(crate) fn peaks(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     let sought = if arguments.flag("least")? { Sought::Least } else { Sought::Largest };
     let rows = lines.rows(load.as_ref());
     let found = Turns::new(&plan, &rows).peaks(sought, Execution::default())?;
-    let (values, counts) =
-        found.iter().map(|peak| (peak.value, peak.places.len() as f64)).collect();
+    let of = |peak: &Peak| (peak.value, peak.places.len() as f64);
+    let (values, counts) = found.iter().map(of).unzip();
     Ok(vec![values, counts, found.into_iter().flat_map(|peak| peak.places).collect()])
 }
 

@@ -384,7 +384,17 @@ pub(crate) static FUNCTIONS: &[Function] = &[
     },
     Function {
         name: "figures",
-        arguments: &MACHINE,
+        arguments: &[
+            MACHINE[0],
+            MACHINE[1],
+            MACHINE[2],
+            MACHINE[3],
+            MACHINE[4],
+            MACHINE[5],
+            MACHINE[6],
+            MACHINE[7],
+            &[field("limited", "1", "")],
+        ],
         results: &[
             named("kinds", &KINDS, "figures"),
             field("items", "1", "figures"),

@@ -236,7 +236,8 @@ impl Machine {
     }
 
     /// The same machine with the figures that have a limit.
-    pub(crate) fn limited(&self) -> Self {
+    #[must_use]
+    pub fn limited(&self) -> Self {
         let mut own = self.clone();
         own.figured.retain(|figured| !figured.limit.limit.is_nan());
         let mut first = 0;

@@ -16,6 +16,7 @@ use crate::mechanics::chain::Equivalent;
 use crate::number::DoubleDouble;
 use crate::number::elementary::{hypot, ln, ln_1p};
 use crate::number::trig;
+use crate::plan::output::Output;
 use crate::run::execution::Execution;
 use crate::turns::panels::{Integrands, RowMeans};
 use crate::turns::rows::each_row;
@@ -48,7 +49,7 @@ impl Turns<'_> {
     /// that is more.
     ///
     /// # Errors
-    /// An order above [`Self::HIGHEST_ORDER`], arrays whose lengths do not fit together, a plan with
+    /// An order above [`Self::HIGHEST_ORDER`], angles, which grow from turn to turn, arrays whose lengths do not fit together, a plan with
     /// a load without one in the rows.
     pub fn orders(
         &self,
@@ -61,6 +62,10 @@ impl Turns<'_> {
             let problem =
                 format!("is {}; it must be at most {}", orders[place], Self::HIGHEST_ORDER);
             return Err(Error::new("orders", &[place], problem));
+        }
+        if self.plan.outputs.contains(&Output::Angle) {
+            let problem = "holds \"angle\", which grows from turn to turn; angle_error has orders";
+            return Err(Error::new("outputs", &[], problem));
         }
         self.rows.check(self.plan)?;
         let driven = if driven { Some(Driven::new(&self.plan.largest_bends)?) } else { None };
