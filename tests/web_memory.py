@@ -1,6 +1,6 @@
 """Calls of the module for browsers over a long time, after which its memory must be as large.
 
-``python tests/web_memory.py MINUTES`` judges a truck in five states and looks for changes that help.
+``python tests/web_memory.py MINUTES`` judges a truck in five states and looks for what helps.
 """
 
 from __future__ import annotations
