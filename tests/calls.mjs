@@ -49,7 +49,9 @@ export function answers(cardan, calls) {
       const shown = ([key, values]) => [key, Array.isArray(values) ? values : digest(values)];
       return Object.fromEntries(Object.entries(found).map(shown));
     } catch (error) {
-      return { error: error.message, kind: error.constructor.name };
+      const { argument, place, value, unit, rule } = error;
+      const parts = { argument, place, value: String(value), unit, rule };
+      return { error: error.message, kind: error.constructor.name, parts };
     }
   });
 }

@@ -447,6 +447,21 @@ def test_errors_say_what_is_wrong(
     assert message in answer["error"], answer
 
 
+def test_errors_have_parts(tmp_path: Path) -> None:
+    calls: list[Call] = [
+        ("optimal_phases", {"joints": 2, "bends": [0.1, 1.6], "twists": [0.0], "phases": [0.0]}),
+        ("optimal_phases", {"joints": 2, "bends": [0.1, 0.2], "twists": [np.nan], "phases": [0.0]}),
+        ("from_points", {"joints": 1, "points": [0.0] * 9}),
+    ]
+    bend, twist, points = in_node(tmp_path, calls=listed(calls))["answers"]
+    rule = "a bend must lie in [0, pi/2), with pi/2 as a double"
+    own = {"argument": "bends", "place": [0, 1], "value": "1.6", "unit": "rad", "rule": rule}
+    assert bend["parts"] == own
+    assert bend["error"] == f"bends[0, 1] is 1.6 rad; {rule}"
+    assert (twist["parts"]["argument"], twist["parts"]["value"]) == ("twists", "NaN")
+    assert points["parts"] == {"argument": "points", "place": [0, 1], "value": "undefined"}
+
+
 def test_results_that_no_memory_holds_are_refused(tmp_path: Path) -> None:
     call = {**STRAIGHT, "outputs": ["angle"], "of_shafts": [1], "start": 0.0, "stop": 1.0}
     answer = in_node(tmp_path, calls=listed([("evaluate", {**call, "samples": 1e9})]))
@@ -500,11 +515,27 @@ def test_chromium_has_the_same_bits(tmp_path: Path) -> None:
             const [library, calls, module, asked, done] = arguments;
             const type = "text/javascript";
             const at = (text) => URL.createObjectURL(new Blob([text], { type }));
-            (async () => {
-              const { Cardan } = await import(at(library)), { answers } = await import(at(calls));
-              const bytes = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
-              return answers(await Cardan.load(bytes), JSON.parse(asked).calls);
-            })().then(done, (fault) => done(String(fault)));
+            const [first, second] = [at(library), at(calls)];
+            const loaded = async (Cardan) => {
+              return Cardan.load(Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0)));
+            };
+            const here = async () => {
+              const { Cardan } = await import(first), { answers } = await import(second);
+              return answers(await loaded(Cardan), JSON.parse(asked).calls);
+            };
+            // A worker of a page without an address imports nothing.
+            const whole = (text) => text.split("if (typeof process")[0].replace(/^export /gm, "");
+            const code = `${whole(library)} ${whole(calls)} onmessage = async ({ data }) => {
+              const [module, asked] = data, loaded = ${loaded};
+              postMessage(answers(await loaded(Cardan), JSON.parse(asked).calls));
+            };`;
+            const worker = new Worker(at(code));
+            const there = new Promise((resolve, reject) => {
+              worker.onmessage = ({ data }) => resolve(data);
+              worker.onerror = ({ message }) => reject(message);
+            });
+            worker.postMessage([module, asked]);
+            Promise.all([here(), there]).then(done, (fault) => done(String(fault)));
         """
         found = chrome.execute_async_script(
             script,
@@ -513,4 +544,5 @@ def test_chromium_has_the_same_bits(tmp_path: Path) -> None:
             base64.b64encode((WEB / "cardan.wasm.gz").read_bytes()).decode(),
             json.dumps(asked),
         )
-    assert found == in_node(tmp_path, **asked)["answers"]
+    # In the page and in a worker.
+    assert found == [in_node(tmp_path, **asked)["answers"]] * 2

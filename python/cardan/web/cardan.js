@@ -79,8 +79,30 @@
  * @property {{kind: KindRow, item: number | null, value: number} | null} worst what is then worst
  */
 
-/** The argument, the place in it and the rule that it breaks, as one sentence. */
-export class CardanError extends Error {}
+/**
+ * What the module says of a mistake.
+ * @typedef {object} Fault
+ * @property {string} message one sentence
+ * @property {string} [argument] its name
+ * @property {number[]} [place] in the argument, outermost index first
+ * @property {number | string} [value] that breaks the rule; a word where it is not finite
+ * @property {string} [unit] of the value
+ * @property {string} [rule]
+ */
+
+/** A mistake in what is asked for, as one sentence and in parts. */
+export class CardanError extends Error {
+  /** @param {string | Fault} fault */
+  constructor(fault) {
+    const parts = typeof fault === "string" ? { message: fault } : fault;
+    super(parts.message);
+    this.argument = parts.argument;
+    this.place = parts.place ?? [];
+    this.value = parts.value === undefined ? undefined : Number(parts.value);
+    this.unit = parts.unit;
+    this.rule = parts.rule;
+  }
+}
 
 /** The module with its functions. */
 export class Cardan {
@@ -179,7 +201,7 @@ export class Cardan {
       this.#exports = new WebAssembly.Instance(this.#module).exports;
       throw new CardanError(`${this.table.functions[number].name} stopped: ${fault}`);
     }
-    if (status !== 0) throw new CardanError(this.#text());
+    if (status !== 0) throw new CardanError(JSON.parse(this.#text()));
     const first = this.#exports.answer();
     return new Float64Array(this.#exports.memory.buffer.slice(first, first + this.#exports.answer_length()));
   }

@@ -5,7 +5,7 @@
 //! three steps: [`room`] returns where the arguments go, the caller writes them there, and [`call`]
 //! computes. Arguments and results have the same form: for each one how many numbers it has, and
 //! then these. The answer is at [`answer`], [`answer_length`] bytes long: the results, or an error
-//! as text in UTF-8.
+//! as JSON in UTF-8.
 //!
 //! The module keeps nothing from one call to the next but the room for both.
 
@@ -57,7 +57,7 @@ pub extern "C" fn call(function: usize) -> usize {
     let found = ARGUMENTS.with_borrow(|arguments| called(function, arguments));
     let (ending, bytes) = match found {
         Ok(results) => (Ending::Results, results.iter().flat_map(|x| x.to_le_bytes()).collect()),
-        Err(error) => (Ending::Error, error.to_string().into_bytes()),
+        Err(error) => (Ending::Error, told(&error).into_bytes()),
     };
     ANSWER.set(bytes);
     ending as usize
@@ -79,6 +79,24 @@ pub extern "C" fn answer() -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_length() -> usize {
     ANSWER.with_borrow(Vec::len)
+}
+
+/// An error as JSON: its sentence, the argument, the place in it, and where a value breaks a rule the
+/// value, its unit and the rule. JSON has no NaN and no infinity: such a value is a string.
+fn told(error: &cardan::Error) -> String {
+    let cardan::Error { argument, place, problem } = error;
+    let place = &place.0;
+    let broken = match problem {
+        cardan::Problem::Value { value, rule } => {
+            let cardan::Rule { unit, text, .. } = rule;
+            let value =
+                if value.is_finite() { format!("{value:?}") } else { format!("\"{value}\"") };
+            format!(",\"value\":{value},\"unit\":{unit:?},\"rule\":{text:?}")
+        }
+        cardan::Problem::Words(_) => String::new(),
+    };
+    let message = error.to_string();
+    format!("{{\"message\":{message:?},\"argument\":{argument:?},\"place\":{place:?}{broken}}}")
 }
 
 /// The results of a function for arguments, in the form of both.
