@@ -75,6 +75,8 @@ export function judged(cardan, { data, search }) {
     made: data.unit === undefined ? null : cardan.machine(rest).figures().map(flat),
     moved: move ? [move.verdict, machine.move(move.item, by).verdict()] : null,
     suggested: suggested.map(shown),
+    // Joint 0 up by 3 of the unit of the points.
+    raised: data.unit !== undefined ? machine.move(1, [0, 0, 3]).figures().map(flat) : null,
   };
 }
 

@@ -26,7 +26,7 @@ import tiers
 from cardan import Driveline, Load
 from cardan.app.scene import Scene
 from cardan.app.scene.machine import machine_data, machine_of
-from cardan.design.machine import RANKS
+from cardan.design.machine import RANKS, Machine
 
 ROOT = Path(__file__).parents[2]
 WEB = Path(str(resources.files("cardan"))) / "web"
@@ -331,6 +331,7 @@ def test_machines_are_judged_with_the_same_bits(file: Path, tmp_path: Path) -> N
     scene = Scene.load(file)
     machine, data = machine_of(scene), machine_data(scene)
     assert machine is not None
+    assert data is not None
     search = {"reach": 0.02, "teeth": list(scene.teeth)}
     answer = in_node(tmp_path, machines=[{"data": data, "search": search}])["judged"][0]
     figures = [
@@ -347,6 +348,15 @@ def test_machines_are_judged_with_the_same_bits(file: Path, tmp_path: Path) -> N
         for one in machine.suggest(0.02, teeth=scene.teeth)
     ]
     assert answer["suggested"] == changes
+    if scene.points is not None:
+        points = np.array(data["points"])
+        points[:, 1, 2] += 3.0
+        phases = np.array(data["phases"]).reshape(len(points), -1)
+        raised = Machine(Driveline.from_points(points, phases)).figures()
+        bends = {one.kind.name: digest(one.values) for one in raised if one.item is None}
+        found = {name: values for name, item, values, _ in answer["raised"] if item is None}
+        assert found["equivalent_bend"] == bends["equivalent_bend"]
+        assert found["equivalent_bend"] != figures[0][2]
     if answer["moved"]:
         promised, then = answer["moved"]
         assert then == promised
