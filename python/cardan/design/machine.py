@@ -344,6 +344,12 @@ class Machine:
         The names are those of the arguments of its function ``figures``, in SI units. Besides
         them ``points`` are the ends and joint centres of every state from the upstream end, if the
         shafts have lengths. What is not known is ``None``.
+
+        >>> import cardan
+        >>> line = cardan.Driveline.from_bends([5.0, 4.0], degrees=True)
+        >>> data = cardan.Machine(line, limits={"bend": {0: 0.1}}).to_dict()
+        >>> data["joints"], data["limit_kinds"], data["limit_items"], data["limits"]
+        (2, ['bend'], [0], [0.1])
         """
         parts = self._parts
         columns = _of_cases("", *parts["states"])
