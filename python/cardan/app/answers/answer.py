@@ -14,7 +14,8 @@ from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentTypeError
 from cardan.design.check import Check
 
-_FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")
+FROM_THE_WORST = ("beyond", "not judged", "tolerable", "within")
+"""Verdicts in the order in which one of them is that on all."""
 
 
 class JudgedFigure(NamedTuple):
@@ -125,7 +126,7 @@ class Answer:
         ``"within"``.
         """
         found = {each.value.verdict for each in self.judged if each.value.limit is not None}
-        return next((word for word in _FROM_THE_WORST if word in found), "not judged")
+        return next((word for word in FROM_THE_WORST if word in found), "not judged")
 
     @property
     def passes(self) -> bool:

@@ -97,8 +97,8 @@ def report(scene: Path, output: Path | None) -> None:
     """Write a page to share, with a slider that turns the driveline.
 
     The page says whether the driveline runs smoothly, which loads the bearings carry and how to set
-    the yokes. It shows the inputs, tables and curves. It is a single HTML file that needs no
-    network.
+    the yokes. It shows the inputs, tables and curves. Joints can be moved in its drawing, and the
+    verdict follows. It is a single HTML file that needs no network.
 
     \b
     Examples:

@@ -25,6 +25,7 @@ from cardan.app.charts.samples import Samples, evaluated
 from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer, verdict_of
+from cardan.app.report.live import live
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -59,6 +60,9 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     panels = [panel for panel in known_panels if not panel.is_steady]
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     table = result.study
+    moves = live(answer)
+    if moves:
+        known["style"] += _part("live.css")
     speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
@@ -66,6 +70,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         joints=scene.line.n_joints,
         over="time" if samples.time is not None else "the drive angle",
         varied=bool(scene.study and scene.study.axes),
+        live=moves,
         recorded=scene.recording is not None,
         every=samples.every,
         inputs=results.inputs(scene),

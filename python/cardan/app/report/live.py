@@ -1,0 +1,161 @@
+"""The live part of a page: the machine that moves, and what its figures are called there."""
+
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from cardan.app.answers.answer import FROM_THE_WORST, Answer
+from cardan.app.answers.printed import bound_of, judged_text
+from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
+from cardan.app.answers.table import PARTS
+from cardan.app.charts.drawing import views
+from cardan.app.scene.machine import machine_data, machine_of
+from cardan.design.machine import KINDS
+
+_MODULES = ("cardan.js", "page/model.js", "page/drawing.js", "page/panel.js", "page/page.js")
+
+_PLACES = {
+    "bend": "life.joints[joint={}].bend",
+    "speed_bend": "life.joints[joint={}].speed_bend",
+    "life": "life.joints[joint={}].hours",
+    "heat": "life.joints[joint={}].heat",
+    "critical_margin": "tubes[shaft={}].margin",
+    "shear_stress": "tubes[shaft={}].stress",
+    "spline_travel": "spline.travel",
+    "spline_engaged": "spline.engaged",
+    "spline_push_in": "spline.push_in",
+    "spline_force": "spline.force",
+    "steering_offset": "steering.offset",
+    "steering_ratio": "steering.difference",
+    "lash": "backlash.lash",
+    "joint_force": "forces.joints[joint={}].largest",
+    "bearing_force": "forces.bearings[bearing={}].largest",
+}
+"""Where an answer has the figures of a machine, by their kind; others are of the part ``limits``.
+"""
+
+
+def live(answer: Answer) -> dict[str, Any] | None:
+    """Return what the live part of the page of a scene reads; ``None`` if it has no machine.
+
+    ``data`` is plain data for its scripts, ``script`` their text, and ``module`` the core for
+    browsers in base64.
+    """
+    scene = answer.scene
+    machine = machine_of(scene)
+    if machine is None:
+        return None
+    limited = [each for each in machine.figures() if not np.isnan(each.limit)]
+    judged = {each.entry.path: each for each in answer.judged}
+    figures = []
+    for each in limited:
+        own = judged.pop(_path(each.kind.name, each.item))
+        figures.append(
+            {
+                "kind": each.kind.name,
+                "item": each.item,
+                "name": own.name,
+                "bound": bound_of(replace(own.value, maximum=None), own.entry.row),
+                "limit": bound_of(own.value, own.entry.row),
+                "source": own.value.source,
+            }
+        )
+    states, directions = scene.states, machine.states.directions
+    joints = [f"joint {joint}" for joint in range(scene.line.n_joints)]
+    data = {
+        "machine": machine_data(scene),
+        "states": states.names if states else [""],
+        "steps": scene.duty.names if scene.duty else [],
+        # The state that differs least from the drawing.
+        "drawn": int(np.argmin(np.max(np.abs(directions - scene.line.directions), axis=(1, 2)))),
+        "points": ["upstream end", *joints, "downstream end"],
+        "views": [
+            {"name": name, "right": axes[0].tolist(), "down": axes[1].tolist()}
+            for name, axes in [*views(directions).items()][:2]
+        ],
+        "kinds": {name: _kind(name) for name in KINDS},
+        "figures": figures,
+        "others": [
+            {
+                "name": each.name,
+                "verdict": each.value.verdict,
+                "words": judged_text(each.value, each.entry.row),
+            }
+            for each in judged.values()
+            if each.value.limit is not None
+        ],
+        "verdicts": FROM_THE_WORST,
+        "here": _here(answer),
+    }
+    return {"data": data, "script": _script(), "module": _module()}
+
+
+def _place(kind: str) -> str:
+    return _PLACES.get(kind, f"limits.{kind}")
+
+
+def _path(kind: str, item: int | None) -> str:
+    """The path of a figure in the rows of an answer: ``"tubes.1.margin"``."""
+    return re.sub(r"\[\w+=(.*?)\]", r".\1", _place(kind)).replace("{}", str(item))
+
+
+def _kind(name: str) -> dict[str, Any]:
+    """What a kind of figure is called, its unit and digits, from the row that declares it."""
+    row = _row(name)
+    return {
+        "label": row.label,
+        "unit": UNITS[row.unit].symbol,
+        "factor": UNITS[row.unit].factor,
+        "digits": DIGITS[row.digits or row.unit]._asdict(),
+        "meaning": row.meaning,
+        "source": row.source,
+        "path": _place(name),
+        "ending": row.ending(),
+    }
+
+
+def _row(kind: str) -> Row:
+    part, *names = re.sub(r"\[.*?\]", "", _place(kind)).split(".")
+    of = PARTS[part].figures()
+    *outer, last = names
+    for name in outer:
+        of = element_of(next(hint for own, _, hint in rows_of(of) if own == name))
+    return next(row for own, row, _ in rows_of(of) if own == last)
+
+
+def _here(answer: Answer) -> dict[str, str]:
+    """Where ``cardan check --json`` has figures of one state."""
+    in_state = ".states[state={state}]" if answer.scene.states else ""
+    force = f"check:forces.bearings[bearing={{}}].largest{in_state}.value_N"
+    return {
+        "bend": f"check:{in_state[1:]}.bends_deg[{{}}]" if in_state else "derived:bend_deg",
+        "bearing_force": force if answer["forces"] else "derived:bearing_force_N",
+    }
+
+
+@cache
+def _script() -> str:
+    """The modules as one script, since a page without a server cannot import any."""
+    texts = [_file(name).decode() for name in _MODULES]
+    text = re.sub(r"(?m)^import [^;]*;\n", "", "".join(texts))
+    text = re.sub(r"(?m)^export ", "", text)
+    # Types and descriptions are for those who read the modules.
+    text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", text)
+    text = re.sub(r"(?m)^ *(?:// .*)?\n", "", text)
+    return f'"use strict";\n(() => {{\n{text}start();\n}})();'
+
+
+@cache
+def _module() -> str:
+    return base64.b64encode(_file("cardan.wasm.gz")).decode()
+
+
+def _file(name: str) -> bytes:
+    return resources.files("cardan").joinpath("web", name).read_bytes()

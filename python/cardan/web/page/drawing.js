@@ -1,0 +1,380 @@
+// @ts-check
+/**
+ * The driveline from the side and from above as SVG, both with one scale.
+ *
+ * @module drawing
+ */
+
+const SVG = "http://www.w3.org/2000/svg";
+const TALLEST = 460; // px of both views together, if the driveline is as tall as long
+const ABOVE = 62; // px above what is drawn in a view, for names
+const BELOW = 34;
+const LEFT = 26;
+const YOKE = 0.026; // half the length of a joint over the length of the driveline
+const RADIUS = 0.009; // of shafts without a tube
+
+/**
+ * @param {string} name
+ * @param {Record<string, string | number>} attributes
+ * @param {Element} parent
+ */
+function drawn(name, attributes, parent) {
+  const element = document.createElementNS(SVG, name);
+  put(element, attributes);
+  parent.append(element);
+  return element;
+}
+
+/** @param {Element} element @param {Record<string, string | number>} attributes */
+function put(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) {
+    element.setAttribute(name, typeof value === "number" ? value.toFixed(1) : value);
+  }
+}
+
+/** @param {number[]} a @param {number[]} b */
+const product = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
+
+/** @param {number[][]} points */
+const listOf = (points) => points.map((p) => p.map((x) => x.toFixed(1)).join()).join(" ");
+
+/** @param {number[]} a @param {number[]} b @param {number} share */
+const between = (a, b, share) => a.map((x, i) => x + share * (b[i] - x));
+
+/**
+ * @typedef {object} Handle
+ * @property {number} point
+ * @property {number} view
+ * @property {Element} element
+ * @property {number[]} at in px
+ */
+
+/** Both views with a handle for every point in each. */
+export class Drawing {
+  /**
+   * @param {SVGSVGElement} svg
+   * @param {import("./model.js").Model} model
+   */
+  constructor(svg, model) {
+    this.svg = svg;
+    this.model = model;
+    /** The drive angle in rad. */
+    this.angle = 0.7;
+    /** @type {Handle[]} */
+    this.handles = [];
+    this.views = model.sent.views.map((view, number) => this.#view(view, number));
+    this.scale = 1;
+    /** What is drawn is so long in mm. */
+    this.length = 1;
+    /** @type {Handle | null} */
+    this.selected = null;
+    this.fit();
+  }
+
+  /**
+   * @param {{name: string, right: number[], down: number[]}} axes
+   * @param {number} number
+   */
+  #view(axes, number) {
+    const { sent, movable } = this.model;
+    const group = drawn("g", {}, this.svg);
+    const name = drawn("text", { class: "name", x: LEFT - 10 }, group);
+    name.textContent = axes.name;
+    const many = (/** @type {ArrayLike<any>} */ of, /** @type {string} */ tag, /** @type {string} */ kind) =>
+      Array.from(of, () => drawn(tag, { class: kind }, group));
+    const joints = sent.points.slice(1, -1);
+    const own = {
+      axes,
+      name,
+      edge: drawn("line", { class: "edge" }, group),
+      others: many(sent.states, "polyline", "other"),
+      tubes: many(sent.points.slice(1), "polygon", "tube"),
+      // The far fork of each yoke and the near one, of the driving yoke and the driven one.
+      yokes: [0, 1].flatMap((near) =>
+        joints.flatMap((_, joint) =>
+          [0, 1].map((side) => ({
+            near,
+            joint,
+            side,
+            fork: drawn("polyline", { class: `fork s${(joint + side) % 4} ${near ? "" : "far"}` }, group),
+          })),
+        ),
+      ),
+      bearings: many(sent.machine.bearings ?? [], "path", "box"),
+      ghost: drawn("polyline", { class: "ghost" }, group),
+      joints: number ? [] : joints.map(() => [drawn("text", {}, group), drawn("text", { class: "big" }, group)]),
+      ends: number ? [] : [0, 1].map(() => drawn("text", {}, group)),
+      forces: number ? [] : many(sent.machine.bearings ?? [], "text", "force"),
+      zero: [0, 0],
+    };
+    if (movable) sent.points.forEach((_, point) => this.handles.push(this.#handle(point, number, group)));
+    return own;
+  }
+
+  /** @param {number} point @param {number} view @param {Element} group */
+  #handle(point, view, group) {
+    const { points, views } = this.model.sent;
+    const label = `${points[point]}, ${views[view].name.split(":")[0].toLowerCase()}`;
+    const element = drawn("g", { class: "handle", tabindex: "0", role: "slider", "aria-label": label }, group);
+    put(element, { "aria-orientation": "vertical", "data-point": String(point), "data-view": String(view) });
+    drawn("circle", { class: "hit", r: 20 }, element);
+    drawn("circle", { class: "ring", r: 11 }, element);
+    drawn("circle", { class: "knob", r: 5 }, element);
+    return { point, view, element, at: [0, 0] };
+  }
+
+  /**
+   * Where a point is drawn in a view.
+   * @param {number} view
+   * @param {number[]} point in mm
+   */
+  #at(view, point) {
+    const { axes, zero } = this.views[view];
+    return [zero[0] + this.scale * product(axes.right, point), zero[1] + this.scale * product(axes.down, point)];
+  }
+
+  /**
+   * Where something would be that a handle shows there.
+   * @param {Handle} handle
+   * @param {number[]} at in px
+   * @returns {(number | null)[]} coordinates in mm, null along the line of sight
+   */
+  placeOf(handle, at) {
+    const { axes, zero } = this.views[handle.view];
+    const [right, down] = [0, 1].map((i) => (at[i] - zero[i]) / this.scale);
+    return [0, 1, 2].map((i) =>
+      axes.right[i] ? right * axes.right[i] : axes.down[i] ? down * axes.down[i] : null,
+    );
+  }
+
+  /**
+   * The handle nearest to a place, if it is near.
+   * @param {number[]} at
+   * @param {number} reach in px
+   */
+  nearest(at, reach) {
+    const far = (/** @type {Handle} */ one) => Math.hypot(one.at[0] - at[0], one.at[1] - at[1]);
+    const [first] = [...this.handles].sort((a, b) => far(a) - far(b));
+    return first && far(first) <= reach ? first : null;
+  }
+
+  /** Choose the scale by which everything fits. */
+  fit() {
+    const { model, svg } = this;
+    const width = svg.clientWidth || 800;
+    const lines = model.sent.states.flatMap((_, state) => [model.points(state)]);
+    const all = [...lines, model.drawnPoints].flat();
+    const extent = (/** @type {number[]} */ axis) => {
+      const along = all.map((point) => product(axis, point));
+      return [Math.min(...along), Math.max(...along)];
+    };
+    const [first, last] = extent(this.views[0].axes.right);
+    this.length = Math.max(last - first, 1);
+    const heights = this.views.map(({ axes }) => {
+      const [low, high] = extent(axes.down);
+      return [low - 0.03 * this.length, high + 0.03 * this.length];
+    });
+    const total = heights.reduce((sum, [low, high]) => sum + high - low, 0);
+    this.scale = Math.min((width - 2 * LEFT) / this.length, TALLEST / total);
+    const middle = (width - this.scale * (first + last)) / 2;
+    let top = 0;
+    this.views.forEach((view, number) => {
+      const [low, high] = heights[number];
+      const above = number ? 30 : ABOVE;
+      view.zero = [middle, top + above - this.scale * low];
+      put(view.name, { y: top + 18 });
+      put(view.edge, { x1: 0, x2: width, y1: top, y2: top });
+      top += above + this.scale * (high - low) + (number ? 10 : BELOW);
+    });
+    put(svg, { viewBox: `0 0 ${width} ${top.toFixed(0)}`, height: top.toFixed(0) });
+  }
+
+  /** Draw the machine as it is. */
+  draw() {
+    const { model } = this;
+    const [points, sent] = [model.points(model.state), model.drawnPoints];
+    const pins = model.pins(this.angle);
+    this.views.forEach((view, number) => {
+      const at = (/** @type {number[]} */ point) => this.#at(number, point);
+      model.sent.states.forEach((_, state) => {
+        const line = state === model.state ? [] : model.points(state).map(at);
+        put(view.others[state], { points: listOf(line) });
+      });
+      put(view.ghost, { points: model.isDrawn ? "" : listOf(sent.map(at)) });
+      this.#tubes(view, points.map(at));
+      this.#yokes(view, points, at, pins);
+      this.#bearings(view, points, at);
+      if (number === 0) this.#names(view, points.map(at));
+      for (const handle of this.handles) {
+        if (handle.view !== number) continue;
+        handle.at = at(points[handle.point]);
+        put(handle.element, {
+          transform: `translate(${handle.at.map((x) => x.toFixed(1)).join(" ")})`,
+          class: handle === this.selected ? "handle on" : "handle",
+        });
+      }
+    });
+  }
+
+  /**
+   * What the handles say.
+   * @param {string} verdict
+   */
+  speak(verdict) {
+    const points = this.model.points(this.model.state);
+    for (const { element, point, view } of this.handles) {
+      const down = this.views[view].axes.down.findIndex((each) => each !== 0);
+      const words = points[point].map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(", ");
+      put(element, { "aria-valuenow": String(points[point][down]), "aria-valuetext": `${words} mm; ${verdict}` });
+    }
+  }
+
+  /** @param {number} shaft in px */
+  #radius(shaft) {
+    const { tubes = [], outer_diameter: across = [] } = this.model.sent.machine;
+    const place = tubes.indexOf(shaft);
+    const radius = place < 0 ? RADIUS * this.length : 500 * across[place];
+    return Math.max(4, Math.min(radius * this.scale, 26));
+  }
+
+  /** Half the length of a joint in px. */
+  get #yoke() {
+    return Math.max(11, YOKE * this.length * this.scale);
+  }
+
+  /** @param {any} view @param {number[][]} line */
+  #tubes(view, line) {
+    view.tubes.forEach((/** @type {Element} */ tube, /** @type {number} */ shaft) => {
+      const [first, last] = [line[shaft], line[shaft + 1]];
+      const far = Math.hypot(last[0] - first[0], last[1] - first[1]) || 1;
+      const side = [(first[1] - last[1]) / far, (last[0] - first[0]) / far].map((x) => x * this.#radius(shaft));
+      const cut = Math.min(0.45, this.#yoke / far);
+      const start = between(first, last, shaft ? cut : 0);
+      const end = between(last, first, shaft + 2 < line.length ? cut : 0);
+      const corners = [[start, 1], [end, 1], [end, -1], [start, -1]].map(([p, sign]) =>
+        [0, 1].map((i) => /** @type {number[]} */ (p)[i] + Number(sign) * side[i]),
+      );
+      put(tube, { points: listOf(corners) });
+    });
+  }
+
+  /**
+   * @param {any} view
+   * @param {number[][]} points
+   * @param {(point: number[]) => number[]} at
+   * @param {number[][][]} pins
+   */
+  #yokes(view, points, at, pins) {
+    const { right, down } = view.axes;
+    // Towards the viewer: right, up and this are right-handed.
+    const viewer = [
+      down[1] * right[2] - down[2] * right[1],
+      down[2] * right[0] - down[0] * right[2],
+      down[0] * right[1] - down[1] * right[0],
+    ];
+    const half = this.#yoke;
+    for (const { near, joint, side, fork } of view.yokes) {
+      const centre = at(points[joint + 1]);
+      const along = at(points[side ? joint + 2 : joint]);
+      const far = Math.hypot(along[0] - centre[0], along[1] - centre[1]) || 1;
+      const pin = pins[joint][side];
+      const sign = (near ? 1 : -1) * (product(viewer, pin) >= 0 ? 1 : -1);
+      const across = [right, down].map((axis) => sign * 0.62 * half * product(axis, pin));
+      const root = between(centre, along, Math.min(0.45, half / far));
+      const knee = between(centre, along, Math.min(0.33, (0.72 * half) / far));
+      const tip = centre.map((x, i) => x + across[i]);
+      put(fork, {
+        points: listOf([root, knee.map((x, i) => x + across[i]), tip]),
+        "stroke-width": Math.max(3, 0.27 * half),
+      });
+    }
+  }
+
+  /**
+   * @param {any} view
+   * @param {number[][]} points
+   * @param {(point: number[]) => number[]} at
+   */
+  #bearings(view, points, at) {
+    const { bearings = [], positions, lengths } = this.model.machine.data;
+    view.bearings.forEach((/** @type {Element} */ box, /** @type {number} */ bearing) => {
+      const shaft = bearings[bearing];
+      const [first, last] = [at(points[shaft]), at(points[shaft + 1])];
+      const place = this.#share(positions, lengths, bearing, shaft);
+      const centre = between(first, last, place);
+      const far = Math.hypot(last[0] - first[0], last[1] - first[1]) || 1;
+      const [dx, dy] = [(last[0] - first[0]) / far, (last[1] - first[1]) / far];
+      const [radius, w] = [this.#radius(shaft), 4.5];
+      const path = [1, -1].map((sign) => {
+        const corner = (/** @type {number} */ i, /** @type {number} */ j) => {
+          const [u, v] = [i * w, sign * (radius + w + 1) + j * w];
+          return `${(centre[0] + u * dx - v * dy).toFixed(1)} ${(centre[1] + u * dy + v * dx).toFixed(1)}`;
+        };
+        return `M${corner(-1, -1)}L${corner(1, -1)}L${corner(1, 1)}L${corner(-1, 1)}ZL${corner(1, 1)}M${corner(1, -1)}L${corner(-1, 1)}`;
+      });
+      put(box, { d: path.join("") });
+      const label = view.forces[bearing];
+      if (label) put(label, { x: centre[0], y: centre[1] + radius + 25 });
+    });
+    this.#forces(view, bearings);
+  }
+
+  /**
+   * Where a bearing is on its shaft, as a share of its length.
+   * @param {any} positions
+   * @param {any} lengths
+   * @param {number} bearing
+   * @param {number} shaft
+   */
+  #share(positions, lengths, bearing, shaft) {
+    const of = (/** @type {any} */ values, /** @type {number} */ count, /** @type {number} */ i) =>
+      Array.isArray(values) ? values[this.model.state][i] : values[this.model.state * count + i];
+    const count = this.model.sent.machine.bearings.length;
+    const length = of(lengths, this.model.sent.points.length - 1, shaft);
+    return Math.max(0, Math.min(1, of(positions, count, bearing) / length));
+  }
+
+  /**
+   * The largest force of each shaft in the state shown.
+   * @param {any} view
+   * @param {number[]} shafts
+   */
+  #forces(view, shafts) {
+    const { model } = this;
+    if (!view.forces.length) return;
+    if (!model.hasForces) {
+      for (const label of view.forces) put(label, { class: "force pale" });
+      return;
+    }
+    const found = shafts.map((_, bearing) => model.here("bearing_force", bearing));
+    const most = (/** @type {number} */ shaft) =>
+      Math.max(...found.map((each, i) => (each && shafts[i] === shaft ? each.value : -1)));
+    const named = new Set();
+    shafts.forEach((shaft, bearing) => {
+      const [label, here] = [view.forces[bearing], found[bearing]];
+      const isShown = here && here.value === most(shaft) && !named.has(shaft);
+      if (isShown) named.add(shaft);
+      put(label, { class: "force" });
+      label.textContent = isShown ? here.text : "";
+      if (isShown) put(label, { "data-path": here.path, "data-value": String(here.value) });
+    });
+  }
+
+  /** @param {any} view @param {number[][]} line */
+  #names(view, line) {
+    const { model } = this;
+    const above = 0.62 * this.#yoke + 18;
+    view.joints.forEach((/** @type {Element[]} */ [name, bend], /** @type {number} */ joint) => {
+      const [x, y] = line[joint + 1];
+      put(name, { x, y: y - above - 17 });
+      put(bend, { x, y: y - above });
+      name.textContent = model.sent.points[joint + 1];
+      const here = model.here("bend", joint);
+      bend.textContent = here ? here.text : "";
+      if (here) put(bend, { "data-path": here.path, "data-value": String(here.value) });
+    });
+  }
+}
+
+/** @param {number} number */
+export const tenth = (number) => number.toFixed(1).replace(/^-/, "\u2212");

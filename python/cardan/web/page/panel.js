@@ -1,0 +1,182 @@
+// @ts-check
+/**
+ * The verdict, and every figure that has a limit beside it.
+ *
+ * @module panel
+ */
+
+import { minus, useText } from "./model.js";
+
+const MARKS = /** @type {Record<string, string[]>} */ ({
+  within: ["M7 0a7 7 0 1 1 0 14A7 7 0 0 1 7 0z", "m4 7.2 2.2 2.2L10.2 5"],
+  tolerable: ["M7 .8 13.8 13H.2z", "M7 5v3.8M7 10.8v.2"],
+  beyond: ["M4.1 0h5.8L14 4.1v5.8L9.9 14H4.1L0 9.9V4.1z", "m4.6 4.6 4.8 4.8M9.4 4.6 4.6 9.4"],
+  "not judged": ["M0 0h14v14H0z", "M4 7h6"],
+});
+const HEADS = /** @type {Record<string, string>} */ ({
+  within: "Within all limits",
+  tolerable: "Tolerable",
+  beyond: "Beyond its limits",
+  "not judged": "Not judged",
+});
+const SPAN = 1.5; // times its limit that a bar shows
+
+/**
+ * @param {string} tag
+ * @param {string} kind
+ * @param {Element} parent
+ * @param {string} text
+ */
+export function made(tag, kind, parent, text = "") {
+  const element = document.createElement(tag);
+  if (kind) element.className = kind;
+  element.textContent = text;
+  parent.append(element);
+  return element;
+}
+
+/**
+ * The class of a verdict.
+ * @param {string} verdict
+ */
+const classOf = (verdict) => verdict.replace(" ", "-");
+
+/**
+ * The mark of a verdict, which a shape tells as well as its colour.
+ * @param {Element} parent
+ */
+export function newMark(parent) {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 14 14");
+  svg.setAttribute("aria-hidden", "true");
+  const paths = [0, 1].map(() => document.createElementNS("http://www.w3.org/2000/svg", "path"));
+  svg.append(...paths);
+  parent.append(svg);
+  return (/** @type {string} */ verdict) => {
+    svg.setAttribute("class", `mark ${classOf(verdict)}`);
+    paths.forEach((path, i) => path.setAttribute("d", MARKS[verdict][i]));
+  };
+}
+
+/** The panel in an element. */
+export class Panel {
+  #rows = /** @type {Map<string, (row: import("./model.js").Row, drawn: import("./model.js").Row) => HTMLElement>} */ (
+    new Map()
+  );
+
+  /**
+   * @param {Element} element
+   * @param {import("./model.js").Model} model
+   */
+  constructor(element, model) {
+    this.model = model;
+    this.head = made("div", "head", element);
+    this.mark = newMark(this.head);
+    this.word = made("p", "word", this.head);
+    this.why = made("p", "why", this.head);
+    this.list = made("ul", "rows", element);
+    for (const row of model.sorted([...model.drawnRows.values()])) this.#rows.set(row.key, this.#row(row));
+    this.sent = made("div", "sent", element);
+    made("h3", "", this.sent, "As sent, not computed here");
+    this.stale = made("p", "", this.sent);
+    const others = made("ul", "", this.sent);
+    for (const { name, verdict, words } of model.sent.others) {
+      const item = made("li", "", others);
+      newMark(item)(verdict);
+      made("span", "", item, `${name}: ${words}`);
+    }
+    this.sent.hidden = model.sent.others.length === 0;
+  }
+
+  /**
+   * Elements of a row, and what fills them.
+   * @param {import("./model.js").Row} first
+   */
+  #row(first) {
+    const item = made("li", "", this.list);
+    const details = made("details", "", item);
+    const summary = made("summary", "", details);
+    const mark = newMark(summary);
+    const name = made("span", "name", summary, first.name);
+    const use = made("span", "use", summary);
+    const gauge = made("span", "gauge", summary);
+    gauge.setAttribute("aria-hidden", "true");
+    const bar = made("i", "", made("span", "clip", gauge));
+    made("u", "", gauge);
+    const tick = made("s", "", gauge);
+    const line = made("span", "value", summary);
+    const figure = made("span", "", line);
+    const value = made("b", "", figure);
+    const bound = made("span", "", figure);
+    const place = made("span", "place", line);
+    const more = made("div", "more", details);
+    for (const words of [first.kind.meaning, first.kind.source, first.source]) {
+      if (words) made("p", "", more, words);
+    }
+    const each = made("ul", "", more);
+    /** @param {import("./model.js").Row} row @param {import("./model.js").Row} drawn */
+    return (row, drawn) => {
+      mark(row.verdict);
+      item.className = classOf(row.verdict);
+      name.title = row.name;
+      value.textContent = row.text;
+      value.dataset.path = row.path;
+      value.dataset.value = String(row.value);
+      bound.textContent = ` ${row.bound}`;
+      place.textContent = row.place;
+      use.textContent = row.use === null ? row.verdict : useText(row.use);
+      gauge.hidden = row.use === null;
+      bar.style.transform = `scaleX(${Math.min(row.use ?? 0, SPAN) / SPAN})`;
+      tick.hidden = drawn.use === null || this.model.isDrawn;
+      tick.style.left = `${(100 * Math.min(drawn.use ?? 0, SPAN)) / SPAN}%`;
+      each.replaceChildren();
+      for (const here of row.each) made("li", classOf(here.verdict), each, `${minus(here.name)}: ${here.text}`);
+      return item;
+    };
+  }
+
+  /**
+   * Show rows and the verdict on them.
+   * @param {boolean} isSorted whether rows take their order, from the worst
+   * @returns {string} the verdict in words
+   */
+  show(isSorted) {
+    const { model } = this;
+    const rows = model.rows();
+    const verdict = model.verdict(rows);
+    const items = model.sorted(rows).map((row) => {
+      const fill = this.#rows.get(row.key);
+      const drawn = model.drawnRows.get(row.key);
+      return fill && drawn ? fill(row, drawn) : null;
+    });
+    if (isSorted) {
+      const held = document.activeElement;
+      for (const item of items) if (item) this.list.append(item);
+      if (held instanceof HTMLElement && this.list.contains(held)) held.focus();
+    }
+    const names = rows.filter((row) => row.verdict === verdict).map((row) => row.name);
+    if (model.isDrawn) {
+      names.push(...model.sent.others.filter((each) => each.verdict === verdict).map((each) => each.name));
+    }
+    const count = rows.length + (model.isDrawn ? model.sent.others.length : 0);
+    this.head.className = `head ${classOf(verdict)}`;
+    this.head.dataset.verdict = verdict;
+    this.mark(verdict);
+    this.word.textContent = HEADS[verdict];
+    const said =
+      verdict === "within"
+        ? `${count} of ${count}`
+        : count
+          ? `${names.length} of ${count}: ${names.join("; ")}`
+          : "The scene gives no limit.";
+    const moved = model.sent.others.length
+      ? "Something has moved; what is listed last is not computed here."
+      : "Something has moved.";
+    this.why.textContent = model.isDrawn ? said : `${said}. ${moved}`;
+    this.stale.textContent = model.isDrawn
+      ? "These belong to the scene as sent, which is the one shown."
+      : "These belong to the scene as sent; run cardan check on the moved one.";
+    this.sent.classList.toggle("stale", !model.isDrawn);
+    return `${HEADS[verdict]}: ${said}`;
+  }
+}

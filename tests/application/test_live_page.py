@@ -1,0 +1,485 @@
+"""The live part of a page, its model in Node and the page in Chromium, against the package."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import tomllib
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
+
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.printed import number_text, quantity, row_text, use_text
+from cardan.app.answers.rows import DIGITS
+from cardan.app.report import write_report
+from cardan.app.report.live import live
+from cardan.app.scene import Scene
+from cardan.design.machine import KINDS
+from example_scenes import DRIVELINES, Answers, example
+
+WEB = Path(str(resources.files("cardan"))) / "web"
+NODE = shutil.which("node")
+REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
+MACHINES = [path.stem for path in DRIVELINES if path.parent.name == "machines"]
+TRUCK = example("truck-shaft.toml")
+
+in_node = pytest.mark.skipif(NODE is None and not REQUIRED, reason="needs Node")
+in_browser = pytest.mark.xdist_group("browser")
+
+
+def sent(scene: Scene) -> dict[str, Any]:
+    """What the page of a scene is sent, as it reads it."""
+    found = live(Answer(scene))
+    assert found is not None
+    data: dict[str, Any] = json.loads(json.dumps(found["data"], allow_nan=False))
+    return data
+
+
+def run(folder: Path, data: Any, script: str) -> Any:  # noqa: ANN401
+    """What a script in Node returns that has the modules and the data."""
+    (folder / "data.json").write_text(json.dumps(data))
+    (folder / "run.mjs").write_text(
+        f"""import {{ readFileSync }} from "node:fs";
+        import {{ Cardan }} from "{WEB}/cardan.js";
+        import {{ Model, numberText, useText }} from "{WEB}/page/model.js";
+        const data = JSON.parse(readFileSync("{folder}/data.json", "utf8"));
+        const cardan = await Cardan.load(readFileSync("{WEB}/cardan.wasm.gz"));
+        const answer = (() => {{ {script} }})();
+        console.log(JSON.stringify(answer));"""
+    )
+    assert NODE, "needs Node"
+    done = subprocess.run([NODE, folder / "run.mjs"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def close(a: float, b: float) -> bool:
+    return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15)
+
+
+def edited(path: Path, point: int, by: tuple[float, float, float]) -> Scene:
+    """A scene with a point of its driveline moved that no state moves."""
+    text = path.read_text(encoding="utf-8")
+    given = tomllib.loads(text)["driveline"]["points_mm"][point]
+    old = f"[{', '.join(str(x) for x in given)}]"
+    new = f"[{', '.join(str(x + d) for x, d in zip(given, by, strict=True))}]"
+    assert text.count(old) == 1
+    return Scene.parse(text.replace(old, new), path.name)
+
+
+# --- what Python sends ------------------------------------------------------------------------
+
+
+def test_every_kind_of_figure_is_declared_by_a_row() -> None:
+    """Names, units and digits are those of the answers: the units of both sides agree."""
+    symbols = {"rad": "°", "rad/s²": "rad/s²", "rad²/s": "rpm·deg", "m": "mm", "Pa": "MPa"}
+    kinds = sent(Scene.load(TRUCK))["kinds"]
+    assert set(kinds) == set(KINDS)
+    for name, kind in KINDS.items():
+        own = symbols.get(kind.unit, "" if kind.unit == "1" else kind.unit)
+        expected = "%" if name == "steering_ratio" else own
+        assert kinds[name]["unit"] == expected, name
+
+
+@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+def test_every_scene_can_be_sent(path: Path) -> None:
+    """Every figure that the core judges has its name, and no other is left out."""
+    found = live(Answer(scene := Scene.load(path)))
+    if found is None:
+        return
+    json.dumps(found["data"], allow_nan=False)
+    limited = [each for each in Answer(scene).judged if each.value.limit is not None]
+    assert len(found["data"]["figures"]) + len(found["data"]["others"]) == len(limited)
+
+
+# --- the model --------------------------------------------------------------------------------
+
+
+@in_node
+def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    cases: list[tuple[float, str, list[float]]] = [
+        (value, kind, [])
+        for kind in DIGITS
+        if kind != "given"
+        for value in (0.0, 1.0, 99.96, 100.04, 9.9996, -0.00004, 1e-20, 3.2e9, 2.9999999, -12.3456)
+    ]
+    cases += [(3.0 + step, "deg", [3.0]) for step in (1e-3, -1e-4, 1e-8, 1e-10, -1e-12, 0.0)]
+    cases += [
+        (float(random.normal() * 10.0 ** random.integers(-8, 9)), kind, [float(random.normal())])
+        for kind in ("deg", "mm", "N", "MPa", "h", "margin", "percent")
+        for _ in range(40)
+    ]
+    data = [(value, DIGITS[kind]._asdict(), bounds) for value, kind, bounds in cases]
+    shares = [0.5, 0.994, 0.999999, 1.0, 1.0 + 1e-12, 1.00001, 1.444, 12.0]
+    found = run(
+        tmp_path,
+        {"cases": data, "shares": shares},
+        """const written = ([x, rule, others]) =>
+            numberText(Math.abs(x) < rule.finest ? 0 : x, rule, others);
+        return [data.cases.map(written), data.shares.map(useText)];""",
+    )
+    expected = [
+        number_text(value, kind, apart_from=bounds).replace("e-", "e~").replace("-", "\u2212")
+        for value, kind, bounds in cases
+    ]
+    # An exponent has two digits in Python and one in JavaScript.
+    plain = [re.sub(r"e([~+])0?", r"e\1", text).replace("e~", "e-") for text in expected]
+    assert found[0] == plain
+    assert found[1] == [use_text(share) for share in shares]
+
+
+READ = """const rows = Object.fromEntries(model.rows().map((row) => [row.path, row]));
+    const told = { rows, verdict: model.verdict(model.rows()), states: model.stateVerdicts() };"""
+
+
+@in_node
+def test_model_says_what_the_package_says_after_moves(tmp_path: Path) -> None:
+    """The same points give the same figures, states and verdict, here and there."""
+    scene = Scene.load(TRUCK)
+    moves = [(2, (0.0, -24.0, 0.0)), (1, (10.0, 5.0, -7.0)), (2, (-40.0, 30.0, 12.0))]
+    found = run(
+        tmp_path,
+        {"sent": sent(scene), "moves": moves},
+        f"""return data.moves.map(([point, by]) => {{
+            const model = new Model(cardan, data.sent);
+            model.begin();
+            model.place(point, model.points(model.state)[point].map((x, i) => x + by[i]));
+            model.commit("move");
+            model.compute();
+            {READ}
+            return told;
+        }});""",
+    )
+    for (point, by), told in zip(moves, found, strict=True):
+        answer = Answer(edited(TRUCK, point, by))
+        data = check_data(answer)
+        compared(told["rows"], data)
+        assert len(told["rows"]) == 13
+        assert told["verdict"] == worst(told["rows"].values(), data)
+        states = [each["verdict"] for each in data["states"]]
+        assert [verdict != "within" for verdict in told["states"]] == [
+            state != "within" or slides
+            for state, slides in zip(states, too_long(data), strict=True)
+        ]
+
+
+def too_long(data: Any) -> list[bool]:  # noqa: ANN401
+    return [each["value_mm"] < 70.0 for each in data["spline"]["engaged"]["states"]]
+
+
+def worst(rows: Any, data: Any) -> str:  # noqa: ANN401
+    """The verdict of the check on those figures that are computed in the page."""
+    verdicts = {at(data, row["path"].rpartition(".")[0])["verdict"] for row in rows}
+    order = ("beyond", "not judged", "tolerable", "within")
+    return next(verdict for verdict in order if verdict in verdicts)
+
+
+def at(data: Any, path: str) -> Any:  # noqa: ANN401
+    """What a path names in JSON: ``check:tubes[shaft=1].margin.value``."""
+    for name, key, value in re.findall(r"\.?(\w+)|\[(?:([^=\]]+)=)?([^\]]*)\]", path[6:]):
+        if name:
+            data = data[name]
+        elif key:
+            (data,) = [each for each in data if str(each[key]) == value]
+        else:
+            data = data[int(value)]
+    return data
+
+
+def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
+    """Values, verdicts and places of rows are those of a check."""
+    for path, row in rows.items():
+        part = at(data, path.rpartition(".")[0])
+        assert close(row["value"], at(data, path)), path
+        assert row["verdict"] == part["verdict"], path
+        if row["place"] and part.get("state"):
+            # Of states and steps that are as near to the limit either may be named.
+            each = {one["name"]: one["text"] for one in row["each"]}
+            assert each[part["state"]] == row["text"], path
+            assert any(name in row["place"].replace("\u2212", "-") for name in each), path
+
+
+@in_node
+def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
+    """A drag is one step, keys in quick succession are one, and what is refused changes nothing."""
+    found = run(
+        tmp_path,
+        sent(Scene.load(TRUCK)),
+        """const model = new Model(cardan, data), told = [];
+        const y = () => told.push([model.points(model.state)[2][1], model.canUndo, model.canRedo]);
+        const to = (y) => model.place(2, [null, y, null]);
+        model.begin(); to(-50); to(-60); to(-70); model.commit("drag"); y();
+        for (const time of [1000, 1500, 2300]) {
+            model.begin(); to(model.points(model.state)[2][1] - 1); model.commit("key", time);
+        }
+        y();
+        model.begin(); to(-80); model.commit("key", 9000); y();
+        model.undo(); y(); model.undo(); y(); model.undo(); y(); model.undo(); y();
+        model.redo(); y(); model.redo(); y();
+        model.begin(); to(20); model.cancel(); y();
+        model.begin(); model.place(2, [-500, null, null]); told.push(model.refused);
+        model.commit("drag"); y();
+        model.reset(); y(); model.undo(); y();
+        return told;""",
+    )
+    assert found == [
+        [-70, True, False],
+        [-73, True, False],
+        [-80, True, False],
+        [-73, True, True],
+        [-70, True, True],
+        [-46, False, True],
+        [-46, False, True],
+        [-70, True, True],
+        [-73, True, True],
+        [-73, True, True],
+        found[10],
+        [-73, True, True],
+        [-46, True, False],
+        [-73, True, True],
+    ]
+    assert re.fullmatch(r"This makes no driveline: .*bend must lie in.*\.", found[10])
+
+
+# --- the page ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[webdriver.Chrome]:
+    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if browser is None or driver is None:
+        if REQUIRED:
+            pytest.fail("CARDAN_REQUIRE_BROWSER is set and chromium or chromedriver is missing")
+        pytest.skip("no chromium with chromedriver")
+    options = Options()
+    options.binary_location = browser
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    chrome = webdriver.Chrome(options, Service(driver))
+    chrome.implicitly_wait(10)
+    yield chrome
+    chrome.quit()
+
+
+@pytest.fixture
+def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
+    """The browser as wide as a desk; at the end its console has said nothing."""
+    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    chromium.get_log("browser")  # type: ignore[no-untyped-call]
+    yield chromium
+    assert chromium.get_log("browser") == []  # type: ignore[no-untyped-call]
+
+
+def opened(browser: webdriver.Chrome, page: str, folder: Path) -> None:
+    (folder / "page.html").write_text(page, encoding="utf-8")
+    browser.get((folder / "page.html").as_uri())
+    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows, #live-panel .why")
+
+
+def js(browser: webdriver.Chrome, script: str, *arguments: object) -> Any:  # noqa: ANN401
+    return browser.execute_script(script, *arguments)
+
+
+def figures(browser: webdriver.Chrome) -> list[tuple[str, float, str]]:
+    """Every figure of the live part: its path, its value and its text."""
+    found = js(
+        browser,
+        """return [...document.querySelectorAll(".live [data-path]")].filter((e) => e.textContent)
+            .map((e) => [e.dataset.path, Number(e.dataset.value), e.textContent])""",
+    )
+    return [(path, value, text) for path, value, text in found]
+
+
+def verdict(browser: webdriver.Chrome) -> str:
+    return str(js(browser, "return document.querySelector('#live-panel .head').dataset.verdict"))
+
+
+def handle(browser: webdriver.Chrome, point: int, view: int = 0) -> WebElement:
+    return browser.find_element(
+        By.CSS_SELECTOR, f".handle[data-point='{point}'][data-view='{view}']"
+    )
+
+
+def texts(answer: Answer) -> dict[str, str]:
+    """What Python writes of each judged figure, by its path without the item's name."""
+    return {
+        each.entry.path: row_text(each.value, each.entry.row)
+        for each in answer.judged
+        if each.value.value is not None
+    }
+
+
+@in_browser
+@pytest.mark.parametrize("name", MACHINES)
+def test_page_shows_what_the_check_says(
+    name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Every figure as drawn, its text and the verdict are those of ``cardan check --json``."""
+    path = example(f"{name}.toml")
+    opened(browser, answered(path).page, tmp_path)
+    answer = Answer(Scene.load(path))
+    data, written, shown = check_data(answer), texts(answer), figures(browser)
+    assert verdict(browser) == data["verdict"]
+    known = [each for each in shown if each[0].startswith("check:")]
+    assert len(known) >= 2
+    for place, value, text in known:
+        expected = at(data, place)
+        assert close(value, expected), place
+        own = re.sub(r"\[\w+=(.*?)\]", r".\1", place[6:]).rpartition(".value")[0]
+        if ".states[" in place or place[6:].startswith("states["):
+            unit = "deg" if "bends" in place else "N"
+            factor = 1.0 if unit == "N" else math.pi / 180.0
+            assert text == quantity(factor * expected, unit).replace("-", "\u2212"), place
+        else:
+            assert text == written[own].replace("-", "\u2212"), place
+
+
+@in_browser
+def test_keys_move_a_joint_and_the_verdict_follows(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Lowered by 24 mm the truck is within its limits, as the check says of the same points."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    joint = handle(browser, 2)
+    joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+    joint.send_keys(4 * Keys.ARROW_DOWN)
+    settled(browser)
+    data = check_data(Answer(edited(TRUCK, 2, (0.0, -24.0, 0.0))))
+    shown = figures(browser)
+    for place, value, _ in shown:
+        assert close(value, at(data, place)), place
+    assert verdict(browser) == "within"
+    assert "not computed here" in browser.find_element(By.CSS_SELECTOR, "#live-panel .why").text
+    assert joint.get_attribute("aria-valuenow") == "-70"
+    # Keys in quick succession are one step.
+    browser.find_element(By.ID, "live-undo").click()
+    assert verdict(browser) == "beyond"
+    assert joint.get_attribute("aria-valuenow") == "-46"
+    assert browser.find_element(By.ID, "live-undo").get_attribute("disabled")
+    browser.find_element(By.ID, "live-redo").click()
+    assert verdict(browser) == "within"
+    browser.find_element(By.ID, "live-drawn").click()
+    assert verdict(browser) == "beyond"
+
+
+def settled(browser: webdriver.Chrome) -> None:
+    """Wait until what was asked for has been drawn and judged."""
+    browser.execute_async_script(
+        "const [done] = arguments; requestAnimationFrame(() => requestAnimationFrame(done))"
+    )
+
+
+@in_browser
+def test_points_are_dragged_in_both_views(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """The pointer moves whole millimetres along the axes of the view; Escape gives it up."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    for view, axis in ((0, 1), (1, 2)):
+        before = place(browser, 2)
+        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 12).perform()
+        after = place(browser, 2)
+        moved = [a - b for a, b in zip(after, before, strict=True)]
+        assert moved[axis] != 0.0
+        assert [x for i, x in enumerate(moved) if i != axis] == [0.0, 0.0]
+        assert after[axis] == round(after[axis])
+        # One scale for both views: 12 px are as many millimetres, y up and z down.
+        scale = js(browser, "return cardanPage.drawing.scale")
+        assert abs(abs(moved[axis]) - 12.0 / scale) <= 2.0
+        assert (moved[axis] < 0) == (view == 0)
+    held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
+    held.perform()
+    assert place(browser, 2) != after
+    ActionChains(browser).send_keys(Keys.ESCAPE).release().perform()
+    assert place(browser, 2) == after
+    for _ in range(2):
+        browser.find_element(By.ID, "live-undo").click()
+    assert place(browser, 2) == [1650.0, -46.0, 0.0]
+
+
+def place(browser: webdriver.Chrome, point: int) -> list[float]:
+    script = "return cardanPage.model.points(cardanPage.model.state)[arguments[0]]"
+    found = js(browser, script, point)
+    return [float(x) for x in found]
+
+
+@in_browser
+def test_what_makes_no_driveline_is_refused(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    handle(browser, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
+    settled(browser)
+    assert "makes no driveline" in browser.find_element(By.ID, "live-refused").text
+    assert place(browser, 2)[0] > 350.0
+    assert "NaN" not in js(browser, "return document.querySelector('main').innerHTML")
+
+
+@in_browser
+def test_states_are_chosen_with_their_verdict(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    chips = browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")
+    assert [chip.get_attribute("aria-label") for chip in chips] == [
+        "-80 mm, beyond",
+        "-40 mm, beyond",
+        "rest, within",
+        "+40 mm, within",
+        "+80 mm, beyond",
+    ]
+    assert [chip.get_attribute("aria-checked") for chip in chips].index("true") == 2
+    chips[0].click()
+    settled(browser)
+    assert any("[state=-80 mm].bends_deg[1]" in path for path, _, _ in figures(browser))
+    data = check_data(Answer(Scene.load(TRUCK)))
+    for path, value, _ in figures(browser):
+        assert close(value, at(data, path)), path
+
+
+@in_browser
+def test_a_page_without_webassembly_is_the_report(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """The live part stays hidden where the module cannot be loaded."""
+    page = answered(TRUCK).page
+    script = re.findall(r"<script>(\"use strict\";\n\(\(\).*?)</script>", page, re.S)[0]
+    (tmp_path / "page.html").write_text(page.replace(script, ""), encoding="utf-8")
+    browser.get((tmp_path / "page.html").as_uri())
+    assert not browser.find_element(By.ID, "live-page").is_displayed()
+    assert not browser.find_element(By.ID, "live-panel").is_displayed()
+    assert browser.find_element(By.ID, "sample").is_displayed()
+
+
+def test_the_module_is_in_the_page(tmp_path: Path) -> None:
+    """Nothing is fetched: the page holds the compressed module, and pays for it only with it."""
+    write_report(Scene.load(TRUCK), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    (module,) = re.findall(r'id="live-module">(.*?)</script>', page)
+    assert base64.b64decode(module) == (WEB / "cardan.wasm.gz").read_bytes()
+    (script,) = re.findall(r"<script>(\"use strict\";\n\(\(\).*?)</script>", page, re.S)
+    assert not re.search(r"\b(import|export|eval|fetch)\b", script)
+    recorded = Scene.parse("[driveline]\nbends_deg = [8]\n[study]\nbends_deg.0 = [1, 2]\n", "a")
+    write_report(recorded, tmp_path / "b.html")
+    assert "live-module" not in (tmp_path / "b.html").read_text(encoding="utf-8")
