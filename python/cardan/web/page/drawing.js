@@ -32,6 +32,16 @@ function put(element, attributes) {
   }
 }
 
+/**
+ * Write a figure with its place in the answer of the check.
+ * @param {Element} element
+ * @param {{value: number, text: string, path: string} | null} here
+ */
+function mark(element, here) {
+  element.textContent = here ? here.text : "";
+  if (here) put(element, { "data-path": here.path, "data-value": String(here.value) });
+}
+
 /** @param {number[]} a @param {number[]} b */
 const product = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 
@@ -102,8 +112,11 @@ export class Drawing {
       ),
       bearings: many(sent.machine.bearings ?? [], "path", "box"),
       ghost: drawn("polyline", { class: "ghost" }, group),
-      joints: number ? [] : joints.map(() => [drawn("text", {}, group), drawn("text", { class: "big" }, group)]),
-      ends: number ? [] : [0, 1].map(() => drawn("text", {}, group)),
+      joints: (number ? [] : joints).map((_, joint) => {
+        const name = drawn("text", {}, group);
+        name.textContent = sent.points[joint + 1];
+        return [name, drawn("text", { class: "big" }, group)];
+      }),
       forces: number ? [] : many(sent.machine.bearings ?? [], "text", "force"),
       zero: [0, 0],
     };
@@ -204,7 +217,7 @@ export class Drawing {
       this.#tubes(view, points.map(at));
       this.#yokes(view, points, at, pins);
       this.#bearings(view, points, at);
-      if (number === 0) this.#names(view, points.map(at));
+      this.#names(view, points.map(at));
       for (const handle of this.handles) {
         if (handle.view !== number) continue;
         handle.at = at(points[handle.point]);
@@ -214,6 +227,13 @@ export class Drawing {
         });
       }
     });
+  }
+
+  /** Write what the figures say of joints and bearings. */
+  label() {
+    const [side] = this.views;
+    side.joints.forEach(([, bend], joint) => mark(bend, this.model.here("bend", joint)));
+    this.#forces(side, this.model.sent.machine.bearings ?? []);
   }
 
   /**
@@ -316,7 +336,6 @@ export class Drawing {
       const label = view.forces[bearing];
       if (label) put(label, { x: centre[0], y: centre[1] + radius + 25 });
     });
-    this.#forces(view, bearings);
   }
 
   /**
@@ -355,23 +374,20 @@ export class Drawing {
       const isShown = here && here.value === most(shaft) && !named.has(shaft);
       if (isShown) named.add(shaft);
       put(label, { class: "force" });
-      label.textContent = isShown ? here.text : "";
-      if (isShown) put(label, { "data-path": here.path, "data-value": String(here.value) });
+      mark(label, isShown ? here : null);
     });
   }
 
-  /** @param {any} view @param {number[][]} line */
+  /**
+   * @param {any} view
+   * @param {number[][]} line
+   */
   #names(view, line) {
-    const { model } = this;
     const above = 0.62 * this.#yoke + 18;
     view.joints.forEach((/** @type {Element[]} */ [name, bend], /** @type {number} */ joint) => {
       const [x, y] = line[joint + 1];
       put(name, { x, y: y - above - 17 });
       put(bend, { x, y: y - above });
-      name.textContent = model.sent.points[joint + 1];
-      const here = model.here("bend", joint);
-      bend.textContent = here ? here.text : "";
-      if (here) put(bend, { "data-path": here.path, "data-value": String(here.value) });
     });
   }
 }

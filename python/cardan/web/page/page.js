@@ -11,7 +11,7 @@ import { Drawing, tenth } from "./drawing.js";
 import { Model, minus, tidy } from "./model.js";
 import { Panel, made, newMark } from "./panel.js";
 
-const FRAME_MS = 12; // that figures may take of a frame
+const FRAME_MS = 6; // that figures may take of a frame, on average
 const REACH = { mouse: 20, touch: 30 }; // px
 const KEYS = /** @type {Record<string, number[]>} */ ({
   ArrowLeft: [-1, 0],
@@ -68,7 +68,7 @@ function show(cardan, sent) {
     model.compute(false);
     panel.show(false);
     chips();
-    drawing.draw();
+    drawing.label();
     every = Math.max(1, Math.ceil((performance.now() - start) / FRAME_MS));
   };
 
@@ -77,6 +77,7 @@ function show(cardan, sent) {
     model.compute();
     drawing.fit();
     drawing.draw();
+    drawing.label();
     const words = panel.show(true);
     chips();
     about();
@@ -177,8 +178,7 @@ function show(cardan, sent) {
       model.begin();
       model.place(handle.point, to);
       model.commit(`key ${handle.point}`, performance.now());
-      drawing.draw();
-      about();
+      ask();
       settleSoon();
     });
   }
@@ -221,7 +221,7 @@ function show(cardan, sent) {
     ask();
   }).observe(svg);
   settle();
-  return { model, drawing, times };
+  return { model, drawing, panel, times };
 }
 
 /**

@@ -19,6 +19,7 @@ const HEADS = /** @type {Record<string, string>} */ ({
   beyond: "Beyond its limits",
   "not judged": "Not judged",
 });
+const NAMED = 3; // figures in the first sentence
 const SPAN = 1.5; // times its limit that a bar shows
 
 /**
@@ -33,6 +34,15 @@ export function made(tag, kind, parent, text = "") {
   element.textContent = text;
   parent.append(element);
   return element;
+}
+
+/**
+ * Give an element a text that it may have.
+ * @param {Element} element
+ * @param {string} text
+ */
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
 }
 
 /**
@@ -52,10 +62,23 @@ export function newMark(parent) {
   const paths = [0, 1].map(() => document.createElementNS("http://www.w3.org/2000/svg", "path"));
   svg.append(...paths);
   parent.append(svg);
+  let shown = "";
   return (/** @type {string} */ verdict) => {
+    if (verdict === shown) return;
+    shown = verdict;
     svg.setAttribute("class", `mark ${classOf(verdict)}`);
     paths.forEach((path, i) => path.setAttribute("d", MARKS[verdict][i]));
   };
+}
+
+/**
+ * Names, of many the first few and how many more.
+ * @param {string[]} names
+ */
+function listed(names) {
+  const shown = names.length > NAMED + 1 ? names.slice(0, NAMED) : names;
+  const more = names.length - shown.length;
+  return [...shown, ...(more ? [`${more} more`] : [])].join("; ");
 }
 
 /** The panel in an element. */
@@ -94,10 +117,10 @@ export class Panel {
    */
   #row(first) {
     const item = made("li", "", this.list);
-    const details = made("details", "", item);
+    const details = /** @type {HTMLDetailsElement} */ (made("details", "", item));
     const summary = made("summary", "", details);
     const mark = newMark(summary);
-    const name = made("span", "name", summary, first.name);
+    const name = made("span", "name", summary, first.name.replace(/ (?=\d+$)/, "\u00a0"));
     const use = made("span", "use", summary);
     const gauge = made("span", "gauge", summary);
     gauge.setAttribute("aria-hidden", "true");
@@ -114,23 +137,28 @@ export class Panel {
       if (words) made("p", "", more, words);
     }
     const each = made("ul", "", more);
+    value.dataset.path = first.path;
+    bound.textContent = ` ${first.bound}`;
+    let now = first;
+    const fill = () => {
+      each.replaceChildren();
+      for (const here of now.each) made("li", classOf(here.verdict), each, `${minus(here.name)}: ${here.text}`);
+    };
+    details.addEventListener("toggle", fill);
     /** @param {import("./model.js").Row} row @param {import("./model.js").Row} drawn */
     return (row, drawn) => {
+      now = row;
+      if (details.open) fill();
       mark(row.verdict);
-      item.className = classOf(row.verdict);
-      name.title = row.name;
-      value.textContent = row.text;
-      value.dataset.path = row.path;
+      if (item.className !== classOf(row.verdict)) item.className = classOf(row.verdict);
+      say(value, row.text);
       value.dataset.value = String(row.value);
-      bound.textContent = ` ${row.bound}`;
-      place.textContent = row.place;
-      use.textContent = row.use === null ? row.verdict : useText(row.use);
+      say(place, row.place);
+      say(use, row.use === null ? row.verdict : useText(row.use));
       gauge.hidden = row.use === null;
       bar.style.transform = `scaleX(${Math.min(row.use ?? 0, SPAN) / SPAN})`;
       tick.hidden = drawn.use === null || this.model.isDrawn;
       tick.style.left = `${(100 * Math.min(drawn.use ?? 0, SPAN)) / SPAN}%`;
-      each.replaceChildren();
-      for (const here of row.each) made("li", classOf(here.verdict), each, `${minus(here.name)}: ${here.text}`);
       return item;
     };
   }
@@ -162,20 +190,19 @@ export class Panel {
     this.head.className = `head ${classOf(verdict)}`;
     this.head.dataset.verdict = verdict;
     this.mark(verdict);
-    this.word.textContent = HEADS[verdict];
+    say(this.word, HEADS[verdict]);
     const said =
       verdict === "within"
         ? `${count} of ${count}`
         : count
-          ? `${names.length} of ${count}: ${names.join("; ")}`
+          ? `${names.length} of ${count}: ${listed(names)}`
           : "The scene gives no limit.";
     const moved = model.sent.others.length
       ? "Something has moved; what is listed last is not computed here."
       : "Something has moved.";
-    this.why.textContent = model.isDrawn ? said : `${said}. ${moved}`;
-    this.stale.textContent = model.isDrawn
-      ? "These belong to the scene as sent, which is the one shown."
-      : "These belong to the scene as sent; run cardan check on the moved one.";
+    say(this.why, model.isDrawn ? said : `${said}. ${moved}`);
+    const which = model.isDrawn ? "which is the one shown." : "not to the moved one.";
+    say(this.stale, `These belong to the scene as sent, ${which}`);
     this.sent.classList.toggle("stale", !model.isDrawn);
     return `${HEADS[verdict]}: ${said}`;
   }
