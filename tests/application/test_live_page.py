@@ -260,6 +260,63 @@ def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
     assert re.fullmatch(r"This makes no driveline: .*bend must lie in.*\.", found[10])
 
 
+@in_node
+@pytest.mark.parametrize("name", MACHINES)
+def test_what_would_help_does(name: str, tmp_path: Path) -> None:
+    """Suggestions are those of the check, and each leaves the verdict that it promises."""
+    path = example(f"{name}.toml")
+    found = run(
+        tmp_path,
+        sent(Scene.load(path)),
+        """const model = new Model(cardan, data), before = JSON.stringify(model.changes);
+        return model.suggest().map((suggestion) => {
+            model.apply(suggestion);
+            model.compute();
+            const listed = model.listed();
+            const told = [suggestion, model.verdict(model.rows())];
+            told.push(listed.map(({ words }) => words), model.isDrawn);
+            told.push(JSON.stringify(listed[0].without) === before, model.refused);
+            model.undo();
+            return told;
+        });""",
+    )
+    moves = check_data(Answer(Scene.load(path)))["moves"]
+    assert len(found) == len(moves)
+    for (suggestion, verdict, listed, *flags), move in zip(found, moves, strict=True):
+        assert suggestion["variable"] == move["variable"]
+        assert suggestion["item"] == move["number"]
+        assert verdict == suggestion["verdict"] == move["verdict"], suggestion
+        assert len(listed) == 1
+        assert flags == [False, True, ""]
+        shift = move["shift_mm"] or move["turn_deg"] or move["rating_Nm"]
+        assert abs(suggestion["by"] - shift) < 0.1001
+        assert abs(suggestion["by"]) >= abs(shift) - 1e-9
+
+
+@in_node
+def test_phases_are_those_of_the_package(tmp_path: Path) -> None:
+    """The best setting of the truck's yokes, and what it leaves."""
+    found = run(
+        tmp_path,
+        sent(Scene.load(TRUCK)),
+        f"""const model = new Model(cardan, data);
+        model.begin();
+        model.turn([10, -25]);
+        model.commit("turn");
+        model.compute();
+        {READ}
+        return [told, model.phases, model.bestPhases([])];""",
+    )
+    text = TRUCK.read_text(encoding="utf-8")
+    scene = Scene.parse(text.replace("phases_deg = [0, 0]  ", "phases_deg = [10, -25]"), "a.toml")
+    compared(found[0]["rows"], check_data(Answer(scene)))
+    assert found[1] == [10, -25]
+    states = scene.states
+    assert states
+    best = scene.drivelines().optimal_phases(states=0, weights=states.weights)
+    assert np.allclose(np.tan(np.radians(found[2])), np.tan(best), rtol=1e-9)
+
+
 # --- the page ---------------------------------------------------------------------------------
 
 
@@ -302,10 +359,11 @@ def js(browser: webdriver.Chrome, script: str, *arguments: object) -> Any:  # no
 
 
 def figures(browser: webdriver.Chrome) -> list[tuple[str, float, str]]:
-    """Every figure of the live part: its path, its value and its text."""
+    """Every figure of the live part that the check has: its path, its value and its text."""
     found = js(
         browser,
-        """return [...document.querySelectorAll(".live [data-path]")].filter((e) => e.textContent)
+        """return [...document.querySelectorAll(".live [data-path^='check:']")]
+            .filter((e) => e.textContent)
             .map((e) => [e.dataset.path, Number(e.dataset.value), e.textContent])""",
     )
     return [(path, value, text) for path, value, text in found]
@@ -341,9 +399,8 @@ def test_page_shows_what_the_check_says(
     answer = Answer(Scene.load(path))
     data, written, shown = check_data(answer), texts(answer), figures(browser)
     assert verdict(browser) == data["verdict"]
-    known = [each for each in shown if each[0].startswith("check:")]
-    assert len(known) >= 2
-    for place, value, text in known:
+    assert len(shown) >= 2
+    for place, value, text in shown:
         expected = at(data, place)
         assert close(value, expected), place
         own = re.sub(r"\[\w+=(.*?)\]", r".\1", place[6:]).rpartition(".value")[0]
@@ -456,6 +513,45 @@ def test_states_are_chosen_with_their_verdict(
     data = check_data(Answer(Scene.load(TRUCK)))
     for path, value, _ in figures(browser):
         assert close(value, at(data, path)), path
+
+
+@in_browser
+def test_a_suggestion_is_applied_with_a_click(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """It brings the truck within its limits, as the check confirms, and can be taken back."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    offer = browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within"]
+    offer.click()
+    assert verdict(browser) == "within"
+    assert place(browser, 2) == [1650.0, -70.0, 0.0]
+    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert change.text.startswith("joint 1 y \u221224.0 mm")
+    browser.execute_script("arguments[0].click()", change)
+    assert verdict(browser) == "beyond"
+    assert place(browser, 2) == [1650.0, -46.0, 0.0]
+
+
+@in_browser
+def test_yokes_are_turned_by_keys_and_buttons(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    dial = browser.find_element(By.CSS_SELECTOR, "#live-dials [role=slider]")
+    dial.send_keys(Keys.SHIFT + Keys.ARROW_RIGHT)
+    dial.send_keys(2 * Keys.ARROW_LEFT)
+    settled(browser)
+    assert dial.get_attribute("aria-valuetext") == "8.0° clockwise"
+    best, teeth = browser.find_elements(By.CSS_SELECTOR, "#live-dials button")
+    browser.execute_script("arguments[0].click()", best)
+    bend = "return document.querySelector(`[data-path='check:limits.equivalent_bend.value_deg']`)"
+    least = float(js(browser, f"{bend}.dataset.value"))
+    browser.execute_script("arguments[0].click()", teeth)
+    on_teeth = float(js(browser, f"{bend}.dataset.value"))
+    phases = js(browser, "return cardanPage.model.phases")
+    assert np.allclose(np.mod(np.array(phases) + 5.0, 10.0), 5.0, atol=1e-6)
+    assert min(least, on_teeth) < 4.27
 
 
 @in_browser

@@ -416,15 +416,16 @@ export class Machine {
 
   /**
    * The setting of the yokes of each state that is closest to constant velocity, or one for all.
-   * @param {{together?: boolean, teeth?: number[]}} how
+   * @param {{together?: boolean, teeth?: number[], weights?: number[]}} how weights of the states, all
+   *   alike by default
    * @returns {Float64Array}
    */
-  bestPhases({ together = true, teeth = [] } = {}) {
+  bestPhases({ together = true, teeth = [], weights } = {}) {
     const given = this.#some(CHAINS);
     if (!together) return this.#cardan.call("optimal_phases", given).phases;
     const held = Array(this.data.joints - 1).fill(0);
-    const weights = Array(this.states).fill(1 / this.states);
-    return this.#cardan.call("common_phases", { ...given, weights, held, teeth }).phases;
+    const shares = weights ?? Array(this.states).fill(1 / this.states);
+    return this.#cardan.call("common_phases", { ...given, weights: shares, held, teeth }).phases;
   }
 
   /** @param {string} name */

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
+from cardan.app.answers.moves.figures import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
@@ -19,7 +20,16 @@ from cardan.app.charts.drawing import views
 from cardan.app.scene.machine import machine_data, machine_of
 from cardan.design.machine import KINDS
 
-_MODULES = ("cardan.js", "page/model.js", "page/drawing.js", "page/panel.js", "page/page.js")
+_MODULES = (
+    "cardan.js",
+    "page/model.js",
+    "page/drawing.js",
+    "page/panel.js",
+    "page/dials.js",
+    "page/page.js",
+)
+
+_NO_WEIGHT = 1e-12
 
 _PLACES = {
     "bend": "life.joints[joint={}].bend",
@@ -67,11 +77,16 @@ def live(answer: Answer) -> dict[str, Any] | None:
                 "source": own.value.source,
             }
         )
+    reach = search(scene)
+    weights = scene.states.weights if scene.states else np.ones(1)
+    # The module takes positive weights only.
+    weights = np.maximum(weights / np.sum(weights), _NO_WEIGHT)
     states, directions = scene.states, machine.states.directions
     joints = [f"joint {joint}" for joint in range(scene.line.n_joints)]
     data = {
         "machine": machine_data(scene),
         "states": states.names if states else [""],
+        "weights": weights.tolist(),
         "steps": scene.duty.names if scene.duty else [],
         # The state that differs least from the drawing.
         "drawn": int(np.argmin(np.max(np.abs(directions - scene.line.directions), axis=(1, 2)))),
@@ -93,6 +108,12 @@ def live(answer: Answer) -> dict[str, Any] | None:
         ],
         "verdicts": FROM_THE_WORST,
         "here": _here(answer),
+        "search": {
+            "reach": reach["reach"],
+            "teeth": reach["teeth"],
+            "known_ratings": reach["ratings"],
+        },
+        "fixed": sorted(set_by_states(scene)),
     }
     return {"data": data, "script": _script(), "module": _module()}
 
@@ -143,13 +164,23 @@ def _here(answer: Answer) -> dict[str, str]:
 @cache
 def _script() -> str:
     """The modules as one script, since a page without a server cannot import any."""
-    texts = [_file(name).decode() for name in _MODULES]
-    text = re.sub(r"(?m)^import [^;]*;\n", "", "".join(texts))
-    text = re.sub(r"(?m)^export ", "", text)
+    modules = "".join(map(_enclosed, _MODULES))
+    return (
+        f'"use strict";\n(() => {{\nconst modules = {{}};\n{modules}modules.page.start();\n}})();'
+    )
+
+
+def _enclosed(name: str) -> str:
+    """A module as a function that returns what it exports."""
     # Types and descriptions are for those who read the modules.
-    text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", text)
+    text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", _file(name).decode())
     text = re.sub(r"(?m)^ *(?:// .*)?\n", "", text)
-    return f'"use strict";\n(() => {{\n{text}start();\n}})();'
+    exported = re.findall(r"(?m)^export (?:async )?\w+ (\w+)", text)
+    text = re.sub(r"(?m)^export ", "", text)
+    source = r'(?m)^import (\{[^}]*\}) from "[^"]*?(\w+)\.js";'
+    text = re.sub(source, r"const \1 = modules.\2;", text)
+    own = name.rpartition("/")[2].removesuffix(".js")
+    return f"modules.{own} = (() => {{\n{text}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 @cache

@@ -7,7 +7,7 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const TALLEST = 460; // px of both views together, if the driveline is as tall as long
-const ABOVE = 62; // px above what is drawn in a view, for names
+const ABOVE = 70; // px above what is drawn in a view, for names
 const BELOW = 34;
 const LEFT = 26;
 const YOKE = 0.026; // half the length of a joint over the length of the driveline

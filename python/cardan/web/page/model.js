@@ -24,6 +24,7 @@ import { CardanError } from "../cardan.js";
  * @typedef {object} Sent
  * @property {import("../cardan.js").MachineData} machine
  * @property {string[]} states
+ * @property {number[]} weights of the states
  * @property {string[]} steps of the duty cycle
  * @property {number} drawn the state that is drawn first
  * @property {string[]} points what each point is called
@@ -34,6 +35,8 @@ import { CardanError } from "../cardan.js";
  *   those that have a limit
  * @property {{name: string, verdict: string, words: string}[]} others that are not computed here
  * @property {string[]} verdicts from the worst
+ * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
+ * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
  * @property {Record<string, string>} here where the check has a kind of figure of one state
  */
 
@@ -54,19 +57,35 @@ import { CardanError } from "../cardan.js";
  * @property {{name: string, text: string, verdict: string}[]} each in every state and step
  */
 
-/** @typedef {number[][]} Moves how far each point has been moved, in mm */
+/**
+ * By how much everything has been changed: points along each axis in mm, phases in degrees, bearings
+ * along their shafts and the engaged length of the spline in mm; other ratings of joints in N m.
+ * @typedef {{points: number[][], phases: number[], bearings: number[], engaged: number,
+ *   ratings: (number | null)[]}} Changes
+ */
+
+/**
+ * A change that would help: by how much in mm or degrees, or the rating, the verdict after it, and
+ * what is then worst.
+ * @typedef {{variable: string, item: number, axis: number | null, by: number, verdict: string,
+ *   left: string}} Suggestion
+ */
 
 /** Values that differ by less than this share of their size differ by rounding only. */
 const ROUNDING = 1e-9;
 const MINUS = "\u2212";
 const JOINED_MS = 900;
+const DEGREE = Math.PI / 180;
 
-/** A machine that can be moved, with what was done to it. */
+/** A machine that can be changed, with what was done to it. */
 export class Model {
   #base;
-  #past = /** @type {{moves: Moves, what: string, time: number}[]} */ ([]);
-  #future = /** @type {Moves[]} */ ([]);
-  #before = /** @type {Moves | null} */ (null);
+  #nothing;
+  #past = /** @type {{changes: Changes, what: string, time: number}[]} */ ([]);
+  #future = /** @type {Changes[]} */ ([]);
+  #before = /** @type {Changes | null} */ (null);
+  #judgesForces;
+  #judged;
 
   /**
    * @param {import("../cardan.js").Cardan} cardan
@@ -75,16 +94,23 @@ export class Model {
   constructor(cardan, sent) {
     this.sent = sent;
     this.#base = cardan.machine(sent.machine);
-    const { points, unit = 1 } = sent.machine;
+    const { points, unit = 1, joints, bearings = [] } = sent.machine;
     /** Whether the drawing has lengths, so that points can be moved. @type {boolean} */
     this.movable = Boolean(points);
     /** How many mm one unit of the points is. */
     this.millimetres = 1e3 * unit;
-    /** @type {Moves} */
-    this.moves = sent.points.map(() => [0, 0, 0]);
+    this.#nothing = {
+      points: sent.points.map(() => [0, 0, 0]),
+      phases: Array(joints - 1).fill(0),
+      bearings: bearings.map(() => 0),
+      engaged: 0,
+      ratings: Array(joints).fill(null),
+    };
+    /** @type {Changes} */
+    this.changes = this.#nothing;
     this.machine = this.#base;
     /** What the figures are of. */
-    this.#judged = { moves: this.moves, machine: this.machine };
+    this.#judged = { changes: this.changes, machine: this.machine };
     /** The state that is shown. */
     this.state = sent.drawn;
     /** Why the last change was refused. */
@@ -98,11 +124,9 @@ export class Model {
     this.drawnRows = new Map(this.rows().map((row) => [row.key, row]));
   }
 
-  #judgesForces;
-
-  /** Whether nothing has been moved. */
+  /** Whether nothing has been changed. */
   get isDrawn() {
-    return this.moves.every((by) => by.every((each) => each === 0));
+    return alike(this.changes, this.#nothing);
   }
 
   get canUndo() {
@@ -116,14 +140,14 @@ export class Model {
   /**
    * The points of a state in mm, of a scene without lengths with shafts of one metre.
    * @param {number} state
-   * @param {Moves} moves
+   * @param {Changes} changes
    * @returns {number[][]}
    */
-  points(state, moves = this.moves) {
+  points(state, changes = this.changes) {
     const { points, directions } = this.sent.machine;
     if (points) {
       return points[state].map((/** @type {number[]} */ p, /** @type {number} */ i) =>
-        p.map((x, axis) => this.millimetres * x + moves[i][axis]),
+        p.map((x, axis) => this.millimetres * x + changes.points[i][axis]),
       );
     }
     const line = [[0, 0, 0]];
@@ -135,7 +159,18 @@ export class Model {
 
   /** The points as sent. */
   get drawnPoints() {
-    return this.points(this.state, this.sent.points.map(() => [0, 0, 0]));
+    return this.points(this.state, this.#nothing);
+  }
+
+  /**
+   * The phases of the shafts between joints, in the state shown, in degrees within half a turn.
+   * @returns {number[]}
+   */
+  get phases() {
+    const own = this.sent.machine.phases[this.state];
+    return own.map((/** @type {number} */ phase, /** @type {number} */ i) =>
+      folded(tidy(phase / DEGREE) + this.changes.phases[i], 360),
+    );
   }
 
   /**
@@ -151,11 +186,9 @@ export class Model {
     return found.driving_pin.map((_, joint) => outputs.map((name) => of(name, joint)));
   }
 
-  /**
-   * Begin a gesture, which is one step of undo.
-   */
+  /** Begin a gesture, which is one step of undo. */
   begin() {
-    this.#before ??= this.moves;
+    this.#before ??= this.changes;
   }
 
   /**
@@ -164,23 +197,138 @@ export class Model {
    * @param {(number | null)[]} to in mm in the state shown; null stays
    */
   place(point, to) {
-    const [now] = [this.points(this.state)[point]];
-    const by = this.moves[point].map((move, axis) => {
+    const now = this.points(this.state)[point];
+    const by = this.changes.points[point].map((move, axis) => {
       const end = to[axis];
       return end === null ? move : tidy(move + end - now[axis]);
     });
-    this.#take(this.moves.map((own, i) => (i === point ? by : own)));
+    this.#take({ ...this.changes, points: replaced(this.changes.points, point, by) });
   }
 
-  /** @param {Moves} moves */
-  #take(moves) {
+  /**
+   * Set the phases of the shafts between joints.
+   * @param {(number | null)[]} to in degrees in the state shown; null stays
+   */
+  turn(to) {
+    const now = this.phases;
+    const phases = this.changes.phases.map((by, i) => {
+      const end = to[i];
+      return end === null ? by : tidy(folded(by + end - now[i], 360));
+    });
+    this.#take({ ...this.changes, phases });
+  }
+
+  /**
+   * The best setting of the yokes for all states together, in degrees, each phase as near as it can
+   * be to what it is.
+   * @param {number[]} teeth of the splines, which stay on those of the scene as sent; none are turned at will
+   * @returns {number[]}
+   */
+  bestPhases(teeth) {
+    const { weights, machine: { phases } } = this.sent;
+    const machine = teeth.length ? this.machine.with({ phases }) : this.machine;
+    const now = this.phases;
+    // Half a turn of a yoke changes nothing.
+    return Array.from(machine.bestPhases({ teeth, weights }), (phase, i) => now[i] + folded(phase / DEGREE - now[i], 180));
+  }
+
+  /**
+   * Make a change that the core suggests, of lengths to the next tenth of a millimetre.
+   * @param {Suggestion} suggestion
+   */
+  apply({ variable, item, axis, by }) {
+    const { points, phases, bearings, engaged } = this.changes;
+    this.begin();
+    if (variable === "point" && axis !== null) {
+      const moved = replaced(points[item], axis, tidy(points[item][axis] + by));
+      this.#take({ ...this.changes, points: replaced(points, item, moved) });
+    } else if (variable === "phase") {
+      const turned = folded(phases[item - 1] + by, 360);
+      this.#take({ ...this.changes, phases: replaced(phases, item - 1, turned) });
+    } else if (variable === "bearing") {
+      this.#take({ ...this.changes, bearings: replaced(bearings, item, tidy(bearings[item] + by)) });
+    } else if (variable === "engaged") {
+      this.#take({ ...this.changes, engaged: tidy(engaged + by) });
+    } else if (variable === "rating") {
+      this.#take({ ...this.changes, ratings: replaced(this.changes.ratings, item, by) });
+    }
+    this.commit("suggestion");
+  }
+
+  /**
+   * The smallest single changes that would bring everything within its limits. It takes some tenths
+   * of a second.
+   * @returns {Suggestion[]}
+   */
+  suggest() {
+    const { search, fixed } = this.sent;
+    const found = this.machine.suggest(search);
+    return found
+      .filter(({ variable, item }) => !fixed.some(([name, held]) => name === variable && held === item))
+      .map(({ variable, item, axis, from, to, verdict, worst }) => {
+        const isLength = variable === "point" || variable === "bearing" || variable === "engaged";
+        const size = isLength ? Math.ceil(1e4 * Math.abs(to - from) - 1e-6) / 10 : 0;
+        let by = isLength ? Math.sign(to - from) * size : (to - from) / DEGREE;
+        if (variable === "rating") by = to;
+        const left = worst ? this.sent.kinds[worst.kind.name].label : "";
+        return { variable, item, axis, by, verdict, left };
+      });
+  }
+
+  /**
+   * What has been changed, in words, with what it would be without.
+   * @returns {{words: string, without: Changes}[]}
+   */
+  listed() {
+    const { changes } = this;
+    const none = this.#nothing;
+    const { kinds, points } = this.sent;
+    /** @type {{words: string, without: Changes}[]} */
+    const found = [];
+    changes.points.forEach((by, i) => {
+      by.forEach((x, axis) => {
+        if (!x) return;
+        const without = { ...changes, points: replaced(changes.points, i, replaced(by, axis, 0)) };
+        found.push({ words: `${points[i]} ${"xyz"[axis]} ${signed(x)} mm`, without });
+      });
+    });
+    changes.phases.forEach((by, i) => {
+      const without = { ...changes, phases: replaced(changes.phases, i, 0) };
+      if (by) found.push({ words: `phase of shaft ${i + 1} ${signed(by)}°`, without });
+    });
+    changes.bearings.forEach((by, i) => {
+      const without = { ...changes, bearings: replaced(changes.bearings, i, 0) };
+      if (by) found.push({ words: `bearing ${i} ${signed(by)} mm`, without });
+    });
+    const label = kinds.spline_engaged.label;
+    const without = { ...changes, engaged: none.engaged };
+    if (changes.engaged) found.push({ words: `${label} ${signed(changes.engaged)} mm`, without });
+    changes.ratings.forEach((rating, i) => {
+      const before = { ...changes, ratings: replaced(changes.ratings, i, null) };
+      if (rating !== null) found.push({ words: `joint ${i} ${asGiven(rating)} N m`, without: before });
+    });
+    return found;
+  }
+
+  /**
+   * Take changes as they are, as one step.
+   * @param {Changes} changes
+   */
+  take(changes) {
+    this.begin();
+    this.#take(changes);
+    this.commit("take");
+  }
+
+  /** @param {Changes} changes */
+  #take(changes) {
     this.refused = "";
     try {
-      const machine = this.#moved(moves);
+      const machine = this.#changed(changes);
       // Bearings are looked at when something is evaluated.
       machine.evaluate({ outputs: ["driving_pin"], angles: [0] });
       this.machine = machine;
-      this.moves = moves;
+      this.changes = changes;
     } catch (error) {
       this.#refuse(error);
     }
@@ -192,20 +340,38 @@ export class Model {
     this.refused = `This makes no driveline: ${error.message}.`;
   }
 
-  /** @param {Moves} moves */
-  #moved(moves) {
-    const { points, drawn, step_points } = this.sent.machine;
-    if (moves.every((by) => by.every((each) => each === 0))) return this.#base;
-    /** @param {number[][]} line @param {number} millimetres */
-    const at = (line, millimetres) =>
-      line.map((p, i) => p.map((x, axis) => x + moves[i][axis] / millimetres));
-    /** @param {number[][]} line */
-    const own = (line) => at(line, this.millimetres);
+  /** @param {Changes} changes */
+  #changed(changes) {
+    const { machine: sent } = this.sent;
+    const none = this.#nothing;
     /** @type {import("../cardan.js").MachineData} */
-    const changes = { points: points.map(own) };
-    if (drawn && drawn.length) changes.drawn = at(drawn, 1e3);
-    if (step_points) changes.step_points = step_points.map(own);
-    return this.#base.with(changes);
+    const data = {};
+    if (!alike(changes.points, none.points)) {
+      /** @type {(line: number[][], millimetres: number) => number[][]} */
+      const at = (line, millimetres) =>
+        line.map((p, i) => p.map((x, axis) => x + changes.points[i][axis] / millimetres));
+      data.points = sent.points.map((/** @type {number[][]} */ line) => at(line, this.millimetres));
+      if (sent.drawn && sent.drawn.length) data.drawn = at(sent.drawn, 1e3);
+      if (sent.step_points) {
+        data.step_points = sent.step_points.map((/** @type {number[][]} */ line) => at(line, this.millimetres));
+      }
+    }
+    /** @type {(name: string, by: number[], unit: number) => void} */
+    const shift = (name, by, unit) => {
+      for (const key of [name, `step_${name}`]) {
+        if (!sent[key]) continue;
+        data[key] = sent[key].map((/** @type {number[]} */ row) => row.map((x, i) => x + unit * by[i]));
+      }
+    };
+    if (!alike(changes.phases, none.phases)) shift("phases", changes.phases, DEGREE);
+    if (!alike(changes.bearings, none.bearings)) shift("positions", changes.bearings, 1e-3);
+    if (changes.engaged) data.engaged = sent.engaged + 1e-3 * changes.engaged;
+    if (!alike(changes.ratings, none.ratings)) {
+      data.ratings = sent.ratings.map(
+        (/** @type {number} */ own, /** @type {number} */ i) => changes.ratings[i] ?? own,
+      );
+    }
+    return Object.keys(data).length ? this.#base.with(data) : this.#base;
   }
 
   /** Give up a gesture. */
@@ -222,32 +388,30 @@ export class Model {
   commit(what, time = NaN) {
     const before = this.#before;
     this.#before = null;
-    if (!before || alike(before, this.moves)) return;
+    if (!before || alike(before, this.changes)) return;
     const last = this.#past[this.#past.length - 1];
     if (last && last.what === what && time - last.time < JOINED_MS) last.time = time;
-    else this.#past.push({ moves: before, what, time });
+    else this.#past.push({ changes: before, what, time });
     this.#future = [];
   }
 
   undo() {
     const last = this.#past.pop();
     if (!last) return;
-    this.#future.push(this.moves);
-    this.#take(last.moves);
+    this.#future.push(this.changes);
+    this.#take(last.changes);
   }
 
   redo() {
     const next = this.#future.pop();
     if (!next) return;
-    this.#past.push({ moves: this.moves, what: "", time: NaN });
+    this.#past.push({ changes: this.changes, what: "", time: NaN });
     this.#take(next);
   }
 
   /** Go back to the scene as sent; this can be undone. */
   reset() {
-    this.begin();
-    this.#take(this.moves.map(() => [0, 0, 0]));
-    this.commit("as drawn");
+    this.take(this.#nothing);
   }
 
   /**
@@ -262,15 +426,13 @@ export class Model {
       this.figures = machine.figures();
     } catch (error) {
       this.#refuse(error);
-      ({ moves: this.moves, machine: this.machine } = this.#judged);
+      ({ changes: this.changes, machine: this.machine } = this.#judged);
       return;
     }
-    this.#judged = { moves: this.moves, machine: this.machine };
+    this.#judged = { changes: this.changes, machine: this.machine };
     /** Whether the forces are those of the machine as it is. */
     this.hasForces = machine === this.machine;
   }
-
-  #judged;
 
   /**
    * The figure of a kind.
@@ -390,8 +552,33 @@ export class Model {
  */
 export const minus = (text) => text.replace(/(^| )-(?=[\d.])/g, `$1${MINUS}`);
 
-/** @param {Moves} a @param {Moves} b */
+/**
+ * @param {unknown} a
+ * @param {unknown} b
+ */
 const alike = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+/**
+ * A list with another value at a place.
+ * @template T
+ * @param {T[]} list
+ * @param {number} place
+ * @param {T} value
+ */
+const replaced = (list, place, value) => list.map((own, i) => (i === place ? value : own));
+
+/**
+ * An angle within half a period of 0.
+ * @param {number} angle
+ * @param {number} period
+ */
+export const folded = (angle, period) => angle - period * Math.round(angle / period);
+
+/**
+ * A change with its sign, to a tenth, or to what it is.
+ * @param {number} number
+ */
+export const signed = (number) => `${number < 0 ? MINUS : "+"}${Math.abs(number).toFixed(1)}`;
 
 /**
  * A length in mm without what a change of units or a subtraction adds.

@@ -7,11 +7,13 @@
  */
 
 import { Cardan } from "../cardan.js";
+import { Dials } from "./dials.js";
 import { Drawing, tenth } from "./drawing.js";
 import { Model, minus, tidy } from "./model.js";
 import { Panel, made, newMark } from "./panel.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
+const SEARCH_MS = 600; // after the last change, before it is looked for what would help
 const REACH = { mouse: 20, touch: 30 }; // px
 const KEYS = /** @type {Record<string, number[]>} */ ({
   ArrowLeft: [-1, 0],
@@ -30,7 +32,7 @@ const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`l
  */
 function show(cardan, sent) {
   const model = new Model(cardan, sent);
-  for (const name of ["page", "panel"]) element(name).hidden = false;
+  for (const name of ["page", "panel", "dials"]) element(name).hidden = false;
   document.body.classList.add("is-live");
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
@@ -40,6 +42,19 @@ function show(cardan, sent) {
     ask();
     settle();
   });
+  const dials = new Dials(element("dials"), model, {
+    moved: () => {
+      isTurning = true;
+      ask();
+    },
+    done: (what, time) => {
+      isTurning = false;
+      model.commit(what, time);
+      settle();
+    },
+  });
+  let isTurning = false;
+  let search = 0;
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
   let frame = 0;
@@ -55,14 +70,15 @@ function show(cardan, sent) {
     frame = 0;
     const start = performance.now();
     drawing.draw();
+    dials.show();
     about();
     times.push(performance.now() - start);
     // The browser paints the drawing before the next task.
-    if (drag && ++passed >= every) setTimeout(follow);
+    if ((drag || isTurning) && ++passed >= every) setTimeout(follow);
   };
 
   const follow = () => {
-    if (!drag) return;
+    if (!drag && !isTurning) return;
     passed = 0;
     const start = performance.now();
     model.compute(false);
@@ -86,7 +102,24 @@ function show(cardan, sent) {
     button("undo").disabled = !model.canUndo;
     button("redo").disabled = !model.canRedo;
     button("drawn").disabled = model.isDrawn;
+    dials.show();
+    dials.mark();
+    panel.list((changes) => {
+      model.take(changes);
+      settle();
+    });
+    clearTimeout(search);
+    search = window.setTimeout(help, SEARCH_MS);
     element("below").hidden = model.isDrawn;
+  };
+
+  /** What would help, which takes too long for a frame. */
+  const help = () => {
+    if (drag || isTurning) return;
+    panel.offer(model.suggest(), (suggestion) => {
+      model.apply(suggestion);
+      settle();
+    });
   };
 
   /** What is selected, where it is and how far it was moved. */
@@ -97,11 +130,11 @@ function show(cardan, sent) {
     element("help").hidden = !model.movable;
     if (!selected) return;
     const point = model.points(model.state)[selected.point];
-    const by = model.moves[selected.point];
+    const by = model.changes.points[selected.point];
     const moved = by.map((x, axis) => (x ? `${"xyz"[axis]} ${x > 0 ? "+" : ""}${tenth(x)}` : ""));
-    const words = point.map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join("  ");
+    const words = point.map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(" \u00a0");
     const change = moved.filter(Boolean).join(", ");
-    element("selected").textContent = `${sent.points[selected.point]}  ${words} mm`;
+    element("selected").textContent = `${sent.points[selected.point]} \u00a0${words} mm`;
     element("moved").textContent = change ? `moved ${change} mm` : "";
   };
 
@@ -204,6 +237,15 @@ function show(cardan, sent) {
     model.reset();
     settle();
   });
+
+  const angle = /** @type {HTMLInputElement} */ (element("angle"));
+  const turn = () => {
+    drawing.angle = (Number(angle.value) * Math.PI) / 180;
+    element("angle-shown").textContent = `${angle.value}°`;
+    ask();
+  };
+  angle.addEventListener("input", turn);
+  turn();
 
   addEventListener("keydown", (event) => {
     if (event.key === "Escape") giveUp();

@@ -20,6 +20,7 @@ const HEADS = /** @type {Record<string, string>} */ ({
   "not judged": "Not judged",
 });
 const NAMED = 3; // figures in the first sentence
+const OFFERED = 4; // changes that would help
 const SPAN = 1.5; // times its limit that a bar shows
 
 /**
@@ -81,6 +82,24 @@ function listed(names) {
   return [...shown, ...(more ? [`${more} more`] : [])].join("; ");
 }
 
+/**
+ * A change that would help, in words.
+ * @param {import("./model.js").Suggestion} suggestion
+ * @param {string[]} points what they are called
+ */
+function wordsOf({ variable, item, axis, by }, points) {
+  const size = minus(`${Math.abs(by).toFixed(1)}`);
+  if (variable === "point") {
+    return `Move ${points[item]} by ${size} mm along ${by > 0 ? "+" : "\u2212"}${"xyz"[axis ?? 0]}`;
+  }
+  if (variable === "phase") {
+    return `Turn the output-side yoke of shaft ${item} by ${size}° ${by > 0 ? "" : "counter-"}clockwise`;
+  }
+  if (variable === "bearing") return `Move bearing ${item} by ${size} mm ${by > 0 ? "down" : "up"}stream`;
+  if (variable === "engaged") return `Let the spline engage ${size} mm ${by > 0 ? "more" : "less"} as drawn`;
+  return `Choose a rating of ${by} N m for joint ${item}`;
+}
+
 /** The panel in an element. */
 export class Panel {
   #rows = /** @type {Map<string, (row: import("./model.js").Row, drawn: import("./model.js").Row) => HTMLElement>} */ (
@@ -97,8 +116,12 @@ export class Panel {
     this.mark = newMark(this.head);
     this.word = made("p", "word", this.head);
     this.why = made("p", "why", this.head);
-    this.list = made("ul", "rows", element);
+    this.items = made("ul", "rows", element);
     for (const row of model.sorted([...model.drawnRows.values()])) this.#rows.set(row.key, this.#row(row));
+    this.help = made("div", "help", element);
+    made("h3", "", this.help, "What would help");
+    this.changes = made("div", "changes", this.help);
+    this.ways = made("div", "ways", this.help);
     this.sent = made("div", "sent", element);
     made("h3", "", this.sent, "As sent, not computed here");
     this.stale = made("p", "", this.sent);
@@ -116,7 +139,7 @@ export class Panel {
    * @param {import("./model.js").Row} first
    */
   #row(first) {
-    const item = made("li", "", this.list);
+    const item = made("li", "", this.items);
     const details = /** @type {HTMLDetailsElement} */ (made("details", "", item));
     const summary = made("summary", "", details);
     const mark = newMark(summary);
@@ -164,6 +187,44 @@ export class Panel {
   }
 
   /**
+   * List what has been changed, each to be taken back.
+   * @param {(changes: import("./model.js").Changes) => void} take
+   */
+  list(take) {
+    this.changes.replaceChildren();
+    for (const { words, without } of this.model.listed()) {
+      const button = made("button", "", this.changes, `${words} ✕`);
+      button.setAttribute("type", "button");
+      button.title = "Take this change back";
+      button.addEventListener("click", () => take(without));
+    }
+    this.ways.classList.add("pale");
+  }
+
+  /**
+   * Offer what would help.
+   * @param {import("./model.js").Suggestion[]} found
+   * @param {(suggestion: import("./model.js").Suggestion) => void} apply
+   */
+  offer(found, apply) {
+    this.ways.replaceChildren();
+    this.ways.classList.remove("pale");
+    for (const suggestion of found.slice(0, OFFERED)) {
+      const button = made("button", "", this.ways);
+      button.setAttribute("type", "button");
+      made("span", "", button, wordsOf(suggestion, this.model.sent.points));
+      const { verdict, left } = suggestion;
+      const then = verdict === "within" ? "all within" : `${left} ${verdict}`;
+      made("span", `then ${classOf(verdict)}`, button, then);
+      button.addEventListener("click", () => apply(suggestion));
+    }
+    const isWithin = this.model.rows().every((row) => row.verdict === "within");
+    if (!found.length) {
+      made("p", "", this.ways, isWithin ? "Nothing needs help." : "No single change helps.");
+    }
+  }
+
+  /**
    * Show rows and the verdict on them.
    * @param {boolean} isSorted whether rows take their order, from the worst
    * @returns {string} the verdict in words
@@ -179,8 +240,8 @@ export class Panel {
     });
     if (isSorted) {
       const held = document.activeElement;
-      for (const item of items) if (item) this.list.append(item);
-      if (held instanceof HTMLElement && this.list.contains(held)) held.focus();
+      for (const item of items) if (item) this.items.append(item);
+      if (held instanceof HTMLElement && this.items.contains(held)) held.focus();
     }
     const names = rows.filter((row) => row.verdict === verdict).map((row) => row.name);
     if (model.isDrawn) {

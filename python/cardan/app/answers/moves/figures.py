@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import count, figure, word
 from cardan.app.scene.machine import machine_of
+from cardan.app.scene.scene import Scene
 from cardan.design.machine import Change
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
@@ -44,27 +45,40 @@ def find(answer: Answer) -> tuple[Move, ...]:
     machine = machine_of(answer.scene)
     if machine is None:
         return ()
-    scene, joints = answer.scene, answer.scene.sizes
-    lengths = scene.line._geometry.lengths
-    sizes = [size.rating for size in joints.table if size.rating] if joints else []
-    found = machine.suggest(
-        _REACH * float(np.sum(lengths)), teeth=scene.teeth, ratings=sorted(set(sizes))
-    )
+    scene = answer.scene
+    found = machine.suggest(**search(scene))
     untried = [
         each.name
         for each in answer.judged
         if each.value.limit is not None
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
     ]
-    # A change of the drawing turns with what a state turns.
-    set_by_states = scene.states.turned if scene.states else set()
-    if scene.states and scene.states.set_phases:
-        set_by_states |= {("phase", shaft) for shaft in range(scene.line.n_joints)}
+    held = set_by_states(scene)
     return tuple(
         _move(change, scene.line.n_joints, ", ".join(untried))
         for change in found
-        if (change.variable, change.item) not in set_by_states
+        if (change.variable, change.item) not in held
     )
+
+
+def search(scene: Scene) -> dict[str, Any]:
+    """Return how far the search goes in a scene, the arguments of ``Machine.suggest``."""
+    joints = scene.sizes
+    sizes = [size.rating for size in joints.table if size.rating] if joints else []
+    return {
+        "reach": _REACH * float(np.sum(scene.line._geometry.lengths)),
+        "teeth": scene.teeth,
+        "ratings": sorted(set(sizes)),
+    }
+
+
+def set_by_states(scene: Scene) -> set[tuple[str, int]]:
+    """Return variables and items that the states set, which no change of the drawing reaches."""
+    # A change of the drawing turns with what a state turns.
+    found = set(scene.states.turned) if scene.states else set()
+    if scene.states and scene.states.set_phases:
+        found |= {("phase", shaft) for shaft in range(scene.line.n_joints)}
+    return found
 
 
 def _move(change: Change, joints: int, untried: str) -> Move:
