@@ -219,6 +219,29 @@ def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
 
 
 @in_node
+def test_what_is_known_in_some_states_only_is_not_judged(tmp_path: Path) -> None:
+    """As in a check; it then makes the verdict, unless something is beyond its limit."""
+    found = run(
+        tmp_path,
+        sent(Scene.load(TRUCK)),
+        """const model = new Model(cardan, data);
+        const of = (kind) => model.figures.find((figure) => figure.kind.name === kind);
+        const told = () => [model.rows().map((row) => row.verdict), model.verdict(model.rows())];
+        of("equivalent_bend").ranks[2] = "not judged";
+        const first = told();
+        for (const figure of model.figures) {
+            figure.ranks = figure.ranks.map((rank) => (rank === "beyond" ? "within" : rank));
+        }
+        data.others = [];
+        return [first, told()];""",
+    )
+    (first, beyond), (second, last) = found
+    assert beyond == "beyond"
+    assert first.count("not judged") == second.count("not judged") == 1
+    assert last == "not judged"
+
+
+@in_node
 def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
     """A drag is one step, keys in quick succession are one, and what is refused changes nothing."""
     found = run(

@@ -258,9 +258,15 @@ function show(cardan, sent) {
     settle();
   });
 
+  let width = svg.clientWidth;
   new ResizeObserver(() => {
-    drawing.fit();
-    ask();
+    if (svg.clientWidth === width) return;
+    width = svg.clientWidth;
+    // A size that is set while sizes are observed would be observed again.
+    requestAnimationFrame(() => {
+      drawing.fit();
+      drawing.draw();
+    });
   }).observe(svg);
   settle();
   return { model, drawing, panel, times };
