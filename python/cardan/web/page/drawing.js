@@ -316,12 +316,12 @@ export class Drawing {
    * @param {(point: number[]) => number[]} at
    */
   #bearings(view, points, at) {
-    const { bearings = [], positions, lengths } = this.model.machine.data;
+    const { bearings = [] } = this.model.sent.machine;
     view.bearings.forEach((/** @type {Element} */ box, /** @type {number} */ bearing) => {
       const shaft = bearings[bearing];
       const [first, last] = [at(points[shaft]), at(points[shaft + 1])];
-      const place = this.#share(positions, lengths, bearing, shaft);
-      const centre = between(first, last, place);
+      const share = this.model.part("positions", bearing) / this.model.part("lengths", shaft);
+      const centre = between(first, last, share);
       const far = Math.hypot(last[0] - first[0], last[1] - first[1]) || 1;
       const [dx, dy] = [(last[0] - first[0]) / far, (last[1] - first[1]) / far];
       const [radius, w] = [this.#radius(shaft), 4.5];
@@ -339,21 +339,6 @@ export class Drawing {
   }
 
   /**
-   * Where a bearing is on its shaft, as a share of its length.
-   * @param {any} positions
-   * @param {any} lengths
-   * @param {number} bearing
-   * @param {number} shaft
-   */
-  #share(positions, lengths, bearing, shaft) {
-    const of = (/** @type {any} */ values, /** @type {number} */ count, /** @type {number} */ i) =>
-      Array.isArray(values) ? values[this.model.state][i] : values[this.model.state * count + i];
-    const count = this.model.sent.machine.bearings.length;
-    const length = of(lengths, this.model.sent.points.length - 1, shaft);
-    return Math.max(0, Math.min(1, of(positions, count, bearing) / length));
-  }
-
-  /**
    * The largest force of each shaft in the state shown.
    * @param {any} view
    * @param {number[]} shafts
@@ -361,11 +346,11 @@ export class Drawing {
   #forces(view, shafts) {
     const { model } = this;
     if (!view.forces.length) return;
-    if (!model.hasForces) {
+    const found = shafts.map((_, bearing) => model.here("bearing_force", bearing));
+    if (!found.some(Boolean)) {
       for (const label of view.forces) put(label, { class: "force pale" });
       return;
     }
-    const found = shafts.map((_, bearing) => model.here("bearing_force", bearing));
     const most = (/** @type {number} */ shaft) =>
       Math.max(...found.map((each, i) => (each && shafts[i] === shaft ? each.value : -1)));
     const named = new Set();

@@ -84,7 +84,6 @@ export class Model {
   #past = /** @type {{changes: Changes, what: string, time: number}[]} */ ([]);
   #future = /** @type {Changes[]} */ ([]);
   #before = /** @type {Changes | null} */ (null);
-  #judgesForces;
   #judged;
 
   /**
@@ -115,8 +114,6 @@ export class Model {
     this.state = sent.drawn;
     /** Why the last change was refused. */
     this.refused = "";
-    const judged = new Set(sent.figures.map((figure) => figure.kind));
-    this.#judgesForces = judged.has("joint_force") || judged.has("bearing_force");
     /** @type {import("../cardan.js").Figure[]} */
     this.figures = [];
     this.compute();
@@ -415,23 +412,19 @@ export class Model {
   }
 
   /**
-   * Find all figures; the forces, which take longest, only if they are judged or asked for. A machine
-   * that has none gives way to the last one that had.
+   * Find all figures, or those alone that have a limit, which takes less time. A machine that has none
+   * gives way to the last one that had.
    * @param {boolean} whole
    */
   compute(whole = true) {
-    const without = { bearings: [], positions: [], step_positions: [] };
-    const machine = whole || this.#judgesForces ? this.machine : this.machine.with(without);
     try {
-      this.figures = machine.figures();
+      this.figures = this.machine.figures({ limited: !whole });
     } catch (error) {
       this.#refuse(error);
       ({ changes: this.changes, machine: this.machine } = this.#judged);
       return;
     }
     this.#judged = { changes: this.changes, machine: this.machine };
-    /** Whether the forces are those of the machine as it is. */
-    this.hasForces = machine === this.machine;
   }
 
   /**
@@ -444,6 +437,18 @@ export class Model {
   }
 
   /**
+   * One number of the driveline in the state shown, of an array of all states.
+   * @param {"bends" | "lengths" | "positions"} name
+   * @param {number} item
+   * @returns {number}
+   */
+  part(name, item) {
+    const values = this.machine.data[name];
+    if (Array.isArray(values)) return values[this.state][item];
+    return values[(this.state * values.length) / this.sent.states.length + item];
+  }
+
+  /**
    * What a figure is in the state shown: in the unit that is shown, as text, and its place in the
    * answer of the check.
    * @param {string} kind
@@ -451,10 +456,12 @@ export class Model {
    * @returns {{value: number, text: string, path: string} | null}
    */
   here(kind, item) {
-    const found = this.figure(kind, item);
-    if (!found || !Number.isFinite(found.values[this.state])) return null;
+    // Bends belong to the geometry, which is known before any figure.
+    const found =
+      kind === "bend" ? this.part("bends", item) : this.figure(kind, item)?.values[this.state];
+    if (found === undefined || !Number.isFinite(found)) return null;
     const { states, kinds, here } = this.sent;
-    const value = shownValue(found.values[this.state], kinds[kind]);
+    const value = shownValue(found, kinds[kind]);
     const path = here[kind].replace("{}", String(item)).replace("{state}", states[this.state]);
     return { value, text: withUnit(numberText(value, kinds[kind].digits), kinds[kind]), path };
   }
