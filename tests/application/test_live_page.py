@@ -40,6 +40,8 @@ NODE = shutil.which("node")
 REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
 MACHINES = [path.stem for path in DRIVELINES if path.parent.name == "machines"]
 TRUCK = example("truck-shaft.toml")
+# With states and a duty cycle, with tolerances beyond a limit, with a steering column.
+SHORT = ("truck-shaft", "test-rig", "steering-column")
 
 in_node = pytest.mark.skipif(NODE is None and not REQUIRED, reason="needs Node")
 in_browser = pytest.mark.xdist_group("browser")
@@ -412,7 +414,10 @@ def texts(answer: Answer) -> dict[str, str]:
 
 
 @in_browser
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
+)
 def test_page_shows_what_the_check_says(
     name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
