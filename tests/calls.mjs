@@ -56,27 +56,23 @@ export function answers(cardan, calls) {
   });
 }
 
-const flat = (figure) => [figure.kind.name, figure.item, digest(figure.values), figure.ranks];
+const shownFigure = (figure) => [figure.kind.name, figure.item, digest(figure.values), figure.ranks];
 
 /** What a machine answers as it is, and after a point has moved. */
 export function judged(cardan, { data, search }) {
   const machine = cardan.machine(data);
   const { bends, ...rest } = data;
   const suggested = machine.suggest(search);
-  const move = suggested.find((change) => change.variable === "point");
-  const by = [0, 0, 0];
-  if (move) by[move.axis] = (move.to - move.from) / (data.unit ?? 1);
   const shown = (change) => [change.variable, change.item, change.axis, digest([change.from, change.to])];
   return {
     verdict: machine.verdict(),
-    figures: machine.figures().map(flat),
-    limited: machine.figures({ limited: true }).map(flat),
+    figures: machine.figures().map(shownFigure),
+    limited: machine.figures({ limited: true }).map(shownFigure),
     // Without its arrays it is made from its points.
-    made: data.unit === undefined ? null : cardan.machine(rest).figures().map(flat),
-    moved: move ? [move.verdict, machine.move(move.item, by).verdict()] : null,
+    made: data.unit === undefined ? null : cardan.machine(rest).figures().map(shownFigure),
+    applied: suggested.map((change) => [change.verdict, machine.apply(change).verdict()]),
     suggested: suggested.map(shown),
-    // Joint 0 up by 3 of the unit of the points.
-    raised: data.unit !== undefined ? machine.move(1, [0, 0, 3]).figures().map(flat) : null,
+    raised: data.unit !== undefined ? machine.move(1, [0, 0, 0.004]).figures().map(shownFigure) : null,
   };
 }
 
@@ -90,7 +86,7 @@ export function frames(cardan, data, count) {
   for (let i = 0; i < count; i++) {
     const start = performance.now();
     let machine = cardan.machine(data);
-    if (data.points) machine = machine.move(1, [0, (i % 7) * (data.unit === 1e-3 ? 1 : 1e-3), 0]);
+    if (data.points) machine = machine.move(1, [0, (i % 7) * 1e-3, 0]);
     machine.evaluate({ outputs, angles });
     const curves = performance.now();
     machine.figures({ limited: true });

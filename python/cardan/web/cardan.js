@@ -70,10 +70,11 @@
  * One change of a machine.
  * @typedef {object} Change
  * @property {string} variable
- * @property {number} item
+ * @property {number} item the point from the upstream end, the bearing, the joint of a rating, or the
+ *   shaft of a phase and of the engaged length
  * @property {number | null} axis of a point
- * @property {number} from
- * @property {number} to
+ * @property {number} from what it is in the first state, in m, rad or N m
+ * @property {number} to what it becomes there; it changes by as much in all states
  * @property {number} share its size as a part of what was tried
  * @property {string} verdict after it
  * @property {{kind: KindRow, item: number | null, value: number} | null} worst what is then worst
@@ -272,6 +273,9 @@ export class Machine {
    * @param {MachineData} data
    */
   constructor(cardan, data) {
+    if (!data || typeof data !== "object") {
+      throw new CardanError("data is missing; a scene with a study or a recording has no machine");
+    }
     this.#cardan = cardan;
     /**
      * The arguments of the function `figures`, and `points`.
@@ -296,12 +300,20 @@ export class Machine {
   }
 
   /**
-   * The machine with other data; drivelines follow from new `points` or `phases`.
+   * The machine with other data, which are otherwise as they were: the steps of a duty cycle and the
+   * drawing have theirs, which `move`, `turn` and `apply` change with the states. Drivelines follow
+   * from new `points` or `phases`; new `bends` or `twists` have no points.
    * @param {MachineData} changes
    * @returns {Machine}
    */
   with(changes) {
     const data = { ...this.data, ...changes };
+    if ((changes.bends || changes.twists) && !changes.directions) {
+      const { joints, bends, twists, phases } = data;
+      Object.assign(data, this.#cardan.call("from_bends", { joints, bends, twists, phases }));
+      delete data.points;
+      return new Machine(this.#cardan, data);
+    }
     if (data.points && (changes.points || changes.phases)) delete data.bends;
     if (data.step_points && (changes.step_points || changes.step_phases)) delete data.step_bends;
     return new Machine(this.#cardan, data);
@@ -310,20 +322,96 @@ export class Machine {
   /**
    * The machine with a point moved alike in all states and in the drawing.
    * @param {number} point from the upstream end
-   * @param {[number, number, number]} by in the unit of the points
+   * @param {[number, number, number]} by in m
    * @returns {Machine}
    */
   move(point, by) {
-    /** @param {number[][]} line */
-    const moved = (line, scale = 1) =>
-      line.map((p, i) => (i === point ? p.map((x, axis) => x + scale * by[axis]) : p));
-    const { points, drawn, step_points, unit = 1 } = this.data;
-    if (!points) throw new CardanError("points are missing; drivelines without lengths have none");
+    /**
+     * @param {number[][]} line
+     * @param {number} unit
+     */
+    const moved = (line, unit) =>
+      line.map((p, i) => (i === point ? p.map((x, axis) => x + by[axis] / unit) : p));
+    const { joints, points, drawn, step_points, unit = 1 } = this.data;
+    if (!points?.[0]?.[0]?.length) {
+      const problem = "is missing or not nested; it is [state][point][axis]";
+      throw new CardanError({ message: `points ${problem}`, argument: "points", rule: problem });
+    }
+    this.#check("point", point, Number.isInteger(point) && point >= 0 && point < joints + 2,
+      `it must be a whole number from 0 to ${joints + 1}`);
+    this.#check("by", by, by?.length === 3 && by.every(Number.isFinite),
+      "it must be three finite numbers");
+    /** @param {number[][][]} lines */
+    const all = (lines) => lines.map((line) => moved(line, unit));
     /** @type {MachineData} */
-    const changes = { points: points.map((/** @type {number[][]} */ line) => moved(line)) };
-    if (drawn && drawn.length) changes.drawn = moved(drawn, unit);
-    if (step_points) changes.step_points = step_points.map((/** @type {number[][]} */ line) => moved(line));
+    const changes = { points: all(points) };
+    if (drawn?.length) changes.drawn = moved(drawn, 1);
+    if (step_points) changes.step_points = all(step_points);
     return this.with(changes);
+  }
+
+  /**
+   * The machine with the yokes of a shaft turned alike in all states and steps.
+   * @param {number} shaft from 1 on, between two joints
+   * @param {number} by in rad
+   * @returns {Machine}
+   */
+  turn(shaft, by) {
+    const { joints, phases, step_phases } = this.data;
+    this.#check("shaft", shaft, Number.isInteger(shaft) && shaft > 0 && shaft < joints,
+      `it must be a whole number from 1 to ${joints - 1}`);
+    /** @param {any} all */
+    const turned = (all) => flat(all).map((x, i) => (i % (joints - 1) === shaft - 1 ? x + by : x));
+    /** @type {MachineData} */
+    const changes = { phases: turned(phases) };
+    if (step_phases) changes.step_phases = turned(step_phases);
+    return this.with(changes);
+  }
+
+  /**
+   * The machine with a change that `suggest` has found.
+   * @param {Change} change
+   * @returns {Machine}
+   */
+  apply({ variable, item, axis, from, to }) {
+    const by = to - from;
+    const { positions, bearings, engaged, ratings } = this.data;
+    if (variable === "point") {
+      /** @type {[number, number, number]} */
+      const along = [0, 0, 0];
+      along[axis ?? 0] = by;
+      return this.move(item, along);
+    }
+    if (variable === "phase") return this.turn(item, by);
+    if (variable === "engaged") return this.with({ engaged: engaged + by });
+    const [name, values, each] =
+      variable === "bearing"
+        ? ["positions", positions, flatLength(bearings)]
+        : ["ratings", ratings, flatLength(ratings)];
+    return this.with({ [name]: flat(values).map((x, i) => (i % each === item ? x + by : x)) });
+  }
+
+  /**
+   * Call a function of the module with what the machine has of its arguments, and with others.
+   * @param {string} name
+   * @param {Record<string, Values>} others
+   * @returns {Record<string, any>}
+   */
+  call(name, others = {}) {
+    const row = this.#cardan.table.functions.find((row) => row.name === name);
+    return this.#cardan.call(name, { ...this.#some((row?.arguments ?? []).map(({ name }) => name)), ...others });
+  }
+
+  /**
+   * @param {string} argument
+   * @param {any} value
+   * @param {boolean} keeps
+   * @param {string} rule
+   */
+  #check(argument, value, keeps, rule) {
+    if (keeps) return;
+    const message = `${argument} is ${JSON.stringify(value)}; ${rule}`;
+    throw new CardanError({ message, argument, value, rule });
   }
 
   /**
@@ -334,6 +422,8 @@ export class Machine {
    */
   evaluate(request) {
     const { joints } = this.data;
+    this.#check("outputs", request?.outputs, Array.isArray(request?.outputs), "it must be a list of names");
+    this.#check("angles", request.angles, request.angles?.length > 0, "it must be a list of angles in rad");
     const { of_shafts = range(joints + 1), of_joints = range(joints), ...rest } = request;
     const given = this.#some([...CHAINS, ...FRAMES, ...MOUNTED, ...LOAD]);
     const { values } = this.#cardan.call("evaluate", { ...given, of_shafts, of_joints, ...rest });
@@ -397,7 +487,8 @@ export class Machine {
    * @returns {Change[]}
    */
   suggest(search = {}) {
-    const found = this.#cardan.call("suggest", { ...this.#arguments(), ...search });
+    const teeth = this.data.teeth ?? [];
+    const found = this.#cardan.call("suggest", { ...this.#arguments(), teeth, ...search });
     return found.variables.map((/** @type {string} */ variable, /** @type {number} */ i) => {
       const worst = found.worst_kinds[i];
       const left = { item: none(found.worst_items[i]), value: found.worst_values[i] };
@@ -424,7 +515,7 @@ export class Machine {
     const given = this.#some(CHAINS);
     if (!together) return this.#cardan.call("optimal_phases", given).phases;
     const held = Array(this.data.joints - 1).fill(0);
-    const shares = weights ?? Array(this.states).fill(1 / this.states);
+    const shares = weights ?? this.data.weights ?? Array(this.states).fill(1);
     return this.#cardan.call("common_phases", { ...given, weights: shares, held, teeth }).phases;
   }
 
@@ -443,7 +534,7 @@ export class Machine {
   }
 
   #arguments() {
-    const { points, step_points, unit, title, ...given } = this.data;
+    const { points, step_points, unit, title, state_names, weights, teeth, ...given } = this.data;
     return given;
   }
 }
@@ -455,14 +546,15 @@ const range = (count) => Array.from({ length: count }, (_, i) => i);
 const none = (number) => (number < 0 ? null : number);
 
 /**
- * How many numbers flat or nested values have.
+ * Flat or nested values as one list.
  * @param {any} values
- * @returns {number}
+ * @returns {any[]}
  */
-function flatLength(values) {
-  if (values === undefined || values === null) return 0;
-  if (typeof values === "number") return 1;
-  let count = 0;
-  for (let i = 0; i < values.length; i++) count += flatLength(values[i]);
-  return count;
+function flat(values) {
+  if (values === undefined) return [];
+  if (values === null || typeof values !== "object") return [values];
+  return Array.from(values).flatMap(flat);
 }
+
+/** @param {any} values */
+const flatLength = (values) => flat(values).length;

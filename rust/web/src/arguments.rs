@@ -80,10 +80,11 @@ impl<'a> Arguments<'a> {
     /// One number.
     pub(crate) fn number(&self, name: &'static str) -> Result<f64> {
         let values = self.of(name);
-        let [value] = values else {
-            return Err(Error::new(name, &[], format!("has {} values; it has one", values.len())));
-        };
-        Ok(*value)
+        match values {
+            [value] => Ok(*value),
+            [] => Err(Error::new(name, &[], "is missing; it is one number")),
+            _ => Err(Error::new(name, &[], format!("has {} values; it has one", values.len()))),
+        }
     }
 
     /// One number, if it is given.

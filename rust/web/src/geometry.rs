@@ -60,7 +60,13 @@ pub(crate) fn optimal_phases(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>>
 pub(crate) fn common_phases(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     let (joints, [bends, twists, phases]) = arguments.chains(CHAINS)?;
     let (weights, held) = (arguments.of("weights"), arguments.counts("held")?);
-    check("weights", weights, "it must be positive and finite", |x| x > 0.0 && x.is_finite())?;
+    check("weights", weights, "it must be finite and not negative", |x| {
+        (0.0..f64::MAX).contains(&x)
+    })?;
+    let sum: f64 = weights.iter().sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return Err(Error::new("weights", &[], format!("add up to {sum}; one must be positive")));
+    }
     let states = bends.len() / joints;
     if weights.is_empty() || states % weights.len() != 0 {
         let problem = format!("has {} values; there are {states} states", weights.len());
@@ -74,6 +80,8 @@ pub(crate) fn common_phases(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> 
         check_length("teeth", teeth.len(), 1, joints - 1)?;
         check("teeth", arguments.of("teeth"), "a spline has at least 1 tooth", |x| x > 0.0)?;
     }
+    let weights: Vec<f64> = weights.iter().map(|weight| weight / sum).collect();
+    let weights = &weights;
     let states = States { joints, bends, twists, phases, weights, held: &held, teeth: &teeth };
     Ok(vec![common_phases_of_batch(&states, Execution::default())])
 }

@@ -145,7 +145,11 @@ pub(crate) fn suggest(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
         ratings: arguments.of("known_ratings").to_vec(),
     };
     if !(search.reach >= 0.0 && search.reach.is_finite()) {
-        return Err(Error::new("reach", &[], format!("is {}; it must be finite", search.reach)));
+        return Err(Error::new(
+            "reach",
+            &[],
+            format!("is {} m; it must be finite and not negative", search.reach),
+        ));
     }
     let found = machine(arguments)?.suggest(&search, Execution::default())?;
     let mut columns = vec![vec![]; 10];

@@ -29,8 +29,6 @@ _MODULES = (
     "page/page.js",
 )
 
-_NO_WEIGHT = 1e-12
-
 _PLACES = {
     "bend": "life.joints[joint={}].bend",
     "speed_bend": "life.joints[joint={}].speed_bend",
@@ -79,8 +77,6 @@ def live(answer: Answer) -> dict[str, Any] | None:
         )
     reach = search(scene)
     weights = scene.states.weights if scene.states else np.ones(1)
-    # The module takes positive weights only.
-    weights = np.maximum(weights / np.sum(weights), _NO_WEIGHT)
     states, directions = scene.states, machine.states.directions
     joints = [f"joint {joint}" for joint in range(scene.line.n_joints)]
     data = {

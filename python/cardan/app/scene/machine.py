@@ -116,4 +116,6 @@ def machine_data(scene: Scene) -> dict[str, Any] | None:
         data |= {"points": [np.asarray(points).tolist() for points in each], "unit": unit}
         if "step_points" in data:
             data["step_points"] = (np.array(data["step_points"]) / unit).tolist()
-    return {"title": scene.title, **data}
+    if scene.states:
+        data |= {"state_names": list(scene.states.names), "weights": scene.states.weights.tolist()}
+    return {"title": scene.title, "teeth": list(scene.teeth), **data}
