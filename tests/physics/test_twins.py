@@ -108,7 +108,7 @@ TWINS = {
     "Machine": {
         "figures verdict": "design.ranked",
         "suggest": "design.smallest_change",
-        "with_duty with_friction with_play with_ratings": SHAPE,
+        "to_dict with_duty with_friction with_play with_ratings": SHAPE,
         "with_spline with_steering with_tubes": SHAPE,
     },
     "BallJoint": {

@@ -94,11 +94,11 @@ def plot(
 @scene_argument
 @file_option("--output", "Page to write; default: the scene's name with .html.")
 def report(scene: Path, output: Path | None) -> None:
-    """Write a page to share, with a slider that turns the driveline.
+    """Write a page to share, in which the driveline can be moved and turned.
 
-    The page says whether the driveline runs smoothly, which loads the bearings carry and how to set
-    the yokes. It shows the inputs, tables and curves. Joints can be moved in its drawing, and the
-    verdict follows. It is a single HTML file that needs no network.
+    The page says whether the driveline runs smoothly, what loads the bearings and how to set the
+    yokes. It shows inputs, tables and curves. Move a joint in its drawing, and the verdict follows.
+    It is a single HTML file that needs no network.
 
     \b
     Examples:
