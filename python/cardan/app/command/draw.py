@@ -96,9 +96,9 @@ def plot(
 def report(scene: Path, output: Path | None) -> None:
     """Write a page to share, in which the driveline can be moved and turned.
 
-    The page says whether the driveline runs smoothly, what loads the bearings and how to set the
-    yokes. It shows inputs, tables and curves. Move a joint in its drawing, and the verdict follows.
-    It is a single HTML file that needs no network.
+    The page says whether the driveline runs smoothly, which loads its bearings carry and how to set
+    its yokes. It shows inputs, tables and curves. Move a joint in its drawing, and the verdict
+    follows. It is a single HTML file that needs no network.
 
     \b
     Examples:
