@@ -44,7 +44,7 @@ struct Strip<T, const N: usize>([T; N]);
 /// Outputs of the only shaft that needs pins, from at least `N` angles. Returns whether
 /// they are valid: not if an angle is too large for its reduction.
 #[inline(always)]
-#[allow(clippy::too_many_lines, reason = "the loops of a strip, each a function of its own")]
+#[allow(clippy::too_many_lines, reason = "each loop of a strip is a function")]
 pub(crate) fn run_shaft<T: Number, W: Float, const N: usize>(
     step: &ShaftStep,
     range: AtanRange,
