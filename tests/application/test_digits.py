@@ -101,6 +101,7 @@ def test_digits_follow_the_table(number: float, kind: str, text: str) -> None:
 @given(VALUES, st.sampled_from(RULES))
 def test_a_figure_is_near_what_is_shown_and_never_reads_0(value: float, kind: str) -> None:
     text, rule = number_text(value, kind), DIGITS[kind]
+    assume(abs(value) >= rule.finest)
     assert float(text) != 0.0
     assert "e" not in text
     decimals = len(text.partition(".")[2])
@@ -114,6 +115,7 @@ def test_a_figure_is_near_what_is_shown_and_never_reads_0(value: float, kind: st
 @given(SIZES, st.one_of(st.floats(-3e-7, 3e-7), st.floats(-0.5, 0.5)), st.sampled_from(RULES))
 @example(3.0, 1e-6, "deg")
 @example(4.0049, 4e-5, "deg")
+@example(1e-4, 1.1e-7, "twist")  # a limit finer than what is shown of a twist
 def test_a_figure_never_reads_as_its_limit(size: float, apart: float, kind: str) -> None:
     """Both are on their sides of each other, unless they differ by rounding only."""
     limit, value = float(f"{size:.6g}"), size * (1.0 + apart)
@@ -134,6 +136,7 @@ def test_a_figure_at_its_limit_reads_as_it_is_given(size: float, kind: str) -> N
 @given(SIZES, st.sampled_from(RULES))
 def test_what_must_suffice_is_rounded_to_the_safe_side(value: float, kind: str) -> None:
     """And not by more than a tenth, so that small changes stay small."""
+    assume(value >= DIGITS[kind].finest)
     up, down = (float(number_text(value, kind, rounds=way)) for way in ("up", "down"))
     assert down * (1.0 - 1e-11) <= value <= up * (1.0 + 1e-11)
     assert up <= 1.11 * value
@@ -143,7 +146,7 @@ def test_what_must_suffice_is_rounded_to_the_safe_side(value: float, kind: str) 
 @given(VALUES, st.floats(2e-3, 1.0), st.sampled_from(RULES))
 def test_both_ends_of_a_range_differ(low: float, share: float, kind: str) -> None:
     high = low + share * abs(low)
-    assume(abs(high) > 1e-4)
+    assume(min(abs(low), abs(high)) >= max(1e-4, DIGITS[kind].finest))
     texts = range_ends(low, high, kind)
     assert float(texts[0]) < float(texts[1])
     assert not any(re.fullmatch(r"-?0\.?0*", text) for text in texts)

@@ -125,6 +125,8 @@ def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
         for value in (0.0, 1.0, 99.96, 100.04, 9.9996, -0.00004, 1e-20, 3.2e9, 2.9999999, -12.3456)
     ]
     cases += [(3.0 + step, "deg", [3.0]) for step in (1e-3, -1e-4, 1e-8, 1e-10, -1e-12, 0.0)]
+    # Finer than what is shown of the kind; so may be its limit.
+    cases += [(1e-4 * step, "twist", [1e-4]) for step in (0.0, 0.9, 1.0, 1.0 + 1e-7, 1.1, -2.0)]
     cases += [
         (float(random.normal() * 10.0 ** random.integers(-8, 9)), kind, [float(random.normal())])
         for kind in ("deg", "mm", "N", "MPa", "h", "margin", "percent")
@@ -135,8 +137,7 @@ def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
     found = run(
         tmp_path,
         {"cases": data, "shares": shares},
-        """const written = ([x, rule, others]) =>
-            numberText(Math.abs(x) < rule.finest ? 0 : x, rule, others);
+        """const written = (each) => numberText(...each);
         return [data.cases.map(written), data.shares.map(useText)];""",
     )
     expected = [

@@ -541,7 +541,7 @@ def test_the_advice_for_states_leaves_what_it_says(tmp_path: Path) -> None:
     turn = float(advice[1]) * (1.0 if advice[2] == "clockwise" else -1.0)
     bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(60.0 + turn)]
     worst = int(np.argmax(bends))
-    # The smallest turn that suffices leaves the worst state at the limit; the text gives it in tenths.
+    # The smallest turn that suffices leaves the worst state at the limit; the text has tenths.
     turned = [
         float(np.degrees(line.equivalent().bend))
         for line in drivelines(60.0 + turn - 0.1 * np.sign(turn))

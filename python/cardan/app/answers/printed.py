@@ -130,9 +130,13 @@ def given(value: float, unit: str, *, radians: bool = False) -> str:
     return quantity(value, unit, radians=radians, digits="given")
 
 
-def settled(number: float, kind: str) -> float:
-    """Return a number in the unit in which it is shown, or 0 where it is mere rounding."""
-    return 0.0 if abs(number) < DIGITS[kind].finest else number
+def settled(number: float, kind: str, apart_from: Iterable[float] = ()) -> float:
+    """Return a number in the unit in which it is shown, or 0 where it is mere rounding.
+
+    It is more than that where what it is told apart from is finer still and not beyond it.
+    """
+    told = any(0.0 < other / number <= 1.0 + ROUNDING for other in apart_from if number)
+    return 0.0 if abs(number) < DIGITS[kind].finest and not told else number
 
 
 def use_text(share: float) -> str:
@@ -428,12 +432,13 @@ def number_text(
     It has more digits where it would else read 0, or not stand as it does to what it is told apart
     from. What differs from that by rounding only reads alike. ``least`` are the fewest decimals.
     """
-    rule, number = DIGITS[kind], settled(number, kind)
+    told = [*apart_from]
+    rule, number = DIGITS[kind], settled(number, kind, told)
     if number == 0.0 or not math.isfinite(number):
         return f"{number + 0.0:g}"
     if rule.decimals is None and rule.digits is None:
         return _as_given(number)
-    others = [*apart_from, *_landmarks(rule)]
+    others = [*told, *_landmarks(rule)]
     for other in others:
         if abs(number - other) <= ROUNDING * abs(other):
             return _as_given(other)

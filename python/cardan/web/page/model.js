@@ -461,7 +461,7 @@ export class Model {
       kind === "bend" ? this.part("bends", item) : this.figure(kind, item)?.values[this.state];
     if (found === undefined || !Number.isFinite(found)) return null;
     const { states, kinds, here } = this.sent;
-    const value = shownValue(found, kinds[kind]);
+    const value = found * kinds[kind].factor;
     const path = here[kind].replace("{}", String(item)).replace("{state}", states[this.state]);
     return { value, text: withUnit(numberText(value, kinds[kind].digits), kinds[kind]), path };
   }
@@ -486,7 +486,7 @@ export class Model {
     const kind = this.sent.kinds[of.kind];
     const bounds = [found.limit, found.maximum].map((bound) => bound * kind.factor);
     const inside = found.worst === null ? NaN : found.values[found.worst];
-    const value = shownValue(inside, kind);
+    const value = settled(inside * kind.factor, kind.digits, bounds);
     const names = [...this.sent.states, ...this.sent.steps];
     const isEven = spread(found.values) <= ROUNDING || value === 0;
     /** @param {number} number */
@@ -507,7 +507,7 @@ export class Model {
       kind,
       each: Array.from(isEven ? [] : found.values, (each, i) => ({
         name: names[i],
-        text: text(shownValue(each, kind)),
+        text: text(each * kind.factor),
         verdict: found.ranks[i],
       })),
     };
@@ -626,13 +626,14 @@ export function useText(share) {
 const placeText = (name) => (/^\p{L}/u.test(name) ? `in ${name}` : `in “${minus(name)}”`);
 
 /**
- * A value in the unit that is shown; what is mere rounding is 0.
- * @param {number} inside
- * @param {SentKind} kind
+ * A number, or 0 where it is mere rounding: finer than its kind, and than what it is told apart from.
+ * @param {number} number in the unit that is shown
+ * @param {Digits} rule
+ * @param {number[]} apartFrom
  */
-function shownValue(inside, kind) {
-  const value = inside * kind.factor;
-  return Math.abs(value) < kind.digits.finest ? 0 : value;
+function settled(number, rule, apartFrom) {
+  const isTold = apartFrom.some((other) => other / number > 0 && other / number <= 1 + ROUNDING);
+  return Math.abs(number) < rule.finest && !isTold ? 0 : number;
 }
 
 /** @param {string} text @param {SentKind} kind */
@@ -647,7 +648,7 @@ function withUnit(text, kind) {
  * @param {number[]} apartFrom what it is told apart from
  */
 export function numberText(number, rule, apartFrom = []) {
-  return digitsOf(number, rule, apartFrom).replace(/^-/, MINUS);
+  return digitsOf(settled(number, rule, apartFrom), rule, apartFrom).replace(/^-/, MINUS);
 }
 
 /** @param {number} number @param {Digits} rule @param {number[]} apartFrom */
