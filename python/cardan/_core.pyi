@@ -156,7 +156,7 @@ class Machine:
         tubes: Sequence[tuple[int, Sequence[float]]],
         spline: tuple[int, Sequence[float]] | None,
         centres: Sequence[float],
-        drawn: Sequence[float],
+        drawn: _Cases,
         play: Sequence[float],
         limits: Sequence[tuple[str, int | None, float, float]],
     ) -> Machine: ...

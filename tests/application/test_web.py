@@ -371,7 +371,16 @@ def test_a_machine_has_the_names_of_the_module(tmp_path: Path) -> None:
         assert data is not None
         written |= data.keys()
     assert written - taken == {
-        *("title", "points", "step_points", "unit", "state_names", "weights", "teeth"),
+        *(
+            "title",
+            "points",
+            "step_points",
+            "drawn_points",
+            "unit",
+            "state_names",
+            "weights",
+            "teeth",
+        ),
     }
     assert [row["name"] for row in table["outputs"]] == list(cardan.OUTPUTS)
     assert {row["unit"] for row in table["outputs"]} == {x.unit for x in cardan.OUTPUTS.values()}

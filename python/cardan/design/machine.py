@@ -52,7 +52,7 @@ class Kind:
 
 # What the core is told of a machine without parts.
 _NOTHING: Mapping[str, Any] = {
-    **dict.fromkeys(("shares", "ratings", "friction", "tubes", "centres", "drawn", "play"), ()),
+    **dict.fromkeys(("shares", "ratings", "friction", "tubes", "centres", "play"), ()),
     **dict.fromkeys(("steps", "spline")),
 }
 
@@ -175,9 +175,7 @@ class Machine:
         drawing = own[0] if drawn is None else drawn
         if drawing.shape:
             raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
-        if has_lengths(drawing):
-            spans = drawing.lengths().each[:, np.newaxis] * drawing.directions
-            parts["drawn"] = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)]).ravel().tolist()
+        parts["drawn"] = _cases(drawing.reshape(1), None, None)
         object.__setattr__(self, "states", own)
         object.__setattr__(self, "_parts", parts)
 
@@ -238,7 +236,7 @@ class Machine:
             outer_diameter: as of ``cardan.tube``, like the following arguments and the errors: one
                 number, or one per listed shaft.
             wall: in m.
-            length: in m; by default as long as the shaft in its longest state.
+            length: in m; by default as long as the shaft is in each state.
             elastic_modulus: in Pa.
             density: in kg/m³.
         """
@@ -361,7 +359,7 @@ class Machine:
             columns |= dict(zip(_SPLINE, own, strict=True))
         for name in ("shares", "ratings", "centres", "play"):
             columns[name] = parts[name]
-        columns["drawn"] = np.reshape(parts["drawn"], (-1, 3))
+        columns |= _of_cases("drawn_", *parts["drawn"])
         columns["tubes"] = [shaft for shaft, _ in parts["tubes"]]
         for names, records in (
             (_FRICTION, parts["friction"]),
@@ -370,14 +368,14 @@ class Machine:
         ):
             for i, name in enumerate(names):
                 columns[name] = [record[i] for record in records]
-        for name in ("shear_modulus", "step_end", "step_inertia_shafts"):
+        for name in ("shear_modulus", "step_end", "step_inertia_shafts", "drawn_speed"):
             columns.pop(name, None)
         return {"joints": self.states.n_joints, **{k: _plain(v) for k, v in columns.items()}}
 
     @property
     def _core(self) -> _core.Machine:
         parts = dict(self._parts)
-        for name in ("states", "steps"):
+        for name in ("states", "steps", "drawn"):
             if parts[name] is not None:
                 line, *rest = parts[name]
                 parts[name] = (line._lines, *rest)

@@ -264,6 +264,9 @@ const FRAMES = ["directions", "normals"];
 const MOUNTED = ["lengths", "positions", "bearings"];
 const LOAD = ["end", "torque", "speed", "acceleration", "inertia_shafts", "inertias"];
 
+/** Before the names of what the states, the steps of the duty cycle and the drawing have alike. */
+const LINES = ["", "step_", "drawn_"];
+
 /** A driveline in all of its states with its parts, loads and limits. It does not change. */
 export class Machine {
   /** @type {Cardan} */ #cardan;
@@ -282,14 +285,12 @@ export class Machine {
      * @type {MachineData}
      */
     this.data = data;
-    const { joints, points, unit, phases, step_points, step_phases } = data;
-    if (points && !data.bends) {
-      this.data = { ...this.data, ...cardan.call("from_points", { joints, points, unit, phases }) };
-    }
-    if (step_points && !data.step_bends) {
-      const given = { joints, points: step_points, unit, phases: step_phases };
-      for (const [name, values] of Object.entries(cardan.call("from_points", given))) {
-        this.data = { ...this.data, [`step_${name}`]: values };
+    const { joints, unit } = data;
+    for (const of of LINES) {
+      const [points, phases] = [data[`${of}points`], data[`${of}phases`]];
+      if (!points || data[`${of}bends`]) continue;
+      for (const [name, values] of Object.entries(cardan.call("from_points", { joints, points, unit, phases }))) {
+        this.data = { ...this.data, [of + name]: values };
       }
     }
   }
@@ -314,8 +315,9 @@ export class Machine {
       delete data.points;
       return new Machine(this.#cardan, data);
     }
-    if (data.points && (changes.points || changes.phases)) delete data.bends;
-    if (data.step_points && (changes.step_points || changes.step_phases)) delete data.step_bends;
+    for (const of of LINES) {
+      if (data[`${of}points`] && (changes[`${of}points`] || changes[`${of}phases`])) delete data[`${of}bends`];
+    }
     return new Machine(this.#cardan, data);
   }
 
@@ -326,13 +328,7 @@ export class Machine {
    * @returns {Machine}
    */
   move(point, by) {
-    /**
-     * @param {number[][]} line
-     * @param {number} unit
-     */
-    const moved = (line, unit) =>
-      line.map((p, i) => (i === point ? p.map((x, axis) => x + by[axis] / unit) : p));
-    const { joints, points, drawn, step_points, unit = 1 } = this.data;
+    const { joints, points, unit = 1 } = this.data;
     if (!points?.[0]?.[0]?.length) {
       const problem = "is missing or not nested; it is [state][point][axis]";
       throw new CardanError({ message: `points ${problem}`, argument: "points", rule: problem });
@@ -341,12 +337,14 @@ export class Machine {
       `it must be a whole number from 0 to ${joints + 1}`);
     this.#check("by", by, by?.length === 3 && by.every(Number.isFinite),
       "it must be three finite numbers");
-    /** @param {number[][][]} lines */
-    const all = (lines) => lines.map((line) => moved(line, unit));
+    const moved = (/** @type {number[]} */ p) => p.map((x, axis) => x + by[axis] / unit);
     /** @type {MachineData} */
-    const changes = { points: all(points) };
-    if (drawn?.length) changes.drawn = moved(drawn, 1);
-    if (step_points) changes.step_points = all(step_points);
+    const changes = {};
+    for (const of of LINES) {
+      /** @type {number[][][] | undefined} */
+      const lines = this.data[`${of}points`];
+      if (lines) changes[`${of}points`] = lines.map((line) => line.map((p, i) => (i === point ? moved(p) : p)));
+    }
     return this.with(changes);
   }
 
@@ -534,7 +532,7 @@ export class Machine {
   }
 
   #arguments() {
-    const { points, step_points, unit, title, state_names, weights, teeth, ...given } = this.data;
+    const { points, step_points, drawn_points, unit, title, state_names, weights, teeth, ...given } = this.data;
     return given;
   }
 }

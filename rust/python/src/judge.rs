@@ -87,7 +87,7 @@ pub(crate) struct NativeMachine(Machine);
 impl NativeMachine {
     /// A machine in its states and in the steps of its duty cycle with their shares of the time.
     /// What its joints have is empty or one for each: ratings, the four numbers of friction, play.
-    /// Tubes are pairs of a shaft and six dimensions, `drawn` the points of the drawing, flat,
+    /// Tubes are pairs of a shaft and six dimensions, `drawn` the driveline of the drawing,
     /// limits a kind, an item, a limit and a maximum.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call")]
@@ -100,7 +100,7 @@ impl NativeMachine {
         tubes: Vec<(usize, [f64; 6])>,
         spline: Option<SplineNumbers>,
         centres: Vec<f64>,
-        drawn: Vec<f64>,
+        drawn: CaseArrays<'py>,
         play: Vec<f64>,
         limits: Vec<(PyBackedStr, Option<usize>, f64, f64)>,
     ) -> PyResult<Self> {
@@ -122,7 +122,7 @@ impl NativeMachine {
             tubes: tubes.into_iter().map(tube).collect(),
             spline: spline.map(sliding),
             centres,
-            drawn: vectors(&drawn),
+            drawn: Some(cases(drawn)?),
             play,
         };
         let limit = |(name, item, limit, maximum): (PyBackedStr, _, _, _)| {

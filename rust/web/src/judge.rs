@@ -4,7 +4,7 @@ use cardan::design::tube::Round;
 use cardan::judge::{
     CaseLoads, Cases, Figure, Kind, LimitOf, Machine, Parts, Search, SlidingShaft, Variable,
 };
-use cardan::{Error, Execution, Result, Vector, check_length};
+use cardan::{Error, Execution, Result, check_length};
 
 use crate::arguments::{Arguments, Lines, LoadOf};
 
@@ -27,7 +27,7 @@ fn column(arguments: &Arguments<'_>, name: &'static str, count: usize) -> Result
     Ok(values.to_vec())
 }
 
-fn parts(arguments: &Arguments<'_>, joints: usize) -> Result<Parts> {
+fn parts(arguments: &Arguments<'_>) -> Result<Parts> {
     let worn = arguments.of("friction").len();
     let mut friction = vec![[0.0; 4]; worn];
     for (i, name) in ["friction", "pin_radius", "arm", "seal_torque"].into_iter().enumerate() {
@@ -62,10 +62,6 @@ fn parts(arguments: &Arguments<'_>, joints: usize) -> Result<Parts> {
             radius: unknown("spline_radius")?,
         })
     };
-    let drawn = arguments.finite("drawn")?;
-    if !drawn.is_empty() {
-        check_length("drawn", drawn.len(), joints + 2, 3)?;
-    }
     Ok(Parts {
         shares: arguments.finite("shares")?.to_vec(),
         ratings: arguments.of("ratings").to_vec(),
@@ -73,9 +69,27 @@ fn parts(arguments: &Arguments<'_>, joints: usize) -> Result<Parts> {
         tubes: shafts.iter().enumerate().map(tube).collect(),
         spline,
         centres: arguments.finite("centres")?.to_vec(),
-        drawn: drawn.chunks(3).map(Vector::from_column_slice).collect(),
+        drawn: drawn(arguments)?,
         play: arguments.of("play").to_vec(),
     })
+}
+
+/// The driveline of the drawing, if it is known.
+fn drawn(arguments: &Arguments<'_>) -> Result<Option<Cases>> {
+    if arguments.of("drawn_bends").is_empty() {
+        return Ok(None);
+    }
+    let line = arguments.drivelines([
+        "drawn_bends",
+        "drawn_twists",
+        "drawn_phases",
+        "drawn_directions",
+        "drawn_normals",
+        "drawn_lengths",
+        "drawn_positions",
+    ])?;
+    check_length("drawn_bends", line.count(), 1, 1)?;
+    cases(&line, &[], None).map(Some)
 }
 
 fn limits(arguments: &Arguments<'_>) -> Result<Vec<LimitOf>> {
@@ -112,7 +126,7 @@ fn machine(arguments: &Arguments<'_>) -> Result<Machine> {
         Some(cases(&steps, arguments.finite("step_speed")?, load)?)
     };
     let bearings = lines.batch.bearings.clone().unwrap_or_default();
-    let parts = parts(arguments, lines.joints)?;
+    let parts = parts(arguments)?;
     Machine::new(lines.joints, &bearings, states, steps, parts, &limits(arguments)?)
 }
 

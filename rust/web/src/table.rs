@@ -110,6 +110,16 @@ const STEPS: &[Field] = &fields!["step_",
     "acceleration" "rad/s²" "steps",
     "inertias" "kg m²" "inertias, steps",
 ];
+/// Likewise, of the one driveline of the drawing.
+const DRAWN: &[Field] = &fields!["drawn_",
+    "bends" "rad" "1, joints",
+    "twists" "rad" "1, joints - 1",
+    "phases" "rad" "1, joints - 1",
+    "directions" "1" "1, joints + 1, 3",
+    "normals" "1" "1, joints, 3",
+    "lengths" "m" "1, joints + 1",
+    "positions" "m" "1, bearings",
+];
 /// Empty where the machine does not have them.
 const PARTS: &[Field] = &[
     field("shares", "1", "steps"),
@@ -130,7 +140,6 @@ const PARTS: &[Field] = &[
     field("spline_friction", "1", ""),
     field("spline_radius", "m", ""),
     field("centres", "rad", "lines or 1"),
-    field("drawn", "m", "joints + 2, 3"),
     field("play", "rad", "joints"),
 ];
 /// The item of a limit is −1 if it is of all.
@@ -140,7 +149,7 @@ const LIMITS: &[Field] = &[
     field("limits", "of its kind", "limits"),
     field("maxima", "of its kind", "limits"),
 ];
-const MACHINE: [&[Field]; 8] = [JOINTS, CHAINS, FRAMES, MOUNTED, LOAD, STEPS, PARTS, LIMITS];
+const MACHINE: [&[Field]; 9] = [JOINTS, CHAINS, FRAMES, MOUNTED, LOAD, STEPS, DRAWN, PARTS, LIMITS];
 
 /// All functions. The number of one is its place.
 pub(crate) static FUNCTIONS: &[Function] = &[
@@ -393,6 +402,7 @@ pub(crate) static FUNCTIONS: &[Function] = &[
             MACHINE[5],
             MACHINE[6],
             MACHINE[7],
+            MACHINE[8],
             &[field("limited", "1", "")],
         ],
         results: &[
@@ -418,6 +428,7 @@ pub(crate) static FUNCTIONS: &[Function] = &[
             MACHINE[5],
             MACHINE[6],
             MACHINE[7],
+            MACHINE[8],
             &[
                 field("reach", "m", ""),
                 field("teeth", "1", "joints - 1"),

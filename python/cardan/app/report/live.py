@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,14 @@ from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.charts.drawing import views
+from cardan.app.scene.changes import given, pieces, sizes
 from cardan.app.scene.machine import machine_data, machine_of
 from cardan.design.machine import KINDS
 
 _MODULES = (
     "cardan.js",
+    "page/numbers.js",
+    "page/changes.js",
     "page/model.js",
     "page/drawing.js",
     "page/panel.js",
@@ -110,6 +114,13 @@ def live(answer: Answer) -> dict[str, Any] | None:
             "known_ratings": reach["ratings"],
         },
         "fixed": sorted(set_by_states(scene)),
+        "given": given(scene),
+        "source": {
+            "name": Path(scene.name).name,
+            "text": scene.text,
+            "pieces": pieces(scene),
+            "sizes": sizes(scene),
+        },
     }
     return {"data": data, "script": _script(), "module": _module()}
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.life import load_at
+from cardan.app.scene.sections.life import DutyCycle, load_at
 from cardan.design.machine import Machine
 
 
@@ -23,18 +23,12 @@ def machine_of(scene: Scene) -> Machine | None:
         load = scene.states.loads(load)
     speed = None if load else scene.speed
     machine = Machine(lines, load, limits=_limits(scene), speed=speed, drawn=scene.line)
-    sizes = scene.sizes.each if scene.sizes else ()
-    ratings = [size.rating if size.wears and size.rating else np.nan for size in sizes]
+    ratings = _ratings(scene)
     if duty := scene.duty:
-        # Of several states that have the same duty cycle, the one in which a joint fails first.
-        place = 0
-        if sizes and len(duty.line) > 1 and np.isfinite(ratings).any():
-            known = np.nan_to_num(ratings, nan=1e12)
-            life = duty.line.life(duty.load, rating=known, shares=duty.shares)
-            place = int(np.argmin(np.min(life.hours, axis=0)))
+        place = _place_of(duty, ratings)
         steps = load_at(duty.load, duty.line.shape, (place,))
         machine = machine.with_duty(duty.line[place], steps, duty.shares)
-    if sizes and duty:
+    if ratings and duty:
         machine = machine.with_ratings(ratings)
     if tubes := scene.tubes:
         # The stiffness of a tube is not judged.
@@ -49,6 +43,20 @@ def machine_of(scene: Scene) -> Machine | None:
     if column:
         machine = machine.with_steering(np.radians(column.centre_deg))
     return machine.with_play(play.radial, play.arm) if play else machine
+
+
+def _ratings(scene: Scene) -> list[float]:
+    sizes = scene.sizes.each if scene.sizes else ()
+    return [size.rating if size.wears and size.rating else np.nan for size in sizes]
+
+
+def _place_of(duty: DutyCycle, ratings: list[float]) -> int:
+    """Of several states that have the same duty cycle, the one in which a joint fails first."""
+    if len(duty.line) == 1 or not np.isfinite(ratings).any():
+        return 0
+    known = np.nan_to_num(ratings, nan=1e12)
+    life = duty.line.life(duty.load, rating=known, shares=duty.shares)
+    return int(np.argmin(np.min(life.hours, axis=0)))
 
 
 _METRES = {"mm": 1e-3, "m": 1.0}
@@ -114,8 +122,21 @@ def machine_data(scene: Scene) -> dict[str, Any] | None:
         unit, states = _METRES[scene.length_unit], scene.states
         each = [states.points(i) for i in range(states.count)] if states else [scene.points]
         data |= {"points": [np.asarray(points).tolist() for points in each], "unit": unit}
-        if "step_points" in data:
-            data["step_points"] = (np.array(data["step_points"]) / unit).tolist()
+        data["drawn_points"] = [scene.points.tolist()]
+        if scene.duty:
+            own = [scene.points if i is None else each[i] for i in states_of_steps(scene)]
+            data["step_points"] = [np.asarray(points).tolist() for points in own]
     if scene.states:
         data |= {"state_names": list(scene.states.names), "weights": scene.states.weights.tolist()}
     return {"title": scene.title, "teeth": list(scene.teeth), **data}
+
+
+def states_of_steps(scene: Scene) -> list[int | None]:
+    """The state of every step of the duty cycle; ``None`` is that of the drawing."""
+    duty, states = scene.duty, scene.states
+    if duty is None:
+        return []
+    if states and "states" in duty.values:
+        return [states.names.index(name) for name in duty.values["states"]]
+    place = _place_of(duty, _ratings(scene)) if len(duty.line) > 1 else None
+    return [place] * len(duty.names)

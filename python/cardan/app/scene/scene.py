@@ -196,6 +196,7 @@ class Scene:
         tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
         decimal_commas: line and text of lists that may have decimal commas.
+        text: what the file says.
     """
 
     name: str
@@ -238,6 +239,7 @@ class Scene:
     table_file: str | None = made_of(OUTPUT, "table")
     picture_file: str | None = made_of(OUTPUT, "picture")
     decimal_commas: tuple[tuple[int, str], ...] = ()
+    text: str = ""
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -342,7 +344,7 @@ class Scene:
             if section := own.metadata.get("section"):
                 whole, attribute = reading[section], own.metadata["attribute"]
                 made[own.name] = getattr(whole, attribute, None) if attribute else whole
-        made["decimal_commas"] = document.decimal_commas()
+        made |= {"decimal_commas": document.decimal_commas(), "text": document.text}
         return cls(document.name, reading.layout, **made)
 
     @property

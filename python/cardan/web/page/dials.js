@@ -5,7 +5,7 @@
  * @module dials
  */
 
-import { folded, numberText } from "./model.js";
+import { folded, numberText } from "./numbers.js";
 import { made } from "./panel.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -39,7 +39,7 @@ function path(name, kind, path, parent) {
  */
 const turned = (degrees) => {
   const size = `${numberText(Math.abs(degrees), TENTH)}°`;
-  return degrees ? `${size} ${degrees > 0 ? "clockwise" : "counter-clockwise"}` : size;
+  return Math.abs(degrees) >= TENTH.finest ? `${size} ${degrees > 0 ? "clockwise" : "counter-clockwise"}` : size;
 };
 
 /** A dial for each shaft between two joints. */
@@ -154,7 +154,7 @@ export class Dials {
       const [x, y] = at(phase, 17).split(" ");
       grip.setAttribute("cx", x);
       grip.setAttribute("cy", y);
-      const text = turned(Math.abs(phase) < TENTH.finest ? 0 : phase);
+      const text = turned(phase);
       value.textContent = text;
       value.dataset.path = `derived:phases_deg[${i}]`;
       value.dataset.value = String(phase);

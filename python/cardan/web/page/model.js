@@ -1,17 +1,16 @@
 // @ts-check
 /**
- * The machine of a page without its document: what has been moved, what the core says of it, and
- * numbers as people read them.
+ * The machine of a page without its document: what has been changed, and what the core says of it.
  *
  * @module model
  */
 
 import { CardanError } from "../cardan.js";
+import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf } from "./changes.js";
+import { ROUNDING, exact, folded, minus, numberText, settled, tidy, withUnit } from "./numbers.js";
 
-/**
- * With how many digits a kind of figure is shown, as `cardan.app.answers.rows.Digits`.
- * @typedef {{decimals: number | null, digits: number | null, apart: number | null, finest: number}} Digits
- */
+/** @typedef {import("./numbers.js").Digits} Digits */
+/** @typedef {import("./changes.js").Changes} Changes */
 
 /**
  * What the page calls a kind of figure, its unit, how many of that are one inside, and its digits.
@@ -38,6 +37,27 @@ import { CardanError } from "../cardan.js";
  * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
  * @property {Record<string, string>} here where the check has a kind of figure of one state
+ * @property {Given} given what the scene gives of what can be changed
+ * @property {{name: string, text: string, pieces: Piece[], sizes: Record<string, string>}} source the
+ *   file of the scene, where changes are written in it, and what it calls sizes of joints by rating
+ */
+
+/**
+ * What the scene gives, in the units of its file, as `cardan.app.scene.changes.given`.
+ * @typedef {object} Given
+ * @property {boolean} points whether the scene gives points
+ * @property {{value: number, factor: number, per: number}[]} bearings
+ * @property {Record<string, number[][][]>} turned by point, how every state turns it
+ * @property {(number | null)[]} steps the state of every step of the duty cycle
+ * @property {GivenLoad | null} speed
+ * @property {GivenLoad | null} torque
+ */
+
+/** @typedef {{value: number, key: string, unit: string, factor: number, columns: string[]}} GivenLoad */
+
+/**
+ * @typedef {{start: number, end: number, text: string, numbers: {start: number, end: number,
+ *   variable: string, item: number, axis: number | null}[]}} Piece
  */
 
 /**
@@ -58,29 +78,18 @@ import { CardanError } from "../cardan.js";
  */
 
 /**
- * By how much everything has been changed: points along each axis in mm, phases in degrees, bearings
- * along their shafts and the engaged length of the spline in mm; other ratings of joints in N m.
- * @typedef {{points: number[][], phases: number[], bearings: number[], engaged: number,
- *   ratings: (number | null)[]}} Changes
- */
-
-/**
  * A change that would help: by how much in mm or degrees, or the rating, the verdict after it, and
  * what is then worst.
  * @typedef {{variable: string, item: number, axis: number | null, by: number, verdict: string,
  *   left: string}} Suggestion
  */
 
-/** Values that differ by less than this share of their size differ by rounding only. */
-const ROUNDING = 1e-9;
-const MINUS = "\u2212";
 const JOINED_MS = 900;
 const DEGREE = Math.PI / 180;
 
 /** A machine that can be changed, with what was done to it. */
 export class Model {
   #base;
-  #nothing;
   #past = /** @type {{changes: Changes, what: string, time: number}[]} */ ([]);
   #future = /** @type {Changes[]} */ ([]);
   #before = /** @type {Changes | null} */ (null);
@@ -93,20 +102,12 @@ export class Model {
   constructor(cardan, sent) {
     this.sent = sent;
     this.#base = cardan.machine(sent.machine);
-    const { points, unit = 1, joints, bearings = [] } = sent.machine;
-    /** Whether the drawing has lengths, so that points can be moved. @type {boolean} */
-    this.movable = Boolean(points);
-    /** How many mm one unit of the points is. */
-    this.millimetres = 1e3 * unit;
-    this.#nothing = {
-      points: sent.points.map(() => [0, 0, 0]),
-      phases: Array(joints - 1).fill(0),
-      bearings: bearings.map(() => 0),
-      engaged: 0,
-      ratings: Array(joints).fill(null),
-    };
+    /** Whether the scene has points, so that they can be moved. @type {boolean} */
+    this.movable = Boolean(sent.given.points);
+    /** Everything that can be changed. */
+    this.changeable = changeable(sent);
     /** @type {Changes} */
-    this.changes = this.#nothing;
+    this.changes = {};
     this.machine = this.#base;
     /** What the figures are of. */
     this.#judged = { changes: this.changes, machine: this.machine };
@@ -123,7 +124,7 @@ export class Model {
 
   /** Whether nothing has been changed. */
   get isDrawn() {
-    return alike(this.changes, this.#nothing);
+    return !Object.keys(this.changes).length;
   }
 
   get canUndo() {
@@ -141,11 +142,10 @@ export class Model {
    * @returns {number[][]}
    */
   points(state, changes = this.changes) {
-    const { points, directions } = this.sent.machine;
+    const { points, unit = 1, directions } = this.sent.machine;
     if (points) {
-      return points[state].map((/** @type {number[]} */ p, /** @type {number} */ i) =>
-        p.map((x, axis) => this.millimetres * x + changes.points[i][axis]),
-      );
+      const line = this.movable ? movedLine(this.sent, changes, points[state], state) : points[state];
+      return line.map((/** @type {number[]} */ p) => p.map((x) => 1e3 * unit * x));
     }
     const line = [[0, 0, 0]];
     for (const along of directions[state]) {
@@ -156,7 +156,7 @@ export class Model {
 
   /** The points as sent. */
   get drawnPoints() {
-    return this.points(this.state, this.#nothing);
+    return this.points(this.state, {});
   }
 
   /**
@@ -166,7 +166,7 @@ export class Model {
   get phases() {
     const own = this.sent.machine.phases[this.state];
     return own.map((/** @type {number} */ phase, /** @type {number} */ i) =>
-      folded(tidy(phase / DEGREE) + this.changes.phases[i], 360),
+      folded(exact(phase / DEGREE) + byOf(this.changes, "phase", i + 1), 360),
     );
   }
 
@@ -195,11 +195,15 @@ export class Model {
    */
   place(point, to) {
     const now = this.points(this.state)[point];
-    const by = this.changes.points[point].map((move, axis) => {
-      const end = to[axis];
-      return end === null ? move : tidy(move + end - now[axis]);
+    const off = to.map((end, axis) => (end === null ? 0 : end - now[axis]));
+    const turn = this.sent.given.turned[point]?.[this.state];
+    let { changes } = this;
+    [0, 1, 2].forEach((axis) => {
+      // The transpose of a turn takes it back.
+      const by = turn ? off.reduce((sum, x, k) => sum + turn[k][axis] * x, 0) : off[axis];
+      changes = changed(changes, "point", point, axis, tidy(byOf(changes, "point", point, axis) + by));
     });
-    this.#take({ ...this.changes, points: replaced(this.changes.points, point, by) });
+    this.#take(changes);
   }
 
   /**
@@ -208,11 +212,45 @@ export class Model {
    */
   turn(to) {
     const now = this.phases;
-    const phases = this.changes.phases.map((by, i) => {
-      const end = to[i];
-      return end === null ? by : tidy(folded(by + end - now[i], 360));
+    let { changes } = this;
+    to.forEach((end, i) => {
+      if (end === null) return;
+      const by = byOf(changes, "phase", i + 1) + end - now[i];
+      changes = changed(changes, "phase", i + 1, null, tidy(folded(by, 360)));
     });
-    this.#take({ ...this.changes, phases });
+    this.#take(changes);
+  }
+
+  /**
+   * Set the torque or the speed of the scene, in its unit.
+   * @param {"torque" | "speed"} name
+   * @param {number} value
+   */
+  load(name, value) {
+    this.#take(changed(this.changes, name, 0, null, value, this.sent.given[name]?.value));
+  }
+
+  /** @param {"torque" | "speed"} name */
+  loadOf(name) {
+    return this.changes[`${name}.0`] ?? this.sent.given[name]?.value ?? NaN;
+  }
+
+  /**
+   * Move a bearing along its shaft.
+   * @param {number} bearing
+   * @param {number} to in mm from the upstream end of the shaft in the state shown
+   */
+  slide(bearing, to) {
+    const by = byOf(this.changes, "bearing", bearing) + to - 1e3 * this.part("positions", bearing);
+    this.#take(changed(this.changes, "bearing", bearing, null, tidy(by)));
+  }
+
+  /**
+   * By how much a point was moved in the state shown, in mm.
+   * @param {number} point
+   */
+  moved(point) {
+    return moved(this.sent, this.changes, point, this.state);
   }
 
   /**
@@ -234,22 +272,10 @@ export class Model {
    * @param {Suggestion} suggestion
    */
   apply({ variable, item, axis, by }) {
-    const { points, phases, bearings, engaged } = this.changes;
-    this.begin();
-    if (variable === "point" && axis !== null) {
-      const moved = replaced(points[item], axis, tidy(points[item][axis] + by));
-      this.#take({ ...this.changes, points: replaced(points, item, moved) });
-    } else if (variable === "phase") {
-      const turned = folded(phases[item - 1] + by, 360);
-      this.#take({ ...this.changes, phases: replaced(phases, item - 1, turned) });
-    } else if (variable === "bearing") {
-      this.#take({ ...this.changes, bearings: replaced(bearings, item, tidy(bearings[item] + by)) });
-    } else if (variable === "engaged") {
-      this.#take({ ...this.changes, engaged: tidy(engaged + by) });
-    } else if (variable === "rating") {
-      this.#take({ ...this.changes, ratings: replaced(this.changes.ratings, item, by) });
-    }
-    this.commit("suggestion");
+    const isSet = variable === "rating";
+    const size = isSet ? by : tidy(byOf(this.changes, variable, item, axis) + by);
+    const own = isSet ? this.sent.machine.ratings[item] : 0;
+    this.take(changed(this.changes, variable, item, axis, variable === "phase" ? folded(size, 360) : size, own));
   }
 
   /**
@@ -272,39 +298,33 @@ export class Model {
       });
   }
 
-  /**
-   * What has been changed, in words, with what it would be without.
-   * @returns {{words: string, without: Changes}[]}
-   */
+  /** What has been changed, in words, with what it would be without. */
   listed() {
-    const { changes } = this;
-    const none = this.#nothing;
-    const { kinds, points } = this.sent;
-    /** @type {{words: string, without: Changes}[]} */
-    const found = [];
-    changes.points.forEach((by, i) => {
-      by.forEach((x, axis) => {
-        if (!x) return;
-        const without = { ...changes, points: replaced(changes.points, i, replaced(by, axis, 0)) };
-        found.push({ words: `${points[i]} ${"xyz"[axis]} ${signed(x)} mm`, without });
-      });
-    });
-    changes.phases.forEach((by, i) => {
-      const without = { ...changes, phases: replaced(changes.phases, i, 0) };
-      if (by) found.push({ words: `phase of shaft ${i + 1} ${signed(by)}°`, without });
-    });
-    changes.bearings.forEach((by, i) => {
-      const without = { ...changes, bearings: replaced(changes.bearings, i, 0) };
-      if (by) found.push({ words: `bearing ${i} ${signed(by)} mm`, without });
-    });
-    const label = kinds.spline_engaged.label;
-    const without = { ...changes, engaged: none.engaged };
-    if (changes.engaged) found.push({ words: `${label} ${signed(changes.engaged)} mm`, without });
-    changes.ratings.forEach((rating, i) => {
-      const before = { ...changes, ratings: replaced(changes.ratings, i, null) };
-      if (rating !== null) found.push({ words: `joint ${i} ${asGiven(rating)} N m`, without: before });
-    });
-    return found;
+    return listed(this.sent, this.changes);
+  }
+
+  /** What stands behind the # of the page's address. */
+  get address() {
+    return addressOf(this.sent, this.changes, this.state);
+  }
+
+  /**
+   * Take what an address says, as one step; what it says wrongly changes nothing.
+   * @param {string} address
+   */
+  read(address) {
+    try {
+      const { changes, state } = readAddress(this.sent, address);
+      this.take(changes);
+      if (!this.refused) this.state = state;
+    } catch (error) {
+      this.refused = `The address cannot be read, so this is the scene as it was: ${/** @type {Error} */ (error).message}.`;
+    }
+  }
+
+  /** The file of the scene with what has been changed. */
+  get text() {
+    return textOf(this.sent, this.changes);
   }
 
   /**
@@ -339,36 +359,11 @@ export class Model {
 
   /** @param {Changes} changes */
   #changed(changes) {
-    const { machine: sent } = this.sent;
-    const none = this.#nothing;
-    /** @type {import("../cardan.js").MachineData} */
-    const data = {};
-    if (!alike(changes.points, none.points)) {
-      /** @type {(line: number[][], millimetres: number) => number[][]} */
-      const at = (line, millimetres) =>
-        line.map((p, i) => p.map((x, axis) => x + changes.points[i][axis] / millimetres));
-      data.points = sent.points.map((/** @type {number[][]} */ line) => at(line, this.millimetres));
-      if (sent.drawn && sent.drawn.length) data.drawn = at(sent.drawn, 1e3);
-      if (sent.step_points) {
-        data.step_points = sent.step_points.map((/** @type {number[][]} */ line) => at(line, this.millimetres));
-      }
-    }
-    /** @type {(name: string, by: number[], unit: number) => void} */
-    const shift = (name, by, unit) => {
-      for (const key of [name, `step_${name}`]) {
-        if (!sent[key]) continue;
-        data[key] = sent[key].map((/** @type {number[]} */ row) => row.map((x, i) => x + unit * by[i]));
-      }
-    };
-    if (!alike(changes.phases, none.phases)) shift("phases", changes.phases, DEGREE);
-    if (!alike(changes.bearings, none.bearings)) shift("positions", changes.bearings, 1e-3);
-    if (changes.engaged) data.engaged = sent.engaged + 1e-3 * changes.engaged;
-    if (!alike(changes.ratings, none.ratings)) {
-      data.ratings = sent.ratings.map(
-        (/** @type {number} */ own, /** @type {number} */ i) => changes.ratings[i] ?? own,
-      );
-    }
-    return Object.keys(data).length ? this.#base.with(data) : this.#base;
+    const { sent } = this;
+    const data = dataOf(sent, changes);
+    const machine = Object.keys(data).length ? this.#base.with(data) : this.#base;
+    const positions = positionsOf(sent, changes, (state, shaft) => partOf(machine, "lengths", state, shaft));
+    return positions ? machine.with({ positions }) : machine;
   }
 
   /** Give up a gesture. */
@@ -408,7 +403,7 @@ export class Model {
 
   /** Go back to the scene as sent; this can be undone. */
   reset() {
-    this.take(this.#nothing);
+    this.take({});
   }
 
   /**
@@ -443,9 +438,7 @@ export class Model {
    * @returns {number}
    */
   part(name, item) {
-    const values = this.machine.data[name];
-    if (Array.isArray(values)) return values[this.state][item];
-    return values[(this.state * values.length) / this.sent.states.length + item];
+    return partOf(this.machine, name, this.state, item);
   }
 
   /**
@@ -554,44 +547,10 @@ export class Model {
 }
 
 /**
- * A text with true minus signs.
- * @param {string} text
- */
-export const minus = (text) => text.replace(/(^| )-(?=[\d.])/g, `$1${MINUS}`);
-
-/**
  * @param {unknown} a
  * @param {unknown} b
  */
 const alike = (a, b) => JSON.stringify(a) === JSON.stringify(b);
-
-/**
- * A list with another value at a place.
- * @template T
- * @param {T[]} list
- * @param {number} place
- * @param {T} value
- */
-const replaced = (list, place, value) => list.map((own, i) => (i === place ? value : own));
-
-/**
- * An angle within half a period of 0.
- * @param {number} angle
- * @param {number} period
- */
-export const folded = (angle, period) => angle - period * Math.round(angle / period);
-
-/**
- * A change with its sign, to a tenth, or to what it is.
- * @param {number} number
- */
-export const signed = (number) => `${number < 0 ? MINUS : "+"}${Math.abs(number).toFixed(1)}`;
-
-/**
- * A length in mm without what a change of units or a subtraction adds.
- * @param {number} number
- */
-export const tidy = (number) => Math.round(1e6 * number) / 1e6;
 
 /** @param {ArrayLike<number>} values */
 function spread(values) {
@@ -612,69 +571,19 @@ function used(value, limit, most) {
   return use >= 0 && Number.isFinite(use) ? use : null;
 }
 
-/**
- * How much of a limit is used, in whole percent: 100 only of one that is used exactly.
- * @param {number} share
- */
-export function useText(share) {
-  let percent = Math.round(100 * share);
-  if (Math.abs(share - 1) > ROUNDING) percent = share < 1 ? Math.min(percent, 99) : Math.max(percent, 101);
-  return `${percent}%`;
-}
-
 /** @param {string} name of a state or step */
 const placeText = (name) => (/^\p{L}/u.test(name) ? `in ${name}` : `in “${minus(name)}”`);
 
 /**
- * A number, or 0 where it is mere rounding: finer than its kind, and than what it is told apart from.
- * @param {number} number in the unit that is shown
- * @param {Digits} rule
- * @param {number[]} apartFrom
+ * One number of the drivelines of a machine.
+ * @param {import("../cardan.js").Machine} machine
+ * @param {"bends" | "lengths" | "positions"} name
+ * @param {number} state
+ * @param {number} item
+ * @returns {number}
  */
-function settled(number, rule, apartFrom) {
-  const isTold = apartFrom.some((other) => other / number > 0 && other / number <= 1 + ROUNDING);
-  return Math.abs(number) < rule.finest && !isTold ? 0 : number;
+function partOf(machine, name, state, item) {
+  const values = machine.data[name];
+  if (Array.isArray(values)) return values[state][item];
+  return values[(state * values.length) / machine.states + item];
 }
-
-/** @param {string} text @param {SentKind} kind */
-function withUnit(text, kind) {
-  return ["", "°", "%"].includes(kind.unit) ? text + kind.unit : `${text} ${kind.unit}`;
-}
-
-/**
- * A number as `cardan.app.answers.printed.number_text` writes it, with a true minus sign.
- * @param {number} number in the unit that is shown
- * @param {Digits} rule
- * @param {number[]} apartFrom what it is told apart from
- */
-export function numberText(number, rule, apartFrom = []) {
-  return digitsOf(settled(number, rule, apartFrom), rule, apartFrom).replace(/^-/, MINUS);
-}
-
-/** @param {number} number @param {Digits} rule @param {number[]} apartFrom */
-function digitsOf(number, rule, apartFrom) {
-  if (Number.isNaN(number)) return "not known";
-  if (!Number.isFinite(number)) return "unlimited";
-  if (number === 0) return "0";
-  const others = [...apartFrom.filter(Number.isFinite), 0, ...(rule.apart === null ? [] : [rule.apart])];
-  for (const other of others) {
-    if (Math.abs(number - other) <= ROUNDING * Math.abs(other)) return asGiven(other);
-  }
-  const size = Math.floor(Math.log10(Math.abs(number)));
-  const isReadable = size >= -5 && size < 7;
-  const digits = rule.digits ?? 3;
-  const exponent = Number(number.toExponential(digits - 1).split("e")[1]);
-  const fewest = rule.decimals ?? Math.max(0, digits - 1 - exponent);
-  for (let more = 0; more < 15; more++) {
-    const text = isReadable ? number.toFixed(fewest + more) : number.toExponential(2 + more);
-    const shown = Number(text);
-    if (others.every((other) => Math.sign(shown - other) === Math.sign(number - other))) return text;
-  }
-  return String(number);
-}
-
-/**
- * All digits that someone gave.
- * @param {number} number
- */
-export const asGiven = (number) => String(Number(number.toPrecision(10)));

@@ -9,7 +9,8 @@
 import { Cardan } from "../cardan.js";
 import { Dials } from "./dials.js";
 import { Drawing, tenth } from "./drawing.js";
-import { Model, minus, tidy } from "./model.js";
+import { Model } from "./model.js";
+import { minus, tidy } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
@@ -130,7 +131,7 @@ function show(cardan, sent) {
     element("help").hidden = !model.movable;
     if (!selected) return;
     const point = model.points(model.state)[selected.point];
-    const by = model.changes.points[selected.point];
+    const by = model.moved(selected.point);
     const moved = by.map((x, axis) => (x ? `${"xyz"[axis]} ${x > 0 ? "+" : ""}${tenth(x)}` : ""));
     const words = point.map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(" \u00a0");
     const change = moved.filter(Boolean).join(", ");

@@ -5,7 +5,7 @@
  * @module panel
  */
 
-import { minus, useText } from "./model.js";
+import { minus, useText } from "./numbers.js";
 
 const MARKS = /** @type {Record<string, string[]>} */ ({
   within: ["M7 0a7 7 0 1 1 0 14A7 7 0 0 1 7 0z", "m4 7.2 2.2 2.2L10.2 5"],

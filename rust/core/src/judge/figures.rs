@@ -9,7 +9,7 @@ use crate::input::batch::check_bearings;
 use crate::judge::machine::{Arrays, Figured, LimitOf, Machine, SlidingShaft};
 use crate::judge::turned::{Group, joined};
 use crate::judge::{Kind, Limit, Look, Rank, Side, Stage};
-use crate::mechanics::geometry::{Geometry, Vector, length, lengths};
+use crate::mechanics::geometry::{Geometry, Vector, lengths};
 use crate::run::execution::Execution;
 
 /// One figure of a machine.
@@ -122,7 +122,7 @@ impl Machine {
             lines: self.cases.iter().map(|cases| cases.lines.clone()).collect(),
             ratings: self.parts.ratings.clone(),
             drawn: self.parts.spline.as_ref().map_or([0.0; 2], drawn),
-            column: self.column(&self.parts.drawn),
+            column: self.parts.drawn.as_ref().and_then(|drawn| self.column(&drawn.lines)),
             touched: &Stage::ALL,
             values: vec![f64::NAN; self.values()],
         }
@@ -171,17 +171,6 @@ impl Machine {
     fn closed(&self, variant: &mut Variant) {
         let Variant { lines, drawn, column, values, .. } = variant;
         let longest = |shaft: usize| longest(&lines[0][5], self.joints, shaft);
-        let critical: Vec<(usize, f64)> = self
-            .parts
-            .tubes
-            .iter()
-            .map(|&(shaft, mut round)| {
-                if round.length.is_nan() {
-                    round.length = longest(shaft);
-                }
-                (shaft, Tube::new(round).critical_speed)
-            })
-            .collect();
         for (group, cases) in self.cases.iter().enumerate() {
             let lines = Drivelines::from_arrays(lines[group].each_ref().map(Vec::as_slice));
             for case in 0..cases.count {
@@ -193,8 +182,15 @@ impl Machine {
                 put(Kind::Bend, &|joint| bends[joint]);
                 put(Kind::SpeedBend, &|joint| speed * bends[joint]);
                 put(Kind::CriticalMargin, &|shaft| {
-                    let tube = critical.iter().find(|tube| tube.0 == shaft);
-                    tube.map_or(f64::NAN, |tube| tube.1 / speed)
+                    let tube = self.parts.tubes.iter().find(|tube| tube.0 == shaft);
+                    tube.map_or(f64::NAN, |&(_, mut round)| {
+                        if round.length.is_nan() {
+                            // Steps that only turn the joints have no lengths of their own.
+                            let own = lines.lengths.get(case * (self.joints + 1) + shaft);
+                            round.length = own.copied().unwrap_or_else(|| longest(shaft));
+                        }
+                        Tube::new(round).critical_speed / speed
+                    })
                 });
                 if group > 0 {
                     continue;
@@ -261,12 +257,12 @@ impl Machine {
                         self.move_point(arrays, self.cases[group].count, (point, axis, by))?;
                     }
                 }
-                let mut drawn = self.parts.drawn.clone();
-                if let Some(moved) = drawn.get_mut(point) {
-                    moved[axis] += by;
-                    variant.column = self.column(&drawn);
+                if let Some(drawn) = self.parts.drawn.as_ref().filter(|drawn| drawn.has_lengths()) {
+                    let mut arrays = drawn.lines.clone();
+                    self.move_point(&mut arrays, 1, (point, axis, by))?;
+                    variant.column = self.column(&arrays);
                     if let Some(spline) = &self.parts.spline {
-                        variant.drawn[0] = length(&(drawn[spline.shaft + 1] - drawn[spline.shaft]));
+                        variant.drawn[0] = arrays[5][spline.shaft];
                     }
                 }
             }
@@ -305,13 +301,10 @@ impl Machine {
         Some(variant)
     }
 
-    /// The column of a drawing; none if it is not known or not possible.
-    fn column(&self, drawn: &[Vector]) -> Option<[Vector; 2]> {
-        if self.parts.centres.len() != 1 || drawn.is_empty() {
-            return None;
-        }
-        let line = Geometry::from_points(drawn, &vec![0.0; self.joints - 1]).ok()?;
-        Some([line.directions[0], line.normals[0]])
+    /// The column of a drawing, if one angle straight ahead is for that.
+    fn column(&self, drawn: &Arrays) -> Option<[Vector; 2]> {
+        let lines = Drivelines::from_arrays(drawn.each_ref().map(Vec::as_slice));
+        (self.parts.centres.len() == 1).then(|| lines.column(self.joints, 0))
     }
 
     /// Moves a point of every driveline along an axis; none if one of them cannot be so.

@@ -5,7 +5,6 @@ use crate::error::{Error, Result, Rule};
 use crate::input::batch::{Batch, check_length, check_shaft};
 use crate::input::{Angles, Drivelines, Load, Samples, Source};
 use crate::judge::{Kind, Limit, Scope, Side};
-use crate::mechanics::geometry::{Vector, length};
 use crate::plan::output::Per;
 use crate::plan::request::End;
 use crate::turns::rows::Rows;
@@ -138,16 +137,16 @@ pub struct Parts {
     /// each joint.
     pub friction: Vec<[f64; 4]>,
     /// Shafts that are tubes, and their sections. One whose length is NaN is as long as its shaft
-    /// in the longest state.
+    /// in each case.
     pub tubes: Vec<(usize, Round)>,
     /// The spline.
     pub spline: Option<SlidingShaft>,
     /// The drive angle straight ahead of a steering column in rad: in each state, or that of the
     /// drawing alone, from which the column carries its yoke along.
     pub centres: Vec<f64>,
-    /// Ends and joint centres of the drawing in m, which move as those of the states do. A spline
-    /// needs them; if they are not known, the first state is the drawing of a steering column.
-    pub drawn: Vec<Vector>,
+    /// The driveline of the drawing, whose points move as those of the states do. A spline needs its
+    /// lengths; if it is not known, the first state is the drawing of a steering column.
+    pub drawn: Option<Cases>,
     /// The play of the pins of each joint in their bearings over their arm, in rad.
     pub play: Vec<f64>,
 }
@@ -314,9 +313,10 @@ impl Machine {
         }
     }
 
-    /// The length of a shaft in the drawing.
+    /// The length of a shaft in the drawing; NaN where that is not known.
     pub(crate) fn drawn_length(&self, shaft: usize) -> f64 {
-        length(&(self.parts.drawn[shaft + 1] - self.parts.drawn[shaft]))
+        let lengths = self.parts.drawn.as_ref().map(|drawn| drawn.lines[5].as_slice());
+        lengths.and_then(|each| each.get(shaft)).copied().unwrap_or(f64::NAN)
     }
 
     /// The size of what is judged, of which rounding is a part where a limit is 0.
@@ -374,8 +374,8 @@ fn check_parts(joints: usize, cases: &[Cases], parts: &Parts) -> Result<()> {
     if parts.centres.len() != 1 {
         each("centre", parts.centres.len(), cases[0].count)?;
     }
-    if !parts.drawn.is_empty() {
-        check_length("drawn", parts.drawn.len(), joints + 2, 1)?;
+    if let Some(drawn) = &parts.drawn {
+        check_length("drawn", drawn.lines[0].len(), 1, joints)?;
     }
     check_length("shares", parts.shares.len(), cases.get(1).map_or(0, |steps| steps.count), 1)?;
     let all = |name, values: &[f64], rule: Rule, keeps: fn(f64) -> bool| {
@@ -396,7 +396,8 @@ fn check_parts(joints: usize, cases: &[Cases], parts: &Parts) -> Result<()> {
     }
     let spline = parts.spline.iter().map(|spline| spline.shaft);
     parts.tubes.iter().map(|tube| tube.0).chain(spline).try_for_each(|x| check_shaft(joints, x))?;
-    if parts.spline.is_some() && (!cases[0].has_lengths() || parts.drawn.is_empty()) {
+    let drawn = parts.drawn.as_ref().is_some_and(Cases::has_lengths);
+    if parts.spline.is_some() && !(drawn && cases[0].has_lengths()) {
         return Err(Error::new("spline", &[], "needs the lengths of the shafts"));
     }
     Ok(())

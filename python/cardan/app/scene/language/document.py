@@ -35,6 +35,7 @@ class Document:
         sections: values by section and key, each of the right kind.
         tables: the same of each table of the sections that may be given repeatedly.
         problems: what is wrong, one line each, if they are being gathered.
+        text: the file.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class Document:
         self.sections: dict[str, dict[str, Any]] = {}
         self.tables: dict[str, list[dict[str, Any]]] = {}
         self.problems: list[str] = []
-        self._text = text
+        self.text = text
         self._gather = gather
         self._document: dict[str, Any] = {}
         with self.within(""):
@@ -107,11 +108,11 @@ class Document:
     def decimal_commas(self) -> tuple[tuple[int, str], ...]:
         """Return line and text of lists in which commas with and without a blank are mixed."""
         return tuple(
-            (self._text.count("\n", 0, found.start()) + 1, found[0])
-            for found in _LIST_OF_NUMBERS.finditer(self._text)
+            (self.text.count("\n", 0, found.start()) + 1, found[0])
+            for found in _LIST_OF_NUMBERS.finditer(self.text)
             if re.search(r"\d,\d", found[0])
             and re.search(r",[ \t]", found[0])
-            and "#" not in self._text[: found.start()].rpartition("\n")[2]
+            and "#" not in self.text[: found.start()].rpartition("\n")[2]
         )
 
     @contextmanager
@@ -140,7 +141,7 @@ class Document:
         or more than one could be meant.
         """
         # In strings of several lines anything could look like a key.
-        if '"""' in self._text or "'''" in self._text:
+        if '"""' in self.text or "'''" in self.text:
             return None
         target = f"{section}.{key}" if section else key
         lines = self._keys_by_line()
@@ -163,7 +164,7 @@ class Document:
         """
         found, section = [], ""
         tables: Counter[str] = Counter()
-        for number, line in enumerate(self._text.split("\n"), start=1):
+        for number, line in enumerate(self.text.split("\n"), start=1):
             if header := re.match(r"\s*\[(\[?)\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
                 section = name = _path(header[2])
                 if header[1] and name in self.format and self.format[name].repeated:

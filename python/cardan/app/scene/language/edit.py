@@ -33,11 +33,13 @@ class Span:
 class Map:
     """Where values stand by dotted path, section first, and where sections with a heading end.
 
-    Of repeated sections the path has their number: ``"bearing.0.position_mm"``.
+    Of repeated sections the path has their number: ``"bearing.0.position_mm"``. ``wholes`` are keys
+    with their values.
     """
 
     values: dict[str, Span] = field(default_factory=dict)
     ends: dict[str, int] = field(default_factory=dict)
+    wholes: dict[str, Span] = field(default_factory=dict)
 
 
 def map_of(text: str) -> Map:
@@ -53,9 +55,11 @@ def map_of(text: str) -> Map:
             else:
                 found.ends[section] = at
         else:
+            start = at
             names, at = _key(text, at)
             path = ".".join([section, *names] if section else names)
             at = _value(text, at, path, found.values)
+            found.wholes[path] = Span(start, at)
             if section in found.ends:
                 found.ends[section] = _line_end(text, at)
         at = _SPACES.match(text, at).end()  # type: ignore[union-attr]

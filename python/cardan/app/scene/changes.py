@@ -1,0 +1,226 @@
+"""What a page can change in a scene: what is given, and where the text of the scene says it.
+
+A changed scene is its text with other numbers, all else as it stands. The page holds pieces of the
+text; where something of a piece has changed, it writes the piece with its new numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from cardan.app.scene.language.edit import Map, Span, map_of
+from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.machine import states_of_steps
+from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.bearing import Bearing
+from cardan.app.scene.sections.life import gives
+from cardan.app.scene.sections.load import LOAD, TORQUES
+from cardan.app.scene.study.axes import Axis
+from cardan.arrays import FloatArray
+
+_SPEEDS = ("speed_rpm", "speed_rad_s")
+
+Changed = tuple[str, int, int | None]
+"""What a number is of: the variable, its item, and of a point the axis."""
+
+
+def given(scene: Scene) -> dict[str, Any]:
+    """Return what the scene gives of what a page can change, in the units of its file.
+
+    ``turned`` has matrices for points that states turn, and ``steps`` the state of every step.
+    ``factor`` brings a value to SI. By ``per`` it changes when a bearing moves downstream by one
+    millimetre. ``columns`` are those of the machine's data that it sets.
+    """
+    bearings = scene.layout.mounting.bearings if scene.layout else ()
+    return {
+        "points": scene.points is not None,
+        "bearings": [
+            {"value": each.value, "factor": each.factor, "per": _per_mm(each)} for each in bearings
+        ],
+        "turned": _turned(scene),
+        "steps": states_of_steps(scene),
+        "speed": _of_load(scene, _SPEEDS, "speed"),
+        "torque": _of_load(scene, TORQUES, "torque"),
+    }
+
+
+def _turned(scene: Scene) -> dict[int, list[list[list[float]]]]:
+    """How every state turns what is added to a point, for points that states turn."""
+    found: dict[int, FloatArray] = {}
+    for axis in scene.states.axes if scene.states else ():
+        if not axis.rotation:
+            continue
+        turn = axis.rotation._replace(about=np.zeros(3))
+        angles = np.radians(axis.values)
+        for point, _ in axis.entries(scene.line.n_joints + 2):
+            before = found.get(point, np.broadcast_to(np.eye(3), (len(angles), 3, 3)))
+            # Rotation.of turns rows; columns are what the unit vectors become.
+            rows = turn.of(np.swapaxes(before, 1, 2), angles[:, np.newaxis, np.newaxis])
+            found[point] = np.swapaxes(rows, 1, 2)
+    return {point: turn.tolist() for point, turn in found.items()}
+
+
+def _per_mm(bearing: Bearing) -> float:
+    size = 1.0 if bearing.unit == "mm" else 1e-3
+    return -size if bearing.key.startswith("from_end") else size
+
+
+def _of_load(scene: Scene, keys: tuple[str, ...], what: Any) -> dict[str, Any] | None:  # noqa: ANN401
+    """The speed or the torque of [load], unless it differs from state to state."""
+    load = scene.layout.load if scene.layout else None
+    key = next((key for key in keys if load and key in load), None)
+    varied = {axis.name for axis in scene.states.axes} if scene.states else set()
+    if load is None or key is None or key in varied:
+        return None
+    follows = scene.duty is not None and not gives(scene.duty.values, what)
+    return {
+        "value": load[key],
+        "key": key,
+        "unit": ENDINGS[split(key)[1]].symbol,
+        "factor": LOAD.keys[key].factor,
+        "columns": [what, *([f"step_{what}"] if follows else [])],
+    }
+
+
+def pieces(scene: Scene) -> list[dict[str, Any]]:
+    """Return the pieces of the scene's text in which changes are written, in their order.
+
+    A piece replaces ``text[start:end]``. Its ``text`` is what stands there, or the same in a form
+    that has a place for every number. ``numbers`` are these places with what they are of. What the
+    text has no place for, such as a point that a file of another form gives, is in no piece.
+    """
+    known = map_of(scene.text)
+    found = [*_points(scene, known), *_phases(scene, known), *_others(scene, known)]
+    return sorted(found, key=lambda piece: int(piece["start"]))
+
+
+def _points(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
+    name = f"points_{scene.length_unit}"
+    for point, row in enumerate(_items(known, f"driveline.{name}")):
+        for number, span in enumerate(row.items):
+            yield _piece(scene.text, span, [(span, ("point", point, number))])
+    for axis in _set_by_states(scene, name):
+        points = sorted(point for point, _ in axis.entries(scene.line.n_joints + 2))
+        yield from _of_states(scene, known, axis, [("point", i, axis.component) for i in points])
+
+
+def _phases(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
+    count, path = scene.line.n_joints - 1, "driveline.phases_deg"
+    each: list[Changed] = [("phase", shaft + 1, None) for shaft in range(count)]
+    if path in known.values:
+        yield from _listed(scene.text, known.values[path], each)
+    elif count and "driveline" in known.ends:
+        end = known.ends["driveline"]
+        yield _written("\nphases_deg = ", ["0"] * count, each, (end, end))
+    for axis in _set_by_states(scene, "phases_deg"):
+        shafts = sorted(entry + 1 for entry, _ in axis.entries(count))
+        yield from _of_states(scene, known, axis, [("phase", shaft, None) for shaft in shafts])
+
+
+def _others(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
+    own = given(scene)
+    paths: dict[str, Changed] = {"slip.engaged_mm": ("engaged", 0, None)}
+    for name in ("speed", "torque"):
+        if own[name]:
+            paths[f"load.{own[name]['key']}"] = (name, 0, None)
+    for number, bearing in enumerate(scene.layout.mounting.bearings if scene.layout else ()):
+        paths[f"bearing.{number}.{bearing.key}"] = ("bearing", number, None)
+    for path, of in paths.items():
+        if span := known.values.get(path):
+            yield _piece(scene.text, span, [(span, of)])
+    if scene.sizes and (span := known.values.get("joints.size")):
+        joints: list[Changed] = [("rating", joint, None) for joint in range(scene.line.n_joints)]
+        yield from _listed(scene.text, span, joints)
+
+
+def _set_by_states(scene: Scene, name: str) -> list[Axis]:
+    axes = scene.states.axes if scene.states else ()
+    return [each for each in axes if each.name == name and not each.is_added and not each.rotation]
+
+
+def _of_states(
+    scene: Scene, known: Map, axis: Axis, each: list[Changed]
+) -> Iterator[dict[str, Any]]:
+    """What the states set: the values of one entry, or of several that have them in common."""
+    path = f"states.{axis.key}"
+    spans = _items(known, path)
+    if not spans:
+        spans = tuple(
+            known.values[key] for key in (f"{path}.from", f"{path}.to") if key in known.values
+        )
+    if len(each) == 1:
+        yield from (_piece(scene.text, span, [(span, each[0])]) for span in spans)
+        return
+    # Entries that move apart need a line each.
+    whole = known.wholes.get(path)
+    key = _RANGE.search(scene.text, whole.start, spans[0].start) if whole and spans else None
+    if not whole or not key:
+        return
+    before, after = scene.text[whole.start : key.start()], scene.text[key.end() : whole.end]
+    text, numbers = "", list[dict[str, Any]]()
+    for of in each:
+        entry = of[1] - (1 if of[0] == "phase" else 0)
+        text += f"{chr(10) if text else ''}{before}{entry}"
+        off = len(text) - key.end()
+        numbers += [_number(Span(span.start + off, span.end + off), of) for span in spans]
+        text += after
+    yield {"start": whole.start, "end": whole.end, "text": text, "numbers": numbers}
+
+
+_RANGE = re.compile(r"(?<=\.)\d*-\d*(?=[.\s=\"'])")
+
+
+def _listed(text: str, span: Span, each: list[Changed]) -> Iterator[dict[str, Any]]:
+    """A value for each item, or one for all of them."""
+    if len(span.items) == len(each):
+        for item, of in zip(span.items, each, strict=True):
+            yield _piece(text, item, [(item, of)])
+    elif not span.items and len(each) == 1:
+        yield _piece(text, span, [(span, each[0])])
+    elif not span.items:
+        yield _written("", [text[span.start : span.end]] * len(each), each, (span.start, span.end))
+
+
+def _written(
+    before: str, values: Iterable[str], each: Iterable[Changed], ends: tuple[int, int]
+) -> dict[str, Any]:
+    """A piece with a list of values."""
+    text = f"{before}["
+    numbers: list[dict[str, Any]] = []
+    for value, of in zip(values, each, strict=True):
+        text += ", " if numbers else ""
+        numbers.append(_number(Span(len(text), len(text) + len(value)), of))
+        text += value
+    return {"start": ends[0], "end": ends[1], "text": f"{text}]", "numbers": numbers}
+
+
+def _piece(text: str, span: Span, numbers: Iterable[tuple[Span, Changed]]) -> dict[str, Any]:
+    """A piece of the text as it stands."""
+    at = span.start
+    return {
+        "start": at,
+        "end": span.end,
+        "text": text[at : span.end],
+        "numbers": [_number(Span(own.start - at, own.end - at), of) for own, of in numbers],
+    }
+
+
+def _number(span: Span, of: Changed) -> dict[str, Any]:
+    variable, item, axis = of
+    return {"start": span.start, "end": span.end, "variable": variable, "item": item, "axis": axis}
+
+
+def _items(known: Map, path: str) -> tuple[Span, ...]:
+    span = known.values.get(path)
+    return span.items if span else ()
+
+
+def sizes(scene: Scene) -> dict[str, str]:
+    """Return what the text calls the sizes of the joints, by their rating in N m."""
+    table = scene.sizes.table if scene.sizes else ()
+    return {f"{size.rating:g}": json.dumps(size.name) for size in table if size.rating}
