@@ -705,6 +705,132 @@ def place(browser: webdriver.Chrome, point: int) -> list[float]:
     return [float(x) for x in found]
 
 
+def field(browser: webdriver.Chrome, label: str) -> WebElement:
+    return browser.find_element(By.CSS_SELECTOR, f"input[aria-label^='{label},']")
+
+
+@in_browser
+def test_numbers_are_typed_stepped_and_dragged(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Coordinates, torque and speed; what is no number is refused and loses nothing."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    handle(browser, 2).send_keys(Keys.ARROW_RIGHT)
+    settled(browser)
+    y = field(browser, "y")
+    assert y.get_attribute("value") == "\u221246.0"
+    y.click()
+    y.send_keys(Keys.CONTROL + "a")
+    y.send_keys("-70,5" + Keys.ENTER)
+    assert place(browser, 2) == [1651.0, -70.5, 0.0]
+    y.send_keys(Keys.ARROW_UP + Keys.SHIFT + Keys.ARROW_UP)
+    assert place(browser, 2) == [1651.0, -59.5, 0.0]
+    for text, words in (("12x", "is no number"), ("1e9", "must be within"), ("", "is no number")):
+        y.send_keys(Keys.CONTROL + "a" + Keys.NULL)
+        y.send_keys((text or Keys.BACKSPACE) + Keys.ENTER)
+        assert words in browser.find_element(By.ID, "live-refused").text
+        assert y.get_attribute("value") == "\u221259.5"
+        assert place(browser, 2) == [1651.0, -59.5, 0.0]
+    torque = field(browser, "torque")
+    browser.execute_script("document.activeElement.blur()")
+    ActionChains(browser).drag_and_drop_by_offset(torque, 30, 0).perform()
+    assert js(browser, "return cardanPage.model.loadOf('torque')") == 1600.0
+    speed = field(browser, "speed")
+    speed.click()
+    speed.send_keys(Keys.ARROW_DOWN)
+    settled(browser)
+    changed = {
+        "[1650, -46, 0]": "[1651, -59.5, 0]",
+        "speed_rpm = 2200\n": "speed_rpm = 2190\n",
+        "output_torque_Nm = 1500\n": "output_torque_Nm = 1600\n",
+    }
+    text = TRUCK.read_text(encoding="utf-8")
+    for old, new in changed.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    data = check_data(Answer(Scene.parse(without_slow_parts(text))))
+    for path, value, _ in figures(browser):
+        assert value == at(data, path), path
+    assert saved(browser) == ["truck-shaft.toml", text]
+
+
+def saved(browser: webdriver.Chrome) -> list[str]:
+    """Name and text of the file that the page lets the browser save."""
+    script = """const [done] = arguments;
+    URL.createObjectURL = (blob) => { window.blob = blob; return "#"; };
+    HTMLAnchorElement.prototype.click = function () {
+        window.blob.text().then((text) => done([this.download, text]));
+    };
+    document.getElementById("live-save").click();"""
+    found = browser.execute_async_script(script)
+    return [str(each) for each in found]
+
+
+@in_browser
+def test_bearings_are_moved_along_their_shafts(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    bearing = browser.find_element(By.CSS_SELECTOR, ".handle[data-bearing='2'][data-view='1']")
+    position = "return 1e3 * cardanPage.model.part('positions', 2)"
+    ActionChains(browser).drag_and_drop_by_offset(bearing, -30, 6).perform()
+    scale = js(browser, "return cardanPage.drawing.scale")
+    assert abs(js(browser, position) - (1150.0 - 30.0 / scale)) <= 2.0
+    browser.find_element(By.ID, "live-undo").click()
+    bearing.send_keys(Keys.SHIFT + Keys.ARROW_LEFT)
+    settled(browser)
+    assert js(browser, position) == pytest.approx(1140.0, abs=1e-9)
+    assert field(browser, "from the upstream end of shaft 1").get_attribute("value") == "1140.0"
+    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert change.text.startswith("bearing 2 \u221210.0 mm")
+    text = TRUCK.read_text(encoding="utf-8").replace("position_mm = 1150", "position_mm = 1140")
+    assert saved(browser)[1] == text
+
+
+@in_browser
+def test_a_link_carries_what_was_changed(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """The address follows; opened again it shows the same; a mistake in it shows the scene."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
+    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
+    settled(browser)
+    address = browser.current_url
+    assert address.endswith("#point.2.y=-21&state=%2B80+mm")
+    shown = figures(browser)
+    browser.get("about:blank")
+    browser.get(address)
+    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows li")
+    assert figures(browser) == shown
+    js(browser, "location.hash = '#point.2.y=-24'")
+    settled(browser)
+    assert place(browser, 2)[1] == -70.0
+    js(browser, "location.hash = '#point.7.y=-24'")
+    settled(browser)
+    assert "nothing called" in browser.find_element(By.ID, "live-refused").text
+    assert place(browser, 2)[1] == -70.0
+
+
+@in_browser
+def test_a_turn_plays_until_it_is_stopped(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    angle, play = (browser.find_element(By.ID, f"live-{name}") for name in ("angle", "play"))
+    js(browser, "arguments[0].click()", play)
+    for _ in range(5):
+        settled(browser)
+    assert play.text == "Stop"
+    turned = float(str(angle.get_property("value")))
+    assert turned != 40.0
+    js(browser, "arguments[0].click()", play)
+    settled(browser)
+    stopped = angle.get_property("value")
+    settled(browser)
+    assert angle.get_property("value") == stopped
+
+
 @in_browser
 def test_what_makes_no_driveline_is_refused(
     browser: webdriver.Chrome, answered: Answers, tmp_path: Path

@@ -30,6 +30,9 @@ _MODULES = (
     "page/drawing.js",
     "page/panel.js",
     "page/dials.js",
+    "page/fields.js",
+    "page/editing.js",
+    "page/sharing.js",
     "page/page.js",
 )
 

@@ -53,7 +53,8 @@ const between = (a, b, share) => a.map((x, i) => x + share * (b[i] - x));
 
 /**
  * @typedef {object} Handle
- * @property {number} point
+ * @property {"point" | "bearing"} kind
+ * @property {number} item
  * @property {number} view
  * @property {Element} element
  * @property {number[]} at in px
@@ -118,22 +119,31 @@ export class Drawing {
         return [name, drawn("text", { class: "big" }, group)];
       }),
       forces: number ? [] : many(sent.machine.bearings ?? [], "text", "force"),
+      /** Where bearings are. @type {number[][]} */
+      centres: [],
       zero: [0, 0],
     };
-    if (movable) sent.points.forEach((_, point) => this.handles.push(this.#handle(point, number, group)));
+    sent.given.bearings.forEach((_, i) => this.#handle("bearing", i, `bearing ${i}`, number, group));
+    if (movable) sent.points.forEach((name, i) => this.#handle("point", i, name, number, group));
     return own;
   }
 
-  /** @param {number} point @param {number} view @param {Element} group */
-  #handle(point, view, group) {
-    const { points, views } = this.model.sent;
-    const label = `${points[point]}, ${views[view].name.split(":")[0].toLowerCase()}`;
+  /**
+   * @param {"point" | "bearing"} kind
+   * @param {number} item
+   * @param {string} name
+   * @param {number} view
+   * @param {Element} group
+   */
+  #handle(kind, item, name, view, group) {
+    const label = `${name}, ${this.model.sent.views[view].name.split(":")[0].toLowerCase()}`;
     const element = drawn("g", { class: "handle", tabindex: "0", role: "slider", "aria-label": label }, group);
-    put(element, { "aria-orientation": "vertical", "data-point": String(point), "data-view": String(view) });
+    const orientation = kind === "point" ? "vertical" : "horizontal";
+    put(element, { "aria-orientation": orientation, [`data-${kind}`]: String(item), "data-view": String(view) });
     drawn("circle", { class: "hit", r: 20 }, element);
     drawn("circle", { class: "ring", r: 11 }, element);
-    drawn("circle", { class: "knob", r: 5 }, element);
-    return { point, view, element, at: [0, 0] };
+    drawn("circle", { class: "knob", r: kind === "point" ? 5 : 3 }, element);
+    this.handles.push({ kind, item, view, element, at: [0, 0] });
   }
 
   /**
@@ -158,6 +168,21 @@ export class Drawing {
     return [0, 1, 2].map((i) =>
       axes.right[i] ? right * axes.right[i] : axes.down[i] ? down * axes.down[i] : null,
     );
+  }
+
+  /**
+   * How far from the upstream end of its shaft a bearing would be that a handle shows there, in mm.
+   * @param {Handle} handle
+   * @param {number[]} at in px
+   */
+  positionOf(handle, at) {
+    const { model } = this;
+    const shaft = model.sent.machine.bearings[handle.item];
+    const points = model.points(model.state);
+    const [first, last] = [points[shaft], points[shaft + 1]].map((point) => this.#at(handle.view, point));
+    const along = last.map((x, i) => x - first[i]);
+    const share = product(at.map((x, i) => x - first[i]), along) / product(along, along);
+    return 1e3 * model.part("lengths", shaft) * share;
   }
 
   /**
@@ -220,7 +245,7 @@ export class Drawing {
       this.#names(view, points.map(at));
       for (const handle of this.handles) {
         if (handle.view !== number) continue;
-        handle.at = at(points[handle.point]);
+        handle.at = handle.kind === "point" ? at(points[handle.item]) : view.centres[handle.item];
         put(handle.element, {
           transform: `translate(${handle.at.map((x) => x.toFixed(1)).join(" ")})`,
           class: handle === this.selected ? "handle on" : "handle",
@@ -241,11 +266,14 @@ export class Drawing {
    * @param {string} verdict
    */
   speak(verdict) {
-    const points = this.model.points(this.model.state);
-    for (const { element, point, view } of this.handles) {
+    const { model } = this;
+    const points = model.points(model.state);
+    for (const { element, kind, item, view } of this.handles) {
       const down = this.views[view].axes.down.findIndex((each) => each !== 0);
-      const words = points[point].map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(", ");
-      put(element, { "aria-valuenow": String(points[point][down]), "aria-valuetext": `${words} mm; ${verdict}` });
+      const now = kind === "point" ? points[item][down] : 1e3 * model.part("positions", item);
+      const words =
+        kind === "point" ? points[item].map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(", ") : tenth(now);
+      put(element, { "aria-valuenow": String(now), "aria-valuetext": `${words} mm; ${verdict}` });
     }
   }
 
@@ -322,6 +350,7 @@ export class Drawing {
       const [first, last] = [at(points[shaft]), at(points[shaft + 1])];
       const share = this.model.part("positions", bearing) / this.model.part("lengths", shaft);
       const centre = between(first, last, share);
+      view.centres[bearing] = centre;
       const far = Math.hypot(last[0] - first[0], last[1] - first[1]) || 1;
       const [dx, dy] = [(last[0] - first[0]) / far, (last[1] - first[1]) / far];
       const [radius, w] = [this.#radius(shaft), 4.5];

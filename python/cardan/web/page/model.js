@@ -246,6 +246,14 @@ export class Model {
   }
 
   /**
+   * By how much a bearing was moved along its shaft, in mm.
+   * @param {number} bearing
+   */
+  slid(bearing) {
+    return byOf(this.changes, "bearing", bearing);
+  }
+
+  /**
    * By how much a point was moved in the state shown, in mm.
    * @param {number} point
    */

@@ -8,20 +8,20 @@
 
 import { Cardan } from "../cardan.js";
 import { Dials } from "./dials.js";
-import { Drawing, tenth } from "./drawing.js";
+import { Drawing } from "./drawing.js";
+import { Editing } from "./editing.js";
+import { Field } from "./fields.js";
 import { Model } from "./model.js";
-import { minus, tidy } from "./numbers.js";
+import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
+import { copy, note, save } from "./sharing.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
-const REACH = { mouse: 20, touch: 30 }; // px
-const KEYS = /** @type {Record<string, number[]>} */ ({
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, -1],
-  ArrowDown: [0, 1],
-});
+const TURN_MS = 6000; // of a turn that plays
+const LENGTH = { decimals: 1, digits: null, apart: null, finest: 1e-6 };
+const GIVEN = { decimals: null, digits: 4, apart: null, finest: 0 };
+const MOST_MM = 1e6; // a coordinate, which no driveline has
 
 /** @param {string} name */
 const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`live-${name}`));
@@ -43,24 +43,32 @@ function show(cardan, sent) {
     ask();
     settle();
   });
-  const dials = new Dials(element("dials"), model, {
+  /** Whether dials or fields are being moved. */
+  let isGoing = false;
+  const told = {
+    begin: () => model.begin(),
     moved: () => {
-      isTurning = true;
+      isGoing = true;
       ask();
     },
+    /** @param {string} what @param {number} [time] */
     done: (what, time) => {
-      isTurning = false;
+      isGoing = false;
       model.commit(what, time);
       settle();
     },
-  });
-  let isTurning = false;
+    /** @param {string} words */
+    refuse: (words) => {
+      model.refused = words;
+      about();
+    },
+  };
+  const dials = new Dials(element("dials"), model, told);
+  const loads = loadsOf(model, told);
   let search = 0;
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
   let frame = 0;
-  /** @type {{handle: import("./drawing.js").Handle, off: number[]} | null} */
-  let drag = null;
   const times = /** @type {number[]} */ ([]);
 
   const ask = () => {
@@ -75,11 +83,11 @@ function show(cardan, sent) {
     about();
     times.push(performance.now() - start);
     // The browser paints the drawing before the next task.
-    if ((drag || isTurning) && ++passed >= every) setTimeout(follow);
+    if ((editing.isDragging || isGoing) && ++passed >= every) setTimeout(follow);
   };
 
   const follow = () => {
-    if (!drag && !isTurning) return;
+    if (!editing.isDragging && !isGoing) return;
     passed = 0;
     const start = performance.now();
     model.compute(false);
@@ -103,6 +111,7 @@ function show(cardan, sent) {
     button("undo").disabled = !model.canUndo;
     button("redo").disabled = !model.canRedo;
     button("drawn").disabled = model.isDrawn;
+    note(model.address);
     dials.show();
     dials.mark();
     panel.list((changes) => {
@@ -116,106 +125,27 @@ function show(cardan, sent) {
 
   /** What would help, which takes too long for a frame. */
   const help = () => {
-    if (drag || isTurning) return;
+    if (editing.isDragging || isGoing) return;
     panel.offer(model.suggest(), (suggestion) => {
       model.apply(suggestion);
       settle();
     });
   };
 
+  const editing = new Editing(drawing, { select: ask, moved: ask, done: () => settle(), stepped: () => settleSoon() });
+  const places = placesOf(model, told);
+
   /** What is selected, where it is and how far it was moved. */
   const about = () => {
-    const { selected } = drawing;
     const refused = element("refused");
     if (refused.textContent !== model.refused) refused.textContent = model.refused;
-    element("help").hidden = !model.movable;
-    if (!selected) return;
-    const point = model.points(model.state)[selected.point];
-    const by = model.moved(selected.point);
-    const moved = by.map((x, axis) => (x ? `${"xyz"[axis]} ${x > 0 ? "+" : ""}${tenth(x)}` : ""));
-    const words = point.map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(" \u00a0");
-    const change = moved.filter(Boolean).join(", ");
-    element("selected").textContent = `${sent.points[selected.point]} \u00a0${words} mm`;
-    element("moved").textContent = change ? `moved ${change} mm` : "";
+    element("help").hidden = !drawing.handles.length;
+    places(drawing.selected);
+    for (const field of loads) field.show();
   };
 
   /** @param {string} name */
   const button = (name) => /** @type {HTMLButtonElement} */ (element(name));
-
-  /** @param {PointerEvent} event */
-  const placeIn = (event) => {
-    const box = svg.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
-
-  svg.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
-    const at = placeIn(event);
-    const handle = drawing.nearest(at, event.pointerType === "touch" ? REACH.touch : REACH.mouse);
-    if (!handle) return;
-    event.preventDefault();
-    svg.setPointerCapture(event.pointerId);
-    drawing.selected = handle;
-    /** @type {SVGGElement} */ (handle.element).focus({ preventScroll: true });
-    drag = { handle, off: at.map((x, i) => handle.at[i] - x) };
-    model.begin();
-    svg.classList.add("dragging");
-    ask();
-  });
-
-  svg.addEventListener("pointermove", (event) => {
-    if (!drag) return;
-    const { handle, off } = drag;
-    const own = model.points(model.state)[handle.point];
-    const wanted = drawing.placeOf(handle, placeIn(event).map((x, i) => x + off[i]));
-    // A coordinate that the pointer has not left keeps its tenths.
-    const to = wanted.map((x, axis) => (x === null || Math.abs(x - own[axis]) < 0.5 ? null : Math.round(x)));
-    model.place(handle.point, to);
-    ask();
-  });
-
-  const release = () => {
-    if (!drag) return;
-    model.commit(`move ${drag.handle.point}`);
-    drag = null;
-    svg.classList.remove("dragging");
-    settle();
-  };
-  svg.addEventListener("pointerup", release);
-  svg.addEventListener("pointercancel", () => giveUp());
-
-  const giveUp = () => {
-    if (!drag) return;
-    drag = null;
-    svg.classList.remove("dragging");
-    model.cancel();
-    settle();
-  };
-
-  for (const handle of drawing.handles) {
-    handle.element.addEventListener("focus", () => {
-      drawing.selected = handle;
-      ask();
-    });
-    handle.element.addEventListener("keydown", (raw) => {
-      const event = /** @type {KeyboardEvent} */ (raw);
-      const way = KEYS[event.key];
-      if (!way || drag || event.ctrlKey || event.metaKey) return;
-      event.preventDefault();
-      const step = event.shiftKey ? 10 : event.altKey ? 0.1 : 1;
-      const { right, down } = sent.views[handle.view];
-      const own = model.points(model.state)[handle.point];
-      const to = own.map((x, axis) => {
-        const by = step * (way[0] * right[axis] + way[1] * down[axis]);
-        return by ? tidy(x + by) : null;
-      });
-      model.begin();
-      model.place(handle.point, to);
-      model.commit(`key ${handle.point}`, performance.now());
-      ask();
-      settleSoon();
-    });
-  }
 
   /** Keys that are held down are drawn one by one, and judged when there is time. */
   let waiting = 0;
@@ -238,19 +168,54 @@ function show(cardan, sent) {
     model.reset();
     settle();
   });
+  const said = (/** @type {string} */ words) => {
+    element("shared").textContent = words;
+  };
+  button("link").addEventListener("click", async () => {
+    const [page] = location.href.split("#");
+    const isCopied = await copy(`${page}#${model.address}`);
+    said(isCopied ? "The link is copied." : "This browser does not let a page copy; the address has it.");
+  });
+  button("save").addEventListener("click", () => {
+    try {
+      save(sent.source.name, model.text, "application/toml");
+      said(`${sent.source.name} has been saved.`);
+    } catch (error) {
+      said(/** @type {Error} */ (error).message);
+    }
+  });
+  addEventListener("hashchange", () => {
+    if (location.hash.slice(1) === model.address) return;
+    model.read(location.hash.slice(1));
+    settle();
+    chips();
+  });
 
   const angle = /** @type {HTMLInputElement} */ (element("angle"));
   const turn = () => {
     drawing.angle = (Number(angle.value) * Math.PI) / 180;
-    element("angle-shown").textContent = `${angle.value}°`;
+    element("angle-shown").textContent = `${Math.round(Number(angle.value))}°`;
     ask();
   };
   angle.addEventListener("input", turn);
   turn();
+  let last = 0;
+  const play = (/** @type {number} */ time) => {
+    if (!last) return;
+    angle.value = String((Number(angle.value) + (360 * (time - last)) / TURN_MS) % 360);
+    last = time;
+    turn();
+    requestAnimationFrame(play);
+  };
+  button("play").addEventListener("click", () => {
+    last = last ? 0 : performance.now();
+    button("play").textContent = last ? "Stop" : "Turn";
+    requestAnimationFrame(play);
+  });
 
   addEventListener("keydown", (event) => {
-    if (event.key === "Escape") giveUp();
-    const isCommand = (event.ctrlKey || event.metaKey) && !drag;
+    if (event.key === "Escape") editing.giveUp();
+    const isCommand = (event.ctrlKey || event.metaKey) && !editing.isDragging;
     const key = event.key.toLowerCase();
     if (!isCommand || (key !== "z" && key !== "y")) return;
     event.preventDefault();
@@ -269,8 +234,78 @@ function show(cardan, sent) {
       drawing.draw();
     });
   }).observe(svg);
+  if (location.hash.length > 1) model.read(location.hash.slice(1));
   settle();
   return { model, drawing, panel, times };
+}
+
+/**
+ * Speed and torque in a sentence; none that the states set.
+ * @param {Model} model
+ * @param {import("./fields.js").Told} told
+ */
+function loadsOf(model, told) {
+  const { given, machine } = model.sent;
+  const line = element("loads");
+  const end = machine.end === "drive" ? "into the drive" : "at the output";
+  const found = /** @type {const} */ (["speed", "torque"]).flatMap((name) => {
+    const own = given[name];
+    if (!own) return [];
+    const step = 10 ** Math.max(0, Math.floor(Math.log10(Math.abs(own.value) || 1)) - 2);
+    return new Field(line, {
+      label: name,
+      unit: name === "torque" ? `${own.unit} ${end}` : own.unit,
+      digits: GIVEN,
+      step,
+      most: 1e9,
+      get: () => model.loadOf(name),
+      set: (value) => model.load(name, value),
+    }, told);
+  });
+  line.hidden = !found.length;
+  return found;
+}
+
+/**
+ * The coordinates of what is selected as fields, and how far it was moved.
+ * @param {Model} model
+ * @param {import("./fields.js").Told} told
+ */
+function placesOf(model, told) {
+  let selected = /** @type {import("./drawing.js").Handle | null} */ (null);
+  /** @type {Field[]} */
+  let fields = [];
+  const line = element("place");
+  const fieldsOf = (/** @type {import("./drawing.js").Handle} */ { kind, item }) => {
+    const common = { unit: "mm", digits: LENGTH, step: 1, most: MOST_MM };
+    if (kind === "bearing") {
+      const get = () => 1e3 * model.part("positions", item);
+      const label = `from the upstream end of shaft ${model.sent.machine.bearings[item]}`;
+      return [new Field(line, { ...common, label, get, set: (value) => model.slide(item, value) }, told)];
+    }
+    return [0, 1, 2].map((axis) => {
+      const get = () => model.points(model.state)[item][axis];
+      const set = (/** @type {number} */ value) => model.place(item, [0, 1, 2].map((i) => (i === axis ? value : null)));
+      return new Field(line, { ...common, label: "xyz"[axis], get, set }, told);
+    });
+  };
+  return (/** @type {import("./drawing.js").Handle | null} */ handle) => {
+    if (!handle) return;
+    const { kind, item } = handle;
+    if (kind !== selected?.kind || item !== selected.item) {
+      line.replaceChildren();
+      made("strong", "", line, kind === "point" ? model.sent.points[item] : `bearing ${item}`);
+      fields = fieldsOf(handle);
+    }
+    selected = handle;
+    for (const field of fields) field.show();
+    const moves =
+      kind === "point"
+        ? model.moved(item).map((x, axis) => (x ? `${"xyz"[axis]} ${signed(x)}` : ""))
+        : [model.slid(item) ? signed(model.slid(item)) : ""];
+    const words = moves.filter(Boolean).join(", ");
+    element("moved").textContent = words ? `moved ${words} mm` : "";
+  };
 }
 
 /**

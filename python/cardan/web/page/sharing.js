@@ -1,0 +1,53 @@
+// @ts-check
+/**
+ * What was changed, sent on: as a link, as a file, as text on the clipboard.
+ *
+ * @module sharing
+ */
+
+/**
+ * Copy a text.
+ * @param {string} text
+ * @returns {Promise<boolean>} whether the browser let it
+ */
+export async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    const area = document.createElement("textarea");
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    const isCopied = document.execCommand("copy");
+    area.remove();
+    return isCopied;
+  }
+}
+
+/**
+ * Let the browser save a text as a file.
+ * @param {string} name
+ * @param {string} text
+ * @param {string} type
+ */
+export function save(name, text, type) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/**
+ * Show what was changed in the address, without a step back to it.
+ * @param {string} address behind its #
+ */
+export function note(address) {
+  try {
+    const [page] = location.href.split("#");
+    history.replaceState(null, "", address ? `#${address}` : page);
+  } catch {
+    // A page within another may have no address of its own.
+  }
+}
