@@ -63,6 +63,11 @@ export function judged(cardan, { data, search }) {
   const machine = cardan.machine(data);
   const { bends, ...rest } = data;
   const suggested = machine.suggest(search);
+  // The same search in rounds, which finds the same.
+  const rounds = machine.suggesting(search);
+  let round = rounds.next();
+  while (!round.done) round = rounds.next();
+  if (JSON.stringify(round.value) !== JSON.stringify(suggested)) throw new Error("rounds find something else");
   const shown = (change) => [change.variable, change.item, change.axis, digest([change.from, change.to])];
   return {
     verdict: machine.verdict(),

@@ -485,8 +485,31 @@ export class Machine {
    * @returns {Change[]}
    */
   suggest(search = {}) {
-    const teeth = this.data.teeth ?? [];
-    const found = this.#cardan.call("suggest", { ...this.#arguments(), teeth, ...search });
+    return this.#changes(this.#cardan.call("suggest", this.#search(search)));
+  }
+
+  /**
+   * The same search in rounds of some milliseconds, one for each turn of the loop that asks for it.
+   * Another search of the module ends it.
+   * @param {{reach?: number, teeth?: number[], known_ratings?: number[]}} search
+   * @returns {Generator<undefined, Change[]>}
+   */
+  *suggesting(search = {}) {
+    const begun = this.#cardan.call("search", this.#search(search));
+    while (this.#cardan.call("advance", begun).goes_on[0]) yield;
+    return this.#changes(this.#cardan.call("found", begun));
+  }
+
+  /** @param {{reach?: number, teeth?: number[], known_ratings?: number[]}} search */
+  #search(search) {
+    return { ...this.#arguments(), teeth: this.data.teeth ?? [], ...search };
+  }
+
+  /**
+   * @param {Record<string, any>} found
+   * @returns {Change[]}
+   */
+  #changes(found) {
     return found.variables.map((/** @type {string} */ variable, /** @type {number} */ i) => {
       const worst = found.worst_kinds[i];
       const left = { item: none(found.worst_items[i]), value: found.worst_values[i] };

@@ -1,8 +1,11 @@
 //! Machines, their figures and what would bring these within their limits.
 
+use std::cell::RefCell;
+
 use cardan::design::tube::Round;
 use cardan::judge::{
-    CaseLoads, Cases, Figure, Kind, LimitOf, Machine, Parts, Search, SlidingShaft, Variable,
+    CaseLoads, Cases, Change, Figure, Kind, LimitOf, Machine, Parts, Search, Searching,
+    SlidingShaft, Variable,
 };
 use cardan::{Error, Execution, Result, check_length};
 
@@ -152,7 +155,8 @@ pub(crate) fn figures(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     ])
 }
 
-pub(crate) fn suggest(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
+/// A machine and what is tried of it.
+fn searched(arguments: &Arguments<'_>) -> Result<(Machine, Search)> {
     let search = Search {
         reach: arguments.maybe("reach")?.unwrap_or(0.0),
         teeth: arguments.counts("teeth")?,
@@ -165,7 +169,51 @@ pub(crate) fn suggest(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
             format!("is {} m; it must be finite and not negative", search.reach),
         ));
     }
-    let found = machine(arguments)?.suggest(&search, Execution::default())?;
+    Ok((machine(arguments)?, search))
+}
+
+pub(crate) fn suggest(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
+    let (machine, search) = searched(arguments)?;
+    Ok(columns(machine.suggest(&search, Execution::default())?))
+}
+
+thread_local! {
+    /// The search that was begun last, and its number.
+    static SEARCHING: RefCell<(usize, Option<Searching>)> = const { RefCell::new((0, None)) };
+}
+
+/// Begins a search that is advanced round by round, in place of the one before.
+pub(crate) fn search(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
+    let (machine, search) = searched(arguments)?;
+    let begun = machine.searching(&search, Execution::default())?;
+    let number = SEARCHING.with_borrow_mut(|(number, searching)| {
+        *searching = Some(begun);
+        *number += 1;
+        *number
+    });
+    Ok(vec![vec![number as f64]])
+}
+
+/// What a function makes of the search of a number.
+fn going<T>(arguments: &Arguments<'_>, of: impl FnOnce(&mut Searching) -> Result<T>) -> Result<T> {
+    let wanted = arguments.count("search")?;
+    SEARCHING.with_borrow_mut(|(number, searching)| match searching {
+        Some(searching) if *number == wanted => of(searching),
+        _ => Err(Error::new("search", &[], format!("{wanted} is not the one begun last"))),
+    })
+}
+
+pub(crate) fn advance(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
+    let goes_on = going(arguments, |searching| searching.advance(Execution::default()))?;
+    Ok(vec![vec![f64::from(goes_on)]])
+}
+
+pub(crate) fn found(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
+    going(arguments, |searching| searching.changes(Execution::default())).map(columns)
+}
+
+/// Changes as columns.
+fn columns(found: Vec<Change>) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![]; 10];
     for change in found {
         let (variable, number, axis) = match change.variable {
@@ -193,5 +241,5 @@ pub(crate) fn suggest(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
             column.push(value);
         }
     }
-    Ok(columns)
+    columns
 }

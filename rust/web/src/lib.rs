@@ -7,7 +7,7 @@
 //! then these. The answer is at [`answer`], [`answer_length`] bytes long: the results, or an error
 //! as JSON in UTF-8.
 //!
-//! The module keeps nothing from one call to the next but the room for both.
+//! The module keeps nothing from one call to the next but the room for both and a search.
 
 mod arguments;
 mod design;

@@ -151,6 +151,24 @@ const LIMITS: &[Field] = &[
 ];
 const MACHINE: [&[Field]; 9] = [JOINTS, CHAINS, FRAMES, MOUNTED, LOAD, STEPS, DRAWN, PARTS, LIMITS];
 
+const SEARCH: &[Field] = &[
+    field("reach", "m", ""),
+    field("teeth", "1", "joints - 1"),
+    field("known_ratings", "N m", "known_ratings"),
+];
+const CHANGES: &[Field] = &[
+    named("variables", &VARIABLES, "changes"),
+    field("items", "1", "changes"),
+    field("axes", "1", "changes"),
+    field("from", "of its variable", "changes"),
+    field("to", "of its variable", "changes"),
+    field("shares", "1", "changes"),
+    named("verdicts", &RANKS, "changes"),
+    named("worst_kinds", &KINDS, "changes"),
+    field("worst_items", "1", "changes"),
+    field("worst_values", "of its kind", "changes"),
+];
+
 /// All functions. The number of one is its place.
 pub(crate) static FUNCTIONS: &[Function] = &[
     Function {
@@ -420,34 +438,32 @@ pub(crate) static FUNCTIONS: &[Function] = &[
     Function {
         name: "suggest",
         arguments: &[
-            MACHINE[0],
-            MACHINE[1],
-            MACHINE[2],
-            MACHINE[3],
-            MACHINE[4],
-            MACHINE[5],
-            MACHINE[6],
-            MACHINE[7],
-            MACHINE[8],
-            &[
-                field("reach", "m", ""),
-                field("teeth", "1", "joints - 1"),
-                field("known_ratings", "N m", "known_ratings"),
-            ],
+            MACHINE[0], MACHINE[1], MACHINE[2], MACHINE[3], MACHINE[4], MACHINE[5], MACHINE[6],
+            MACHINE[7], MACHINE[8], SEARCH,
         ],
-        results: &[
-            named("variables", &VARIABLES, "changes"),
-            field("items", "1", "changes"),
-            field("axes", "1", "changes"),
-            field("from", "of its variable", "changes"),
-            field("to", "of its variable", "changes"),
-            field("shares", "1", "changes"),
-            named("verdicts", &RANKS, "changes"),
-            named("worst_kinds", &KINDS, "changes"),
-            field("worst_items", "1", "changes"),
-            field("worst_values", "of its kind", "changes"),
-        ],
+        results: CHANGES,
         call: judge::suggest,
+    },
+    Function {
+        name: "search",
+        arguments: &[
+            MACHINE[0], MACHINE[1], MACHINE[2], MACHINE[3], MACHINE[4], MACHINE[5], MACHINE[6],
+            MACHINE[7], MACHINE[8], SEARCH,
+        ],
+        results: &[field("search", "1", "")],
+        call: judge::search,
+    },
+    Function {
+        name: "advance",
+        arguments: &[&[field("search", "1", "")]],
+        results: &[field("goes_on", "1", "")],
+        call: judge::advance,
+    },
+    Function {
+        name: "found",
+        arguments: &[&[field("search", "1", "")]],
+        results: CHANGES,
+        call: judge::found,
     },
 ];
 

@@ -287,13 +287,13 @@ export class Model {
   }
 
   /**
-   * The smallest single changes that would bring everything within its limits. It takes some tenths
-   * of a second.
-   * @returns {Suggestion[]}
+   * The smallest single changes that would bring everything within its limits, found in rounds of
+   * some milliseconds.
+   * @returns {Generator<undefined, Suggestion[]>}
    */
-  suggest() {
+  *suggesting() {
     const { search, fixed } = this.sent;
-    const found = this.machine.suggest(search);
+    const found = yield* this.machine.suggesting(search);
     return found
       .filter(({ variable, item }) => !fixed.some(([name, held]) => name === variable && held === item))
       .map(({ variable, item, axis, from, to, verdict, worst }) => {

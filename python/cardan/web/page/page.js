@@ -17,6 +17,7 @@ import { Panel, made, newMark } from "./panel.js";
 import { copy, note, save } from "./sharing.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
+const SLICE_MS = 4; // after which the search for what would help waits for the next frame
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
 const TURN_MS = 6000; // of a turn that plays
 const LENGTH = { decimals: 1, digits: null, apart: null, finest: 1e-6 };
@@ -123,13 +124,25 @@ function show(cardan, sent) {
     element("below").hidden = model.isDrawn;
   };
 
-  /** What would help, which takes too long for a frame. */
+  /** What would help, as long as nothing is changed; it takes too long for one frame. */
   const help = () => {
-    if (editing.isDragging || isGoing) return;
-    panel.offer(model.suggest(), (suggestion) => {
-      model.apply(suggestion);
-      settle();
-    });
+    const rounds = model.suggesting();
+    const { changes } = model;
+    const go = () => {
+      if (editing.isDragging || isGoing || model.changes !== changes) return;
+      const start = performance.now();
+      let next = rounds.next();
+      while (!next.done && performance.now() - start < SLICE_MS) next = rounds.next();
+      if (!next.done) {
+        search = window.setTimeout(go);
+        return;
+      }
+      panel.offer(next.value, (suggestion) => {
+        model.apply(suggestion);
+        settle();
+      });
+    };
+    go();
   };
 
   const editing = new Editing(drawing, { select: ask, moved: ask, done: () => settle(), stepped: () => settleSoon() });

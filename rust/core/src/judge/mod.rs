@@ -11,7 +11,7 @@ use crate::plan::output::Per;
 
 pub use figures::{Figure, Variable};
 pub use machine::{CaseLoads, Cases, LimitOf, Machine, Parts, SlidingShaft};
-pub use suggest::{Change, Search};
+pub use suggest::{Change, Search, Searching};
 
 /// What counts as rounding, of a limit or of the size of what is judged.
 ///

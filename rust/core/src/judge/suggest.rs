@@ -98,37 +98,26 @@ impl Machine {
     /// # Errors
     /// As for [`Machine::figures`].
     pub fn suggest(&self, search: &Search, execution: Execution<'_>) -> Result<Vec<Change>> {
+        let mut searching = self.searching(search, execution)?;
+        while searching.advance(execution)? {}
+        searching.changes(execution)
+    }
+
+    /// The same search, which its caller advances.
+    ///
+    /// # Errors
+    /// As for [`Machine::figures`].
+    pub fn searching(&self, search: &Search, execution: Execution<'_>) -> Result<Searching> {
         let machine = self.limited();
         let mut present = machine.unchanged();
         for stage in Stage::ALL {
             machine.compute((stage, Look::Full), &mut [&mut present], execution)?;
         }
         let excess = machine.excess(&present, &present, &Stage::ALL);
-        if excess <= 0.0 {
-            return Ok(vec![]);
-        }
-        let mut trials = Trials { machine: &machine, present, least: excess, execution };
-        let mut ways = trials.ways(search);
-        trials.outwards(&mut ways)?;
-        trials.about_the_best(&mut ways)?;
-        trials.bisect(&mut ways)?;
-        let mut found: Vec<(&Way, f64)> = vec![];
-        for way in ways.iter().filter_map(|way| way.bracket.map(|[_, to]| (way, to))) {
-            // Of both senses the smaller change.
-            match found.iter_mut().find(|other| other.0.variable == way.0.variable) {
-                Some(other) if way.1 < other.1 => *other = way,
-                Some(_) => {}
-                None => found.push(way),
-            }
-        }
-        if found.is_empty() {
-            let nearest = ways.iter().min_by(|a, b| a.best.1.total_cmp(&b.best.1));
-            found.extend(nearest.filter(|way| way.best.1 < excess).map(|way| (way, way.best.0)));
-        }
-        let mut changes: Vec<Change> =
-            found.into_iter().map(|(way, by)| trials.change(way, by)).collect::<Result<_>>()?;
-        changes.sort_by(|a, b| a.share.total_cmp(&b.share));
-        Ok(changes)
+        let trials = Trials { machine, present, least: excess };
+        let ways = if excess <= 0.0 { vec![] } else { trials.ways(search) };
+        let outwards = ways.iter().map(|way| way.steps.len()).max().unwrap_or(0);
+        Ok(Searching { trials, ways, excess, outwards, round: 0 })
     }
 
     /// How far the worst figure of some stages is past its limit, over this limit. What is known of
@@ -146,19 +135,74 @@ impl Machine {
     }
 }
 
+/// A search in rounds of some milliseconds, between which its caller can do something else.
+pub struct Searching {
+    trials: Trials,
+    ways: Vec<Way>,
+    /// How far the worst figure is past its limit without a change, over this limit.
+    excess: f64,
+    /// Rounds in which steps are taken, and those that have passed.
+    outwards: usize,
+    round: usize,
+}
+
+impl Searching {
+    /// Tries a change of each variable; false once there are none left to try.
+    ///
+    /// # Errors
+    /// As for [`Machine::figures`].
+    pub fn advance(&mut self, execution: Execution<'_>) -> Result<bool> {
+        let Self { trials, ways, outwards, round, .. } = self;
+        match *round {
+            step if step < *outwards => trials.outwards(ways, step, execution)?,
+            step if step < *outwards + HALVINGS => {
+                trials.about_the_best(ways, step - *outwards + 1, execution)?;
+            }
+            step if step < *outwards + HALVINGS + BISECTIONS => trials.bisect(ways, execution)?,
+            _ => return Ok(false),
+        }
+        *round += 1;
+        Ok(!ways.is_empty())
+    }
+
+    /// What has been found.
+    ///
+    /// # Errors
+    /// As for [`Machine::figures`].
+    pub fn changes(&self, execution: Execution<'_>) -> Result<Vec<Change>> {
+        let Self { trials, ways, excess, .. } = self;
+        let mut found: Vec<(&Way, f64)> = vec![];
+        for way in ways.iter().filter_map(|way| way.bracket.map(|[_, to]| (way, to))) {
+            // Of both senses the smaller change.
+            match found.iter_mut().find(|other| other.0.variable == way.0.variable) {
+                Some(other) if way.1 < other.1 => *other = way,
+                Some(_) => {}
+                None => found.push(way),
+            }
+        }
+        if found.is_empty() {
+            let nearest = ways.iter().min_by(|a, b| a.best.1.total_cmp(&b.best.1));
+            found.extend(nearest.filter(|way| way.best.1 < *excess).map(|way| (way, way.best.0)));
+        }
+        let change = |(way, by)| trials.change(way, by, execution);
+        let mut changes: Vec<Change> = found.into_iter().map(change).collect::<Result<_>>()?;
+        changes.sort_by(|a, b| a.share.total_cmp(&b.share));
+        Ok(changes)
+    }
+}
+
 /// The changes of one machine that are tried.
-struct Trials<'a> {
-    machine: &'a Machine,
+struct Trials {
+    machine: Machine,
     present: Variant,
     /// The least excess of all changes so far; beyond it nobody needs to know.
     least: f64,
-    execution: Execution<'a>,
 }
 
-impl Trials<'_> {
+impl Trials {
     /// Every sense of every variable that the machine has.
     fn ways(&self, search: &Search) -> Vec<Way> {
-        let Machine { joints, bearings, cases, parts, .. } = self.machine;
+        let Machine { joints, bearings, cases, parts, .. } = &self.machine;
         let states = &cases[0];
         let equal = |reach: f64| -> Vec<f64> {
             (1..=STEPS).map(|i| reach * i as f64 / STEPS as f64).collect()
@@ -211,50 +255,47 @@ impl Trials<'_> {
         ways
     }
 
-    /// Tries one step of all ways after another, of each until it suffices.
-    fn outwards(&mut self, ways: &mut [Way]) -> Result<()> {
-        let most = ways.iter().map(|way| way.steps.len()).max().unwrap_or(0);
-        for step in 0..most {
-            self.each(ways, |way| {
-                let change = way.steps.get(step).copied().filter(|_| way.bracket.is_none())?;
-                Some([if step > 0 { way.steps[step - 1] } else { 0.0 }, change])
+    /// Tries a step of all ways that do not suffice yet.
+    fn outwards(&mut self, ways: &mut [Way], step: usize, execution: Execution<'_>) -> Result<()> {
+        self.each(ways, execution, |way| {
+            let change = way.steps.get(step).copied().filter(|_| way.bracket.is_none())?;
+            Some([if step > 0 { way.steps[step - 1] } else { 0.0 }, change])
+        })
+    }
+
+    /// Tries what lies about the best step of those that do not suffice.
+    fn about_the_best(
+        &mut self,
+        ways: &mut [Way],
+        halving: usize,
+        execution: Execution<'_>,
+    ) -> Result<()> {
+        let half = 0.5_f64.powi(halving as i32);
+        let centres: Vec<f64> = ways.iter().map(|way| way.best.0).collect();
+        for side in [-1.0, 1.0] {
+            let mut centres = centres.iter();
+            self.each(ways, execution, |way| {
+                let (centre, by) = (*centres.next()?, half * way.steps[0]);
+                let tried = way.is_continuous && way.bracket.is_none();
+                let change = centre + side * by;
+                (tried && change > 0.0 && change < way.steps[way.steps.len() - 1])
+                    .then_some([if side < 0.0 { centre - 2.0 * by } else { centre }, change])
             })?;
         }
         Ok(())
     }
 
-    /// Tries what lies about the best step of those that do not suffice.
-    fn about_the_best(&mut self, ways: &mut [Way]) -> Result<()> {
-        for halving in 1..=HALVINGS {
-            let half = 0.5_f64.powi(halving as i32);
-            let centres: Vec<f64> = ways.iter().map(|way| way.best.0).collect();
-            for side in [-1.0, 1.0] {
-                let mut centres = centres.iter();
-                self.each(ways, |way| {
-                    let (centre, by) = (*centres.next()?, half * way.steps[0]);
-                    let tried = way.is_continuous && way.bracket.is_none();
-                    let change = centre + side * by;
-                    (tried && change > 0.0 && change < way.steps[way.steps.len() - 1])
-                        .then_some([if side < 0.0 { centre - 2.0 * by } else { centre }, change])
-                })?;
-            }
-        }
-        Ok(())
-    }
-
     /// Bisects what lies between a change that does not suffice and one that does.
-    fn bisect(&mut self, ways: &mut [Way]) -> Result<()> {
-        for _ in 0..BISECTIONS {
-            let middle = |way: &Way| {
-                let [short, enough] = way.bracket.filter(|_| way.is_continuous)?;
-                Some(0.5 * (short + enough))
-            };
-            let changes: Vec<Option<f64>> = ways.iter().map(middle).collect();
-            let found = self.tried(ways, &changes)?;
-            for ((way, change), excess) in ways.iter_mut().zip(changes).zip(found) {
-                if let (Some([short, enough]), Some(change)) = (&mut way.bracket, change) {
-                    *(if excess <= 0.0 { enough } else { short }) = change;
-                }
+    fn bisect(&self, ways: &mut [Way], execution: Execution<'_>) -> Result<()> {
+        let middle = |way: &Way| {
+            let [short, enough] = way.bracket.filter(|_| way.is_continuous)?;
+            Some(0.5 * (short + enough))
+        };
+        let changes: Vec<Option<f64>> = ways.iter().map(middle).collect();
+        let found = self.tried(ways, &changes, execution)?;
+        for ((way, change), excess) in ways.iter_mut().zip(changes).zip(found) {
+            if let (Some([short, enough]), Some(change)) = (&mut way.bracket, change) {
+                *(if excess <= 0.0 { enough } else { short }) = change;
             }
         }
         Ok(())
@@ -264,11 +305,12 @@ impl Trials<'_> {
     fn each(
         &mut self,
         ways: &mut [Way],
+        execution: Execution<'_>,
         mut of: impl FnMut(&Way) -> Option<[f64; 2]>,
     ) -> Result<()> {
         let pairs: Vec<Option<[f64; 2]>> = ways.iter().map(&mut of).collect();
         let changes: Vec<Option<f64>> = pairs.iter().map(|pair| Some(pair.as_ref()?[1])).collect();
-        let found = self.tried(ways, &changes)?;
+        let found = self.tried(ways, &changes, execution)?;
         for ((way, pair), excess) in ways.iter_mut().zip(pairs).zip(found) {
             if let Some([before, change]) = pair {
                 way.note(before, change, excess);
@@ -280,7 +322,12 @@ impl Trials<'_> {
 
     /// How far the worst figure is past its limit after a change of each way that has one; of
     /// changes that are worse than the best one so far, how far some figure is.
-    fn tried(&self, ways: &[Way], changes: &[Option<f64>]) -> Result<Vec<f64>> {
+    fn tried(
+        &self,
+        ways: &[Way],
+        changes: &[Option<f64>],
+        execution: Execution<'_>,
+    ) -> Result<Vec<f64>> {
         let variant = |(way, change): (&Way, &Option<f64>)| {
             self.machine.changed(&self.present, way.variable, way.sign * (*change)?)
         };
@@ -304,7 +351,7 @@ impl Trials<'_> {
                     places.push(place);
                 }
             }
-            self.machine.compute((stage, look), &mut alive, self.execution)?;
+            self.machine.compute((stage, look), &mut alive, execution)?;
             for (variant, place) in alive.into_iter().zip(places) {
                 let excess = self.machine.excess(variant, &self.present, &[stage]);
                 found[place] = found[place].max(excess);
@@ -314,12 +361,12 @@ impl Trials<'_> {
     }
 
     /// A change with all that is known after it.
-    fn change(&self, way: &Way, by: f64) -> Result<Change> {
-        let machine = self.machine;
+    fn change(&self, way: &Way, by: f64, execution: Execution<'_>) -> Result<Change> {
+        let machine = &self.machine;
         let made = machine.changed(&self.present, way.variable, way.sign * by);
         let mut variant = made.unwrap_or_else(|| self.present.clone());
         for &stage in variant.touched {
-            machine.compute((stage, Look::Full), &mut [&mut variant], self.execution)?;
+            machine.compute((stage, Look::Full), &mut [&mut variant], execution)?;
         }
         let figures = machine.figures_of(&variant.values);
         let verdict = figures.iter().flat_map(|one| &one.ranks).max().copied().unwrap_or_default();
