@@ -352,7 +352,7 @@ function chipsOf(model, changed) {
 
 /** Start the live part, if this browser can; without it the page is a page. */
 export async function start() {
-  if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined") return;
+  if (!("WebAssembly" in globalThis && "DecompressionStream" in globalThis)) return;
   const text = (/** @type {string} */ name) => element(name).textContent ?? "";
   const bytes = Uint8Array.from(atob(text("module")), (letter) => letter.charCodeAt(0));
   const cardan = await Cardan.load(bytes);
