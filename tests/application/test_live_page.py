@@ -417,6 +417,63 @@ def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
 
 
 @in_node
+def test_what_is_refused_is_said_in_the_words_of_the_page(tmp_path: Path) -> None:
+    """Which joint, end or bearing, in which state, breaks which rule; nothing changes."""
+    moved = {
+        "this joint where the one before is": ("place", 2, [350, -24, 0]),
+        "this end where the first joint is": ("place", 0, [350, -24, 0]),
+        "by a right angle": ("place", 1, [0, 700, 0]),
+        "back": ("place", 2, [-500, None, None]),
+        "no number": ("place", 1, ["NaN", None, None]),
+        "without end": ("place", 4, [None, "Infinity", None]),
+        "a shaft shorter than its bearing needs": ("place", 2, [950, None, None]),
+        "off the end": ("bearing.1", 200),
+        "before the end": ("bearing.0", -61),
+        "on another": ("bearing.0", 200),
+        "a bearing nowhere": ("bearing.2", "NaN"),
+        "a phase": ("phase.2", "NaN"),
+        "a rating": ("rating.1", -5),
+        "a torque": ("torque.0", "Infinity"),
+    }
+    found = run(
+        tmp_path,
+        {"sent": sent(Scene.load(TRUCK)), "moved": list(moved.values())},
+        """const number = (x) => (typeof x === "string" ? Number(x) : x);
+        return data.moved.map(([what, ...of]) => {
+            const model = new Model(cardan, data.sent);
+            const before = JSON.stringify(model.changes);
+            if (what === "place") {
+                model.begin(); model.place(of[0], of[1].map(number)); model.commit("place");
+            } else model.take({ [what]: number(of[0]) });
+            const { refused } = model;
+            model.compute();
+            return [refused || model.refused, JSON.stringify(model.changes) === before];
+        });""",
+    )
+    assert [each for each in found if not each[1]] == []
+    first = "in \u201c\u221280 mm\u201d"
+    assert [refused for refused, _ in found] == [
+        f"This makes no driveline: {words}."
+        for words in (
+            f"joint 0 and joint 1 would lie in the same place, {first}",
+            f"the upstream end and joint 0 would lie in the same place, {first}",
+            f"joint 0 would be bent by 90\u00b0 or more, {first}",
+            f"joint 1 would be bent by 90\u00b0 or more, {first}",
+            "a coordinate of joint 0 would not be finite",
+            "a coordinate of the downstream end would not be finite",
+            f"bearing 2 would lie 1150.0 mm along shaft 1, which is 600.4 mm long, {first}",
+            f"bearing 1 would lie 460.0 mm along shaft 0, which is 350.8 mm long, {first}",
+            f"bearing 0 would lie \u22121.0 mm along shaft 0, which is 350.8 mm long, {first}",
+            "bearing 1 would lie where another bearing of shaft 0 is",
+            "the place of bearing 2 would not be finite",
+            "the phase of shaft 2 would not be finite",
+            "the rating of joint 1 would be \u22125 N m; it must be positive",
+            "the torque would not be finite",
+        )
+    ]
+
+
+@in_node
 def test_what_is_known_in_some_states_only_is_not_judged(tmp_path: Path) -> None:
     """As in a check; it then makes the verdict, unless something is beyond its limit."""
     found = run(
@@ -478,7 +535,7 @@ def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
         [-46, True, False],
         [-73, True, True],
     ]
-    assert re.fullmatch(r"This makes no driveline: .*bend must lie in.*\.", found[10])
+    assert re.fullmatch(r"This makes no driveline: joint 1 would be bent by .*\.", found[10])
 
 
 @in_node
