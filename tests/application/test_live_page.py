@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import math
 import os
@@ -26,6 +27,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
 import tiers
+from cardan import __version__
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import number_text, quantity, row_text, use_text
@@ -959,6 +961,41 @@ def test_yokes_are_turned_by_keys_and_buttons(
     phases = js(browser, "return cardanPage.model.phases")
     assert np.allclose(np.mod(np.array(phases) + 5.0, 10.0), 5.0, atol=1e-6)
     assert min(least, on_teeth) < 4.27
+
+
+@pytest.mark.long
+@in_browser
+def test_the_page_checks_itself(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """It says which core and which scene, and that this browser has the published results.
+
+    Meanwhile it draws frames; the whole takes about a second.
+    """
+    opened(browser, answered(TRUCK).page, tmp_path)
+    foot = browser.find_element(By.ID, "live-trust")
+    core = (WEB / "sources.sha256").read_text()[:12]
+    text = hashlib.sha256(TRUCK.read_bytes()).hexdigest()[:12]
+    assert f"cardan {__version__} ({core})" in foot.text
+    assert f"truck-shaft.toml ({text})" in foot.text
+    # What would help has been found.
+    browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    js(
+        browser,
+        """let last = performance.now();
+        window.longest = 0;
+        arguments[0].click();
+        requestAnimationFrame(function frame() {
+            const now = performance.now();
+            window.longest = Math.max(window.longest, now - last);
+            last = now;
+            if (arguments[0]) requestAnimationFrame(frame);
+        });""",
+        foot.find_element(By.TAG_NAME, "button"),
+    )
+    result = foot.find_element(By.CSS_SELECTOR, "[role=status].within, [role=status].beyond")
+    assert result.text.startswith("All 10\u2009000 evaluations have the published results")
+    assert 0.0 < float(js(browser, "return window.longest")) < 300.0
 
 
 @in_browser

@@ -36,6 +36,8 @@ import { ROUNDING, exact, folded, minus, numberText, settled, tidy, withUnit } f
  * @property {string[]} verdicts from the worst
  * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
+ * @property {string} title of the scene
+ * @property {string} core the digest of its sources
  * @property {Record<string, string>} here where the check has a kind of figure of one state
  * @property {Given} given what the scene gives of what can be changed
  * @property {{name: string, text: string, pieces: Piece[], sizes: Record<string, string>}} source the

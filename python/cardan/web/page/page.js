@@ -15,6 +15,7 @@ import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
 import { copy, note, save } from "./sharing.js";
+import { foot } from "./trust.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
@@ -33,8 +34,9 @@ const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`l
  */
 function show(cardan, sent) {
   const model = new Model(cardan, sent);
-  for (const name of ["page", "panel", "dials"]) element(name).hidden = false;
+  for (const name of ["page", "panel", "dials", "trust"]) element(name).hidden = false;
   document.body.classList.add("is-live");
+  foot(element("trust"), cardan, sent);
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
   const panel = new Panel(element("panel"), model);
