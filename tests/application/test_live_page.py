@@ -10,6 +10,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 import tomllib
 from collections.abc import Iterator
 from importlib import resources
@@ -34,6 +35,7 @@ from cardan.app.answers.printed import number_text, quantity, row_text, use_text
 from cardan.app.answers.rows import DIGITS
 from cardan.app.report import write_report
 from cardan.app.report.live import live
+from cardan.app.report.moving import moving_page
 from cardan.app.scene import Scene
 from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
@@ -996,6 +998,67 @@ def test_the_page_checks_itself(
     result = foot.find_element(By.CSS_SELECTOR, "[role=status].within, [role=status].beyond")
     assert result.text.startswith("All 10\u2009000 evaluations have the published results")
     assert 0.0 < float(js(browser, "return window.longest")) < 300.0
+
+
+@in_browser
+def test_a_notebook_shows_a_machine_that_can_be_moved(
+    browser: webdriver.Chrome, tmp_path: Path
+) -> None:
+    """In a frame that may run its scripts and save a file, and has no address to copy."""
+    into = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    browser.execute_cdp_cmd("Browser.setDownloadBehavior", into)
+    shown = Scene.load(TRUCK)._repr_html_()
+    (tmp_path / "notebook.html").write_text(
+        f"<!DOCTYPE html><meta charset=utf-8><title>a</title>{shown}", "utf-8"
+    )
+    browser.get((tmp_path / "notebook.html").as_uri())
+    browser.switch_to.frame(browser.find_element(By.TAG_NAME, "iframe"))
+    try:
+        assert js(browser, "return origin") == "null"
+        browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
+        assert verdict(browser) == "beyond"
+        joint = handle(browser, 2)
+        joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+        joint.send_keys(4 * Keys.ARROW_DOWN)
+        settled(browser)
+        assert verdict(browser) == "within"
+        for name in ("live-below", "live-link"):
+            assert not browser.find_element(By.ID, name).is_displayed()
+        browser.find_element(By.ID, "live-save").click()
+        deadline = time.monotonic() + 10.0
+        while not (tmp_path / "truck-shaft.toml").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+    finally:
+        browser.switch_to.default_content()
+    lowered = edited(TRUCK, 2, (0.0, -24.0, 0.0))
+    assert Scene.load(tmp_path / "truck-shaft.toml").points == pytest.approx(lowered.points)
+
+
+@in_browser
+@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.long)])
+def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: int) -> None:
+    """By a link; nothing is wider than the screen."""
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    machines = [TRUCK, example("test-rig.toml")]
+    page = moving_page({path.stem: Answer(Scene.load(path)) for path in machines})
+    assert page is not None
+    opened(browser, page, tmp_path)
+    for path in reversed(machines):
+        title = Scene.load(path).title
+        browser.find_element(By.LINK_TEXT, title).click()
+        browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
+        assert browser.current_url.endswith(f"page.html?{path.stem}")
+        assert browser.title == browser.find_element(By.TAG_NAME, "h1").text == title
+        (chosen,) = browser.find_elements(By.CSS_SELECTOR, "nav [aria-current]")
+        assert chosen.text == title
+        assert verdict(browser) == check_data(Answer(Scene.load(path)))["verdict"]
+        is_wide = "return document.documentElement.scrollWidth > innerWidth"
+        assert not js(browser, is_wide)
+        has_states = path == TRUCK
+        key = browser.find_element(By.CSS_SELECTOR, ".live .key .rest")
+        assert key.is_displayed() == has_states
 
 
 @in_browser

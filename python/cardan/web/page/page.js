@@ -173,6 +173,8 @@ function show(cardan, sent) {
   const said = (/** @type {string} */ words) => {
     element("shared").textContent = words;
   };
+  // A frame without an address has none to copy.
+  button("link").hidden = location.protocol === "about:";
   button("link").addEventListener("click", async () => {
     const [page] = location.href.split("#");
     const isCopied = await copy(`${page}#${model.address}`);
