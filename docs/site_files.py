@@ -1,4 +1,4 @@
-"""Build hook of the documentation: pictures, schemas and figures, which are made with it."""
+"""Build hook of the documentation: what is made with it, such as pictures, schemas and machines."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import hashlib
 import shutil
 import subprocess
 import sys
+from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ import cardan
 from cardan.app.answers.explain import reference
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command.terminal import as_json_text
+from cardan.app.report.moving import moving_page
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig
@@ -23,16 +25,19 @@ ROOT = Path(__file__).parent.parent
 # The folders of pictures, each with the script that draws it.
 SCRIPTS = {"drawings": ROOT / "docs" / "drawings", "pictures": ROOT / "examples" / "pictures.py"}
 CACHE = ROOT / "build" / "drawn"
+MACHINES = ("truck-shaft", "steering-column", "pto-shaft", "mill-spindle", "test-rig", "ship-shaft")
+"""Their scenes, in the order of their pages."""
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add what is drawn, the JSON Schemas and the pictures of the benches to the site."""
+    """Add what is drawn and what moves, the JSON Schemas and the pictures of the benches."""
     from mkdocs.structure.files import File
 
     benches = {f"benches/{path.name}": path for path in (ROOT / "benches").glob("*.svg")}
     for uri, path in (pictures() | benches).items():
         files.append(File.generated(config, uri, abs_src_path=str(path)))
-    for uri, text in (schemas() | {"reference/figures.md": reference()}).items():
+    texts = {"reference/figures.md": reference(), "machines/moving.html": machines()}
+    for uri, text in (schemas() | texts).items():
         files.append(File.generated(config, uri, content=text))
     return files
 
@@ -41,6 +46,18 @@ def schemas() -> dict[str, str]:
     """Return what ``cardan schema`` prints, by address on the site."""
     made = {"scene": cardan.Scene.schema(), "answers": answers_schema()}
     return {f"{name}.schema.json": f"{as_json_text(schema)}\n" for name, schema in made.items()}
+
+
+def machines() -> str:
+    """Return the page in which one of the machines is chosen and moved."""
+    scenes = resources.files("cardan.app.scene").joinpath("machines")
+    answers = {}
+    for name in MACHINES:
+        text = scenes.joinpath(f"{name}.toml").read_text("utf-8")
+        answers[name] = cardan.Answer(cardan.Scene.parse(text, f"{name}.toml"))
+    page = moving_page(answers)
+    assert page is not None
+    return page
 
 
 def pictures() -> dict[str, Path]:

@@ -182,6 +182,7 @@ def test_examples_of_the_help_work(
     if name == "torsion":
         with Path("shaft.toml").open("a") as scene:
             scene.write(TORSION)
+    monkeypatch.setattr("webbrowser.open", lambda _: True)
     assert examples
     assert all(line.split()[0] == name for line in examples if name)
     for line in examples if name else others:
@@ -560,6 +561,46 @@ def test_plot(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (into / "a.png").read_bytes().startswith(b"\x89PNG")
     assert {entry.name for entry in into.iterdir()} == {"scene.svg", "a.png"}
     failed(run("plot", scene, "--output", "a.gif"), "a.gif must end in .svg or .png or .pdf")
+
+
+def test_report_is_opened_in_the_browser(
+    scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only when asked for, by the address of the file, whatever its name."""
+    opened: list[str] = []
+
+    def page_opened(address: str) -> bool:
+        opened.append(address)
+        return True
+
+    monkeypatch.chdir(into)
+    monkeypatch.setattr("webbrowser.open", page_opened)
+    assert run("report", scene).exit_code == 0
+    assert opened == []
+    result = run("report", scene, "--open", "--output", "50 % #1.html")
+    assert (result.exit_code, result.output) == (0, "wrote 50 % #1.html\n")
+    assert opened == [f"{into.as_uri()}/50%20%25%20%231.html"]
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    result = run("report", scene, "--open")
+    said = "cardan: --open has found no browser; open scene.html yourself\n"
+    assert (result.exit_code, result.output) == (2, f"wrote scene.html\n{said}")
+    assert (into / "scene.html").exists()
+
+
+@posix
+def test_a_browser_is_started(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one that the environment names."""
+    assert SCRIPT, "the script cardan is not installed"
+    browser = into / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$@" >"{into}/address"\n')
+    browser.chmod(0o755)
+    monkeypatch.setenv("BROWSER", f"{browser} %s")
+    page = into / "a.html"
+    done = subprocess.run(
+        [SCRIPT, "report", scene, "--open", "--output", page], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (into / "address").read_text() == f"{page.as_uri()}\n"
 
 
 def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import math
 import os
 import re
 import shutil
 import subprocess
+import time
 import tomllib
 from collections.abc import Iterator
 from importlib import resources
@@ -26,12 +28,14 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
 import tiers
+from cardan import __version__
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import number_text, quantity, row_text, use_text
 from cardan.app.answers.rows import DIGITS
 from cardan.app.report import write_report
 from cardan.app.report.live import live
+from cardan.app.report.moving import moving_page
 from cardan.app.scene import Scene
 from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
@@ -417,6 +421,63 @@ def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
 
 
 @in_node
+def test_what_is_refused_is_said_in_the_words_of_the_page(tmp_path: Path) -> None:
+    """Which joint, end or bearing, in which state, breaks which rule; nothing changes."""
+    moved = {
+        "this joint where the one before is": ("place", 2, [350, -24, 0]),
+        "this end where the first joint is": ("place", 0, [350, -24, 0]),
+        "by a right angle": ("place", 1, [0, 700, 0]),
+        "back": ("place", 2, [-500, None, None]),
+        "no number": ("place", 1, ["NaN", None, None]),
+        "without end": ("place", 4, [None, "Infinity", None]),
+        "a shaft shorter than its bearing needs": ("place", 2, [950, None, None]),
+        "off the end": ("bearing.1", 200),
+        "before the end": ("bearing.0", -61),
+        "on another": ("bearing.0", 200),
+        "a bearing nowhere": ("bearing.2", "NaN"),
+        "a phase": ("phase.2", "NaN"),
+        "a rating": ("rating.1", -5),
+        "a torque": ("torque.0", "Infinity"),
+    }
+    found = run(
+        tmp_path,
+        {"sent": sent(Scene.load(TRUCK)), "moved": list(moved.values())},
+        """const number = (x) => (typeof x === "string" ? Number(x) : x);
+        return data.moved.map(([what, ...of]) => {
+            const model = new Model(cardan, data.sent);
+            const before = JSON.stringify(model.changes);
+            if (what === "place") {
+                model.begin(); model.place(of[0], of[1].map(number)); model.commit("place");
+            } else model.take({ [what]: number(of[0]) });
+            const { refused } = model;
+            model.compute();
+            return [refused || model.refused, JSON.stringify(model.changes) === before];
+        });""",
+    )
+    assert [each for each in found if not each[1]] == []
+    first = "in \u201c\u221280 mm\u201d"
+    assert [refused for refused, _ in found] == [
+        f"This makes no driveline: {words}."
+        for words in (
+            f"joint 0 and joint 1 would lie in the same place, {first}",
+            f"the upstream end and joint 0 would lie in the same place, {first}",
+            f"joint 0 would be bent by 90\u00b0 or more, {first}",
+            f"joint 1 would be bent by 90\u00b0 or more, {first}",
+            "a coordinate of joint 0 would not be finite",
+            "a coordinate of the downstream end would not be finite",
+            f"bearing 2 would lie 1150.0 mm along shaft 1, which is 600.4 mm long, {first}",
+            f"bearing 1 would lie 460.0 mm along shaft 0, which is 350.8 mm long, {first}",
+            f"bearing 0 would lie \u22121.0 mm along shaft 0, which is 350.8 mm long, {first}",
+            "bearing 1 would lie where another bearing of shaft 0 is",
+            "the place of bearing 2 would not be finite",
+            "the phase of shaft 2 would not be finite",
+            "the rating of joint 1 would be \u22125 N m; it must be positive",
+            "the torque would not be finite",
+        )
+    ]
+
+
+@in_node
 def test_what_is_known_in_some_states_only_is_not_judged(tmp_path: Path) -> None:
     """As in a check; it then makes the verdict, unless something is beyond its limit."""
     found = run(
@@ -478,7 +539,7 @@ def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
         [-46, True, False],
         [-73, True, True],
     ]
-    assert re.fullmatch(r"This makes no driveline: .*bend must lie in.*\.", found[10])
+    assert re.fullmatch(r"This makes no driveline: joint 1 would be bent by .*\.", found[10])
 
 
 @in_node
@@ -905,6 +966,102 @@ def test_yokes_are_turned_by_keys_and_buttons(
     phases = js(browser, "return cardanPage.model.phases")
     assert np.allclose(np.mod(np.array(phases) + 5.0, 10.0), 5.0, atol=1e-6)
     assert min(least, on_teeth) < 4.27
+
+
+@pytest.mark.long
+@in_browser
+def test_the_page_checks_itself(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """It says which core and which scene, and that this browser has the published results.
+
+    Meanwhile it draws frames; the whole takes about a second.
+    """
+    opened(browser, answered(TRUCK).page, tmp_path)
+    foot = browser.find_element(By.ID, "live-trust")
+    core = (WEB / "sources.sha256").read_text()[:12]
+    text = hashlib.sha256(TRUCK.read_bytes()).hexdigest()[:12]
+    assert f"cardan {__version__} ({core})" in foot.text
+    assert f"truck-shaft.toml ({text})" in foot.text
+    # What would help has been found.
+    browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    js(
+        browser,
+        """let last = performance.now();
+        window.longest = 0;
+        arguments[0].click();
+        requestAnimationFrame(function frame() {
+            const now = performance.now();
+            window.longest = Math.max(window.longest, now - last);
+            last = now;
+            if (arguments[0]) requestAnimationFrame(frame);
+        });""",
+        foot.find_element(By.TAG_NAME, "button"),
+    )
+    result = foot.find_element(By.CSS_SELECTOR, "[role=status].within, [role=status].beyond")
+    assert result.text.startswith("All 10\u2009000 evaluations have the published results")
+    assert 0.0 < float(js(browser, "return window.longest")) < 300.0
+
+
+@in_browser
+def test_a_notebook_shows_a_machine_that_can_be_moved(
+    browser: webdriver.Chrome, tmp_path: Path
+) -> None:
+    """In a frame that may run its scripts and save a file, and has no address to copy."""
+    into = {"behavior": "allow", "downloadPath": str(tmp_path)}
+    browser.execute_cdp_cmd("Browser.setDownloadBehavior", into)
+    shown = Scene.load(TRUCK)._repr_html_()
+    (tmp_path / "notebook.html").write_text(
+        f"<!DOCTYPE html><meta charset=utf-8><title>a</title>{shown}", "utf-8"
+    )
+    browser.get((tmp_path / "notebook.html").as_uri())
+    browser.switch_to.frame(browser.find_element(By.TAG_NAME, "iframe"))
+    try:
+        assert js(browser, "return origin") == "null"
+        browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
+        assert verdict(browser) == "beyond"
+        joint = handle(browser, 2)
+        joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+        joint.send_keys(4 * Keys.ARROW_DOWN)
+        settled(browser)
+        assert verdict(browser) == "within"
+        for name in ("live-below", "live-link"):
+            assert not browser.find_element(By.ID, name).is_displayed()
+        browser.find_element(By.ID, "live-save").click()
+        deadline = time.monotonic() + 10.0
+        while not (tmp_path / "truck-shaft.toml").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+    finally:
+        browser.switch_to.default_content()
+    lowered = edited(TRUCK, 2, (0.0, -24.0, 0.0))
+    assert Scene.load(tmp_path / "truck-shaft.toml").points == pytest.approx(lowered.points)
+
+
+@in_browser
+@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.long)])
+def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: int) -> None:
+    """By a link; nothing is wider than the screen."""
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    machines = [TRUCK, example("test-rig.toml")]
+    page = moving_page({path.stem: Answer(Scene.load(path)) for path in machines})
+    assert page is not None
+    opened(browser, page, tmp_path)
+    for path in reversed(machines):
+        title = Scene.load(path).title
+        browser.find_element(By.LINK_TEXT, title).click()
+        browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
+        assert browser.current_url.endswith(f"page.html?{path.stem}")
+        assert browser.title == browser.find_element(By.TAG_NAME, "h1").text == title
+        (chosen,) = browser.find_elements(By.CSS_SELECTOR, "nav [aria-current]")
+        assert chosen.text == title
+        assert verdict(browser) == check_data(Answer(Scene.load(path)))["verdict"]
+        is_wide = "return document.documentElement.scrollWidth > innerWidth"
+        assert not js(browser, is_wide)
+        has_states = path == TRUCK
+        key = browser.find_element(By.CSS_SELECTOR, ".live .key .rest")
+        assert key.is_displayed() == has_states
 
 
 @in_browser

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+from importlib import resources
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -15,6 +16,7 @@ from cardan.app.answers.schema import answers_schema
 from cardan.app.scene import Scene
 
 DOCS = Path(__file__).parents[2] / "docs"
+MACHINES = Path(str(resources.files("cardan"))) / "app/scene/machines"
 
 
 @pytest.fixture
@@ -79,6 +81,22 @@ folder.mkdir(parents=True)
     for _ in range(2):
         with pytest.raises(site_files.subprocess.CalledProcessError):
             site_files.pictures()
+
+
+def test_every_machine_can_be_chosen_and_moved(site_files: ModuleType) -> None:
+    """In one page that holds the core once; the page of each machine links to it."""
+    page = site_files.machines()
+    assert len(page) < 700_000
+    names = re.findall(r'<a href="\?(.*?)">', page)
+    assert names == list(site_files.MACHINES)
+    assert set(names) == {path.stem for path in MACHINES.glob("*.toml")}
+    for name in names:
+        assert f'<script type="application/json" id="{name}">' in page
+    assert linked(r"[^)\s?]*moving\.html[^)]*") == {
+        "machines/moving.html",
+        *(f"machines/moving.html?{name}" for name in names),
+    }
+    assert 'src="machines/moving.html"' in (DOCS / "tryit.md").read_text("utf-8")
 
 
 def test_pages_link_to_the_schemas(site_files: ModuleType) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from importlib import import_module
 from typing import Any, NamedTuple
 
 from cardan.app.answers.limits.check import check_scene
@@ -132,3 +133,9 @@ class Answer:
     def passes(self) -> bool:
         """Whether nothing is beyond its limits."""
         return self.verdict != "beyond"
+
+    def _repr_html_(self) -> str | None:
+        """Show a notebook the machine of the scene, which can be moved; ``None`` without one."""
+        # Pages are built upon answers.
+        shown: str | None = import_module("cardan.app.report.moving").framed(self)
+        return shown

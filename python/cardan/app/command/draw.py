@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 from typing import get_args
 
@@ -93,7 +94,8 @@ def plot(
 @click.command()
 @scene_argument
 @file_option("--output", "Page to write; default: the scene's name with .html.")
-def report(scene: Path, output: Path | None) -> None:
+@click.option("--open", "shown", is_flag=True, help="Open the page in the browser as well.")
+def report(scene: Path, output: Path | None, shown: bool) -> None:
     """Write a page to share, in which the driveline can be moved and turned.
 
     The page says whether the driveline runs smoothly, which loads its bearings carry and how to set
@@ -104,6 +106,7 @@ def report(scene: Path, output: Path | None) -> None:
     Examples:
       cardan report shaft.toml
       cardan report shaft.toml --output shaft.html
+      cardan report shaft.toml --open
     """
     path = output or Path(f"{scene.stem}.html")
     loaded = load_scene(scene)
@@ -112,3 +115,5 @@ def report(scene: Path, output: Path | None) -> None:
     with progress_bar() as progress:
         write_report(loaded, path, progress)
     say(f"wrote {path}")
+    if shown and not webbrowser.open(path.absolute().as_uri()):
+        raise ValueError(f"--open has found no browser; open {path} yourself")

@@ -33,6 +33,7 @@ _MODULES = (
     "page/fields.js",
     "page/editing.js",
     "page/sharing.js",
+    "page/trust.js",
     "page/page.js",
 )
 
@@ -110,6 +111,8 @@ def live(answer: Answer) -> dict[str, Any] | None:
             if each.value.limit is not None
         ],
         "verdicts": FROM_THE_WORST,
+        "title": scene.title,
+        "core": _file("sources.sha256").decode().strip(),
         "here": _here(answer),
         "search": {
             "reach": reach["reach"],

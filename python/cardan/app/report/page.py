@@ -38,8 +38,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
     known: dict[str, Any] = {
         "version": __version__,
-        "style": _part("page.css"),
-        "script": _part("page.js"),
+        "style": part("page.css"),
+        "script": part("page.js"),
         "title": scene.title or Path(scene.name).name,
         "name": Path(scene.name).name,
         "date": _today(),
@@ -62,7 +62,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     table = result.study
     moves = live(answer)
     if moves:
-        known["style"] += _part("live.css")
+        known["style"] += part("live.css")
     speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
@@ -111,7 +111,7 @@ def environment() -> Environment:
         hint = "a report needs jinja2: pip install 'cardan[app]'"
         raise ModuleNotFoundError(hint) from None
     made = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_part),
+        loader=jinja2.FunctionLoader(part),
         undefined=jinja2.StrictUndefined,
         autoescape=True,
         trim_blocks=True,
@@ -123,9 +123,10 @@ def environment() -> Environment:
     return made
 
 
-def _part(name: str) -> str:
-    part, _, of_part = name.partition("/")
-    folder = f"answers/{part}" if of_part else "report/templates"
+def part(name: str) -> str:
+    """Return a template, a style or a script by its name, with its room if that has it."""
+    room, _, of_part = name.partition("/")
+    folder = f"answers/{room}" if of_part else "report/templates"
     path = resources.files("cardan.app").joinpath(folder, of_part or name)
     return path.read_text(encoding="utf-8")
 

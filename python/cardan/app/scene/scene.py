@@ -6,7 +6,8 @@ import functools
 import textwrap
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from importlib import import_module
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
@@ -239,7 +240,7 @@ class Scene:
     table_file: str | None = made_of(OUTPUT, "table")
     picture_file: str | None = made_of(OUTPUT, "picture")
     decimal_commas: tuple[tuple[int, str], ...] = ()
-    text: str = ""
+    text: str = field(default="", repr=False)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -466,6 +467,13 @@ class Scene:
         if self.states and self.study:
             return f"{curves}\n\neach of {self.states.count} states:\n{self.study.explain()}"
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
+
+    def _repr_html_(self) -> str | None:
+        """Show a notebook the machine of the scene, which can be moved; ``None`` without one."""
+        # Answers and pages are built upon scenes.
+        answer = import_module("cardan.app.answers.answer").Answer(self)
+        shown: str | None = answer._repr_html_()
+        return shown
 
     def _arguments(self) -> dict[str, Any]:
         return {

@@ -36,6 +36,8 @@ import { ROUNDING, exact, folded, minus, numberText, settled, tidy, withUnit } f
  * @property {string[]} verdicts from the worst
  * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
+ * @property {string} title of the scene
+ * @property {string} core the digest of its sources
  * @property {Record<string, string>} here where the check has a kind of figure of one state
  * @property {Given} given what the scene gives of what can be changed
  * @property {{name: string, text: string, pieces: Piece[], sizes: Record<string, string>}} source the
@@ -348,6 +350,11 @@ export class Model {
   /** @param {Changes} changes */
   #take(changes) {
     this.refused = "";
+    const [odd] = Object.keys(changes).filter((key) => !Number.isFinite(changes[key]));
+    if (odd) {
+      this.refused = `This makes no driveline: ${this.#named(odd)} would not be finite.`;
+      return;
+    }
     try {
       const machine = this.#changed(changes);
       // Bearings are looked at when something is evaluated.
@@ -355,14 +362,83 @@ export class Model {
       this.machine = machine;
       this.changes = changes;
     } catch (error) {
-      this.#refuse(error);
+      this.#refuse(error, changes);
     }
   }
 
-  /** @param {unknown} error */
-  #refuse(error) {
+  /**
+   * @param {unknown} error
+   * @param {Changes} changes
+   */
+  #refuse(error, changes) {
     if (!(error instanceof CardanError)) throw error;
-    this.refused = `This makes no driveline: ${error.message}.`;
+    this.refused = `This makes no driveline: ${this.#reason(error, changes) ?? error.message}.`;
+  }
+
+  /**
+   * What a key of a change stands for.
+   * @param {string} key
+   */
+  #named(key) {
+    const { variable, item } = this.changeable.get(key) ?? { variable: key, item: 0 };
+    const words = /** @type {Record<string, string>} */ ({
+      point: `a coordinate of ${this.#point(item)}`,
+      phase: `the phase of shaft ${item}`,
+      bearing: `the place of bearing ${item}`,
+      engaged: "the engaged length of the spline",
+      rating: `the rating of joint ${item}`,
+    });
+    return words[variable] ?? `the ${variable}`;
+  }
+
+  /**
+   * What a point is called in a sentence.
+   * @param {number} point
+   */
+  #point(point) {
+    return this.sent.points[point].replace(/(?=.*end$)/, "the ");
+  }
+
+  /**
+   * What the core says of changes, with the names of the page; null if that is about something else.
+   * @param {CardanError} error
+   * @param {Changes} changes
+   */
+  #reason({ argument, place, value, rule }, changes) {
+    const { states, machine: { joints, positions, bearings } } = this.sent;
+    const within = (/** @type {number} */ state) => (states.length > 1 ? `, ${placeText(states[state])}` : "");
+    /** @param {number} state @param {number} shaft */
+    const along = (state, shaft) => {
+      const [from, to] = this.points(state, changes).slice(shaft);
+      return to.map((x, axis) => x - from[axis]);
+    };
+    /** @param {number} state @param {number} shaft */
+    const length = (state, shaft) => Math.hypot(...along(state, shaft));
+    if (argument === "points") {
+      const [state, point] = place;
+      if (point === undefined) {
+        const cosines = Array.from({ length: joints }, (_, joint) => {
+          const after = along(state, joint + 1);
+          const product = along(state, joint).reduce((sum, x, axis) => sum + x * after[axis], 0);
+          return product / length(state, joint) / length(state, joint + 1);
+        });
+        const sharpest = cosines.indexOf(Math.min(...cosines));
+        return `${this.#point(sharpest + 1)} would be bent by 90° or more${within(state)}`;
+      }
+      return `${this.#point(point - 1)} and ${this.#point(point)} would lie in the same place${within(state)}`;
+    }
+    if (argument === "bearings") {
+      const [bearing, , state = 0] = place;
+      const shaft = bearings[bearing];
+      if (place.length === 1) return `bearing ${bearing} would lie where another bearing of shaft ${shaft} is`;
+      const moved = positionsOf(this.sent, changes, (...of) => 1e-3 * length(...of)) ?? positions;
+      const [at, end] = [1e3 * moved[state][bearing], length(state, shaft)].map((x) => minus(x.toFixed(1)));
+      return `bearing ${bearing} would lie ${at} mm along shaft ${shaft}, which is ${end} mm long${within(state)}`;
+    }
+    if (argument === "rating") {
+      return `${this.#named(`rating.${place[0]}`)} would be ${minus(String(value))} N m; ${rule}`;
+    }
+    return null;
   }
 
   /** @param {Changes} changes */
@@ -423,7 +499,7 @@ export class Model {
     try {
       this.figures = this.machine.figures({ limited: !whole });
     } catch (error) {
-      this.#refuse(error);
+      this.#refuse(error, this.changes);
       ({ changes: this.changes, machine: this.machine } = this.#judged);
       return;
     }

@@ -15,6 +15,7 @@ import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
 import { copy, note, save } from "./sharing.js";
+import { foot } from "./trust.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
 const SLICE_MS = 4; // after which the search for what would help waits for the next frame
@@ -34,8 +35,9 @@ const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`l
  */
 function show(cardan, sent) {
   const model = new Model(cardan, sent);
-  for (const name of ["page", "panel", "dials"]) element(name).hidden = false;
+  for (const name of ["page", "panel", "dials", "trust"]) element(name).hidden = false;
   document.body.classList.add("is-live");
+  foot(element("trust"), cardan, sent);
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
   const panel = new Panel(element("panel"), model);
@@ -184,6 +186,8 @@ function show(cardan, sent) {
   const said = (/** @type {string} */ words) => {
     element("shared").textContent = words;
   };
+  // A frame without an address has none to copy.
+  button("link").hidden = location.protocol === "about:";
   button("link").addEventListener("click", async () => {
     const [page] = location.href.split("#");
     const isCopied = await copy(`${page}#${model.address}`);
@@ -365,7 +369,7 @@ function chipsOf(model, changed) {
 
 /** Start the live part, if this browser can; without it the page is a page. */
 export async function start() {
-  if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined") return;
+  if (!("WebAssembly" in globalThis && "DecompressionStream" in globalThis)) return;
   const text = (/** @type {string} */ name) => element(name).textContent ?? "";
   const bytes = Uint8Array.from(atob(text("module")), (letter) => letter.charCodeAt(0));
   const cardan = await Cardan.load(bytes);

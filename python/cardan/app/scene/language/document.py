@@ -32,6 +32,7 @@ class Document:
     Attributes:
         name: what to call it in messages.
         format: what may be in it, by name.
+        text: of the file.
         sections: values by section and key, each of the right kind.
         tables: the same of each table of the sections that may be given repeatedly.
         problems: what is wrong, one line each, if they are being gathered.
