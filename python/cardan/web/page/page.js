@@ -14,7 +14,7 @@ import { Field } from "./fields.js";
 import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
-import { copy, note, save } from "./sharing.js";
+import { copy, note, noted, save } from "./sharing.js";
 import { foot } from "./trust.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
@@ -202,8 +202,8 @@ function show(cardan, sent) {
     }
   });
   addEventListener("hashchange", () => {
-    if (location.hash.slice(1) === model.address) return;
-    model.read(location.hash.slice(1));
+    if (!noted() || noted() === model.address) return;
+    model.read(noted());
     settle();
     chips();
   });
@@ -251,7 +251,7 @@ function show(cardan, sent) {
       drawing.draw();
     });
   }).observe(svg);
-  if (location.hash.length > 1) model.read(location.hash.slice(1));
+  if (noted()) model.read(noted());
   settle();
   return { model, drawing, panel, times };
 }

@@ -39,14 +39,21 @@ export function save(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+/** What the address says of changes; of a section of the page, as its links name it, nothing. */
+export function noted() {
+  const words = location.hash.slice(1);
+  return words.includes("=") ? words : "";
+}
+
 /**
  * Show what was changed in the address, without a step back to it.
- * @param {string} address behind its #
+ * @param {string} words
  */
-export function note(address) {
+export function note(words) {
+  if (words === noted()) return;
   try {
     const [page] = location.href.split("#");
-    history.replaceState(null, "", address ? `#${address}` : page);
+    history.replaceState(null, "", words ? `#${words}` : page);
   } catch {
     // A page within another may have no address of its own.
   }
