@@ -1,14 +1,16 @@
 """What a page of the report shows and what a command prints, read back.
 
 Of a page the cells of its tables and the values of its curves; of a text labels with their words,
-rows of tables, numbers.
+rows of tables, numbers. In Chromium its live part is moved, and its figures are read.
 """
 
 from __future__ import annotations
 
 import html
+import os
 import re
-from collections.abc import Sequence
+import shutil
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.remote.webelement import WebElement
 
 from cardan.app.charts.charts import FRAME
 from cardan.app.command import commands
@@ -25,6 +32,8 @@ from cardan.app.report import write_report
 from cardan.app.scene import Scene
 from example_scenes import example
 
+REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
+in_browser = pytest.mark.xdist_group("browser")
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
@@ -156,3 +165,78 @@ def first_number(text: str) -> float:
     found = re.match(r"-?[\d.]+", text)
     assert found, text
     return float(found[0])
+
+
+# --- in Chromium ------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[webdriver.Chrome]:
+    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if browser is None or driver is None:
+        if REQUIRED:
+            pytest.fail("CARDAN_REQUIRE_BROWSER is set and chromium or chromedriver is missing")
+        pytest.skip("no chromium with chromedriver")
+    options = Options()
+    options.binary_location = browser
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    chrome = webdriver.Chrome(options, Service(driver))
+    chrome.implicitly_wait(10)
+    yield chrome
+    chrome.quit()
+
+
+@pytest.fixture
+def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
+    """The browser as wide as a desk; at the end its console has said nothing."""
+    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    chromium.get_log("browser")  # type: ignore[no-untyped-call]
+    yield chromium
+    assert chromium.get_log("browser") == []  # type: ignore[no-untyped-call]
+
+
+def opened(browser: webdriver.Chrome, page: str, folder: Path) -> None:
+    (folder / "page.html").write_text(page, encoding="utf-8")
+    browser.get((folder / "page.html").as_uri())
+    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows, #live-panel .why")
+
+
+def js(browser: webdriver.Chrome, script: str, *arguments: object) -> Any:  # noqa: ANN401
+    return browser.execute_script(script, *arguments)
+
+
+def figures(browser: webdriver.Chrome) -> list[tuple[str, float, str]]:
+    """Every figure of the live part that the check has: its path, its value and its text."""
+    found = js(
+        browser,
+        """return [...document.querySelectorAll(".live [data-path^='check:']")]
+            .filter((e) => e.textContent)
+            .map((e) => [e.dataset.path, Number(e.dataset.value), e.textContent])""",
+    )
+    return [(path, value, text) for path, value, text in found]
+
+
+def verdict_of(browser: webdriver.Chrome) -> str:
+    return str(js(browser, "return document.querySelector('#live-panel .head').dataset.verdict"))
+
+
+def handle(browser: webdriver.Chrome, point: int, view: int = 0) -> WebElement:
+    return browser.find_element(
+        By.CSS_SELECTOR, f".handle[data-point='{point}'][data-view='{view}']"
+    )
+
+
+def settled(browser: webdriver.Chrome) -> None:
+    """Wait until what was asked for has been drawn and judged."""
+    browser.execute_async_script(
+        "const [done] = arguments; requestAnimationFrame(() => requestAnimationFrame(done))"
+    )
+
+
+def place_of(browser: webdriver.Chrome, point: int) -> list[float]:
+    script = "return cardanPage.model.points(cardanPage.model.state)[arguments[0]]"
+    found = js(browser, script, point)
+    return [float(x) for x in found]

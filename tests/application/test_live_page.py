@@ -6,13 +6,11 @@ import base64
 import hashlib
 import json
 import math
-import os
 import re
 import shutil
 import subprocess
 import time
 import tomllib
-from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -20,13 +18,11 @@ from typing import Any
 import numpy as np
 import pytest
 from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.remote.webelement import WebElement
 
+import pages
 import tiers
 from cardan import __version__
 from cardan.app.answers.answer import Answer
@@ -41,17 +37,18 @@ from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
 from cardan.design.machine import KINDS
 from example_scenes import DRIVELINES, Answers, example
+from pages import REQUIRED, figures, handle, in_browser, js, opened, place_of, settled, verdict_of
 
 WEB = Path(str(resources.files("cardan"))) / "web"
 NODE = shutil.which("node")
-REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
 MACHINES = [path.stem for path in DRIVELINES if path.parent.name == "machines"]
 TRUCK = example("truck-shaft.toml")
 # With states and a duty cycle, with tolerances beyond a limit, with a steering column.
 SHORT = ("truck-shaft", "test-rig", "steering-column")
 
 in_node = pytest.mark.skipif(NODE is None and not REQUIRED, reason="needs Node")
-in_browser = pytest.mark.xdist_group("browser")
+# Fixtures.
+chromium, browser = pages.chromium, pages.browser
 
 
 def sent(scene: Scene) -> dict[str, Any]:
@@ -605,65 +602,6 @@ def test_phases_are_those_of_the_package(tmp_path: Path) -> None:
 # --- the page ---------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
-    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if browser is None or driver is None:
-        if REQUIRED:
-            pytest.fail("CARDAN_REQUIRE_BROWSER is set and chromium or chromedriver is missing")
-        pytest.skip("no chromium with chromedriver")
-    options = Options()
-    options.binary_location = browser
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    chrome = webdriver.Chrome(options, Service(driver))
-    chrome.implicitly_wait(10)
-    yield chrome
-    chrome.quit()
-
-
-@pytest.fixture
-def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
-    """The browser as wide as a desk; at the end its console has said nothing."""
-    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    chromium.get_log("browser")  # type: ignore[no-untyped-call]
-    yield chromium
-    assert chromium.get_log("browser") == []  # type: ignore[no-untyped-call]
-
-
-def opened(browser: webdriver.Chrome, page: str, folder: Path) -> None:
-    (folder / "page.html").write_text(page, encoding="utf-8")
-    browser.get((folder / "page.html").as_uri())
-    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows, #live-panel .why")
-
-
-def js(browser: webdriver.Chrome, script: str, *arguments: object) -> Any:  # noqa: ANN401
-    return browser.execute_script(script, *arguments)
-
-
-def figures(browser: webdriver.Chrome) -> list[tuple[str, float, str]]:
-    """Every figure of the live part that the check has: its path, its value and its text."""
-    found = js(
-        browser,
-        """return [...document.querySelectorAll(".live [data-path^='check:']")]
-            .filter((e) => e.textContent)
-            .map((e) => [e.dataset.path, Number(e.dataset.value), e.textContent])""",
-    )
-    return [(path, value, text) for path, value, text in found]
-
-
-def verdict(browser: webdriver.Chrome) -> str:
-    return str(js(browser, "return document.querySelector('#live-panel .head').dataset.verdict"))
-
-
-def handle(browser: webdriver.Chrome, point: int, view: int = 0) -> WebElement:
-    return browser.find_element(
-        By.CSS_SELECTOR, f".handle[data-point='{point}'][data-view='{view}']"
-    )
-
-
 def texts(answer: Answer) -> dict[str, str]:
     """What Python writes of each judged figure, by its path without the item's name."""
     return {
@@ -686,7 +624,7 @@ def test_page_shows_what_the_check_says(
     opened(browser, answered(path).page, tmp_path)
     answer = Answer(Scene.load(path))
     data, written, shown = check_data(answer), texts(answer), figures(browser)
-    assert verdict(browser) == data["verdict"]
+    assert verdict_of(browser) == data["verdict"]
     assert len(shown) >= 2
     for place, value, text in shown:
         expected = at(data, place)
@@ -714,25 +652,18 @@ def test_keys_move_a_joint_and_the_verdict_follows(
     shown = figures(browser)
     for place, value, _ in shown:
         assert close(value, at(data, place)), place
-    assert verdict(browser) == "within"
+    assert verdict_of(browser) == "within"
     assert "not computed here" in browser.find_element(By.CSS_SELECTOR, "#live-panel .why").text
     assert joint.get_attribute("aria-valuenow") == "-70"
     # Keys in quick succession are one step.
     browser.find_element(By.ID, "live-undo").click()
-    assert verdict(browser) == "beyond"
+    assert verdict_of(browser) == "beyond"
     assert joint.get_attribute("aria-valuenow") == "-46"
     assert browser.find_element(By.ID, "live-undo").get_attribute("disabled")
     browser.find_element(By.ID, "live-redo").click()
-    assert verdict(browser) == "within"
+    assert verdict_of(browser) == "within"
     browser.find_element(By.ID, "live-drawn").click()
-    assert verdict(browser) == "beyond"
-
-
-def settled(browser: webdriver.Chrome) -> None:
-    """Wait until what was asked for has been drawn and judged."""
-    browser.execute_async_script(
-        "const [done] = arguments; requestAnimationFrame(() => requestAnimationFrame(done))"
-    )
+    assert verdict_of(browser) == "beyond"
 
 
 @in_browser
@@ -742,9 +673,9 @@ def test_points_are_dragged_in_both_views(
     """The pointer moves whole millimetres along the axes of the view; Escape gives it up."""
     opened(browser, answered(TRUCK).page, tmp_path)
     for view, axis in ((0, 1), (1, 2)):
-        before = place(browser, 2)
+        before = place_of(browser, 2)
         ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 12).perform()
-        after = place(browser, 2)
+        after = place_of(browser, 2)
         moved = [a - b for a, b in zip(after, before, strict=True)]
         assert moved[axis] != 0.0
         assert [x for i, x in enumerate(moved) if i != axis] == [0.0, 0.0]
@@ -755,21 +686,15 @@ def test_points_are_dragged_in_both_views(
         assert (moved[axis] < 0) == (view == 0)
     held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
     held.perform()
-    assert place(browser, 2) != after
+    assert place_of(browser, 2) != after
     ActionChains(browser).send_keys(Keys.ESCAPE).release().perform()
-    assert place(browser, 2) == after
+    assert place_of(browser, 2) == after
     for _ in range(2):
         browser.find_element(By.ID, "live-undo").click()
-    assert place(browser, 2) == [1650.0, -46.0, 0.0]
+    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
 
 
-def place(browser: webdriver.Chrome, point: int) -> list[float]:
-    script = "return cardanPage.model.points(cardanPage.model.state)[arguments[0]]"
-    found = js(browser, script, point)
-    return [float(x) for x in found]
-
-
-def field(browser: webdriver.Chrome, label: str) -> WebElement:
+def field(browser: webdriver.Chrome, label: str) -> pages.WebElement:
     return browser.find_element(By.CSS_SELECTOR, f"input[aria-label^='{label},']")
 
 
@@ -786,15 +711,15 @@ def test_numbers_are_typed_stepped_and_dragged(
     y.click()
     y.send_keys(Keys.CONTROL + "a")
     y.send_keys("-70,5" + Keys.ENTER)
-    assert place(browser, 2) == [1651.0, -70.5, 0.0]
+    assert place_of(browser, 2) == [1651.0, -70.5, 0.0]
     y.send_keys(Keys.ARROW_UP + Keys.SHIFT + Keys.ARROW_UP)
-    assert place(browser, 2) == [1651.0, -59.5, 0.0]
+    assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
     for text, words in (("12x", "is no number"), ("1e9", "must be within"), ("", "is no number")):
         y.send_keys(Keys.CONTROL + "a" + Keys.NULL)
         y.send_keys((text or Keys.BACKSPACE) + Keys.ENTER)
         assert words in browser.find_element(By.ID, "live-refused").text
         assert y.get_attribute("value") == "\u221259.5"
-        assert place(browser, 2) == [1651.0, -59.5, 0.0]
+        assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
     torque = field(browser, "torque")
     browser.execute_script("document.activeElement.blur()")
     ActionChains(browser).drag_and_drop_by_offset(torque, 30, 0).perform()
@@ -869,11 +794,11 @@ def test_a_link_carries_what_was_changed(
     assert figures(browser) == shown
     js(browser, "location.hash = '#point.2.y=-24'")
     settled(browser)
-    assert place(browser, 2)[1] == -70.0
+    assert place_of(browser, 2)[1] == -70.0
     js(browser, "location.hash = '#point.7.y=-24'")
     settled(browser)
     assert "nothing called" in browser.find_element(By.ID, "live-refused").text
-    assert place(browser, 2)[1] == -70.0
+    assert place_of(browser, 2)[1] == -70.0
 
 
 @in_browser
@@ -903,7 +828,7 @@ def test_what_makes_no_driveline_is_refused(
     handle(browser, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
     settled(browser)
     assert "makes no driveline" in browser.find_element(By.ID, "live-refused").text
-    assert place(browser, 2)[0] > 350.0
+    assert place_of(browser, 2)[0] > 350.0
     assert "NaN" not in js(browser, "return document.querySelector('main').innerHTML")
 
 
@@ -938,13 +863,13 @@ def test_a_suggestion_is_applied_with_a_click(
     offer = browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
     assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within"]
     offer.click()
-    assert verdict(browser) == "within"
-    assert place(browser, 2) == [1650.0, -70.0, 0.0]
+    assert verdict_of(browser) == "within"
+    assert place_of(browser, 2) == [1650.0, -70.0, 0.0]
     (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
     assert change.text.startswith("joint 1 y \u221224.0 mm")
     browser.execute_script("arguments[0].click()", change)
-    assert verdict(browser) == "beyond"
-    assert place(browser, 2) == [1650.0, -46.0, 0.0]
+    assert verdict_of(browser) == "beyond"
+    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
 
 
 @in_browser
@@ -1019,12 +944,12 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
     try:
         assert js(browser, "return origin") == "null"
         browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
-        assert verdict(browser) == "beyond"
+        assert verdict_of(browser) == "beyond"
         joint = handle(browser, 2)
         joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
         joint.send_keys(4 * Keys.ARROW_DOWN)
         settled(browser)
-        assert verdict(browser) == "within"
+        assert verdict_of(browser) == "within"
         for name in ("live-below", "live-link"):
             assert not browser.find_element(By.ID, name).is_displayed()
         browser.find_element(By.ID, "live-save").click()
@@ -1056,7 +981,7 @@ def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: i
         assert browser.title == browser.find_element(By.TAG_NAME, "h1").text == title
         (chosen,) = browser.find_elements(By.CSS_SELECTOR, "nav [aria-current]")
         assert chosen.text == title
-        assert verdict(browser) == check_data(Answer(Scene.load(path)))["verdict"]
+        assert verdict_of(browser) == check_data(Answer(Scene.load(path)))["verdict"]
         is_wide = "return document.documentElement.scrollWidth > innerWidth"
         assert not js(browser, is_wide)
         has_states = path == TRUCK

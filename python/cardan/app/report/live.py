@@ -34,6 +34,7 @@ _MODULES = (
     "page/editing.js",
     "page/sharing.js",
     "page/trust.js",
+    "page/looks.js",
     "page/page.js",
 )
 

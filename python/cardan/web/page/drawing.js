@@ -196,10 +196,12 @@ export class Drawing {
     return first && far(first) <= reach ? first : null;
   }
 
-  /** Choose the scale by which everything fits. */
-  fit() {
+  /**
+   * Choose the scale by which everything fits.
+   * @param {number} width in px
+   */
+  fit(width = this.svg.clientWidth || 800) {
     const { model, svg } = this;
-    const width = svg.clientWidth || 800;
     const lines = model.sent.states.flatMap((_, state) => [model.points(state)]);
     const all = [...lines, model.drawnPoints].flat();
     const extent = (/** @type {number[]} */ axis) => {

@@ -35,6 +35,8 @@ export class Editing {
     svg.addEventListener("pointermove", (event) => this.#follow(event));
     svg.addEventListener("pointerup", () => this.#release());
     svg.addEventListener("pointercancel", () => this.giveUp());
+    // A browser scrolls by parts of a drawing, whatever their touch-action.
+    svg.addEventListener("touchstart", (event) => this.#hold(event), { passive: false });
     for (const handle of drawing.handles) {
       handle.element.addEventListener("focus", () => {
         drawing.selected = handle;
@@ -48,7 +50,15 @@ export class Editing {
     return this.#drag !== null;
   }
 
-  /** @param {PointerEvent} event */
+  /**
+   * Let a finger move handles, and scroll the page everywhere else.
+   * @param {TouchEvent} event
+   */
+  #hold(event) {
+    if (this.drawing.nearest(this.#placeOf(event.touches[0]), REACH.touch)) event.preventDefault();
+  }
+
+  /** @param {{clientX: number, clientY: number}} event */
   #placeOf(event) {
     const box = this.drawing.svg.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];

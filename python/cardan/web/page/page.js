@@ -11,6 +11,7 @@ import { Dials } from "./dials.js";
 import { Drawing } from "./drawing.js";
 import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
+import { printed } from "./looks.js";
 import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
@@ -40,7 +41,7 @@ function show(cardan, sent) {
   foot(element("trust"), cardan, sent);
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
-  const panel = new Panel(element("panel"), model);
+  const panel = new Panel(element("panel"), element("changed"), model);
   const chips = chipsOf(model, () => {
     drawing.fit();
     ask();
@@ -241,6 +242,7 @@ function show(cardan, sent) {
     settle();
   });
 
+  printed(drawing);
   let width = svg.clientWidth;
   new ResizeObserver(() => {
     if (svg.clientWidth === width) return;

@@ -100,6 +100,34 @@ function wordsOf({ variable, item, axis, by }, points) {
   return `Choose a rating of ${by} N m for joint ${item}`;
 }
 
+/**
+ * Let the panel be opened, which is a sheet on a narrow screen: of that only the head is seen until then.
+ * @param {Element} panel
+ * @param {Element} head
+ * @param {Element} body
+ */
+function opens(panel, head, body) {
+  const button = made("button", "opener", head);
+  const set = (/** @type {boolean} */ isOpen) => {
+    const isHeld = body.contains(document.activeElement);
+    panel.classList.toggle("open", isOpen);
+    button.setAttribute("aria-expanded", String(isOpen));
+    if (!isOpen) panel.scrollTop = 0;
+    if (!isOpen && isHeld) button.focus({ preventScroll: true });
+  };
+  button.setAttribute("type", "button");
+  button.setAttribute("aria-label", "All figures");
+  button.setAttribute("aria-controls", body.id);
+  set(false);
+  button.addEventListener("click", () => set(!panel.classList.contains("open")));
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") set(false);
+  });
+  document.addEventListener("pointerdown", ({ target }) => {
+    if (target instanceof Node && !panel.contains(target)) set(false);
+  });
+}
+
 /** The panel in an element. */
 export class Panel {
   #rows = /** @type {Map<string, (row: import("./model.js").Row, drawn: import("./model.js").Row) => HTMLElement>} */ (
@@ -108,21 +136,25 @@ export class Panel {
 
   /**
    * @param {Element} element
+   * @param {Element} printed where paper says what has been changed
    * @param {import("./model.js").Model} model
    */
-  constructor(element, model) {
+  constructor(element, printed, model) {
     this.model = model;
+    this.printed = printed;
     this.head = made("div", "head", element);
     this.mark = newMark(this.head);
     this.word = made("p", "word", this.head);
     this.why = made("p", "why", this.head);
-    this.items = made("ul", "rows", element);
+    const body = made("div", "body", element);
+    body.id = "live-figures";
+    this.items = made("ul", "rows", body);
     for (const row of model.sorted([...model.drawnRows.values()])) this.#rows.set(row.key, this.#row(row));
-    this.help = made("div", "help", element);
+    this.help = made("div", "help", body);
     made("h3", "", this.help, "What would help");
     this.changes = made("div", "changes", this.help);
     this.ways = made("div", "ways", this.help);
-    this.sent = made("div", "sent", element);
+    this.sent = made("div", "sent", body);
     made("h3", "", this.sent, "As sent, not computed here");
     this.stale = made("p", "", this.sent);
     const others = made("ul", "", this.sent);
@@ -132,6 +164,7 @@ export class Panel {
       made("span", "", item, `${name}: ${words}`);
     }
     this.sent.hidden = model.sent.others.length === 0;
+    opens(element, this.head, body);
   }
 
   /**
@@ -192,7 +225,10 @@ export class Panel {
    */
   list(take) {
     this.changes.replaceChildren();
-    for (const { words, without } of this.model.listed()) {
+    const listed = this.model.listed();
+    const names = listed.map(({ words }) => words).join("; ");
+    say(this.printed, names ? `Changed: ${names}.` : "As sent.");
+    for (const { words, without } of listed) {
       const button = made("button", "", this.changes, `${words} ✕`);
       button.setAttribute("type", "button");
       button.title = "Take this change back";

@@ -1,0 +1,214 @@
+"""How the live part of a page looks on screens of any size and on paper, in Chromium."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+import pages
+from example_scenes import Answers, example
+from pages import handle, in_browser, js, opened, settled
+
+TRUCK = example("truck-shaft.toml")
+PAGES = [example(f"{name}.toml") for name in ("truck-shaft", "test-rig", "ship-shaft")]
+EACH_PAGE = pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+
+pytestmark = in_browser
+WHITE = "rgb(255, 255, 255)"
+# Fixtures.
+chromium, browser = pages.chromium, pages.browser
+
+
+@pytest.fixture
+def phone(browser: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
+    """The browser as narrow as a phone, and touched."""
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    yield browser
+    browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+
+
+@pytest.fixture(autouse=True)
+def screen(browser: webdriver.Chrome) -> Iterator[None]:
+    """A light screen before and after every test."""
+    media(browser)
+    yield
+    media(browser)
+
+
+def media(browser: webdriver.Chrome, kind: str = "screen", scheme: str = "light") -> None:
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [feature]})
+
+
+def box(browser: webdriver.Chrome, selector: str) -> dict[str, float]:
+    script = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
+    found: dict[str, float] = js(browser, script, selector)
+    return found
+
+
+def touch(browser: webdriver.Chrome, kind: str, *at: float) -> None:
+    points = [{"x": at[0], "y": at[1]}] if at else []
+    event = {"type": f"touch{kind}", "touchPoints": points}
+    browser.execute_cdp_cmd("Input.dispatchTouchEvent", event)
+
+
+# --- narrow screens ---------------------------------------------------------------------------
+
+
+def test_the_verdict_of_a_phone_is_a_sheet_that_opens(
+    phone: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(phone, answered(TRUCK).page, tmp_path)
+    figures = phone.find_element(By.ID, "live-figures")
+    button = phone.find_element(By.CSS_SELECTOR, "#live-panel .opener")
+
+    def is_open() -> bool:
+        assert button.get_attribute("aria-expanded") == str(figures.is_displayed()).lower()
+        panel = box(phone, "#live-panel")
+        assert panel["bottom"] == 844
+        assert panel["height"] <= (0.7 * 844 + 1 if figures.is_displayed() else 64)
+        return figures.is_displayed()
+
+    assert not is_open()
+    for y in (600, 10_000, 0):
+        js(phone, "scrollTo(0, arguments[0])", y)
+        assert not is_open()
+    words = phone.find_element(By.CSS_SELECTOR, "#live-panel .head").text.split("\n")
+    assert words[0] == "Beyond its limits"
+    assert words[1].startswith("3 of 14: equivalent bend;")
+    assert js(phone, "return document.querySelector('#live-panel .why').clientHeight") < 20
+    button.click()
+    assert is_open()
+    assert js(phone, "const e = document.getElementById('live-panel'); "
+        "return e.scrollHeight > e.clientHeight + 100")  # fmt: skip
+    phone.find_element(By.CSS_SELECTOR, "#live-panel summary").send_keys(Keys.ESCAPE)
+    assert not is_open()
+    assert phone.switch_to.active_element == button
+    button.send_keys(Keys.ENTER)
+    assert is_open()
+    # Its first figure is the next stop of the Tab key.
+    button.send_keys(Keys.TAB)
+    assert phone.switch_to.active_element.tag_name == "summary"
+    js(phone, "scrollTo(0, 150)")
+    touch(phone, "Start", 200, 120)
+    touch(phone, "End")
+    assert not is_open()
+
+
+@EACH_PAGE
+def test_a_phone_shows_everything_within_its_width(
+    path: Path, phone: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """In the order of the design, and large enough to be touched."""
+    opened(phone, answered(path).page, tmp_path)
+    phone.find_element(By.CSS_SELECTOR, "#live-panel .opener").click()
+    assert js(phone, "return document.documentElement.scrollWidth") == 390
+    small = js(
+        phone,
+        """const touched = ".live button, .live summary, .live input, .live [role=slider], nav a";
+        return [...document.querySelectorAll(touched)].filter((e) => {
+            const { width, height } = e.getBoundingClientRect();
+            return width && Math.min(width, height) < 39.99;
+        }).map((e) => e.outerHTML)""",
+    )
+    assert small == []
+    order = ("h1", ".tools", "#live-drawing", ".foot", "#live-states", "#live-dials", "#answer")
+    tops = [box(phone, each)["top"] for each in order if is_shown(phone, each)]
+    assert tops == sorted(tops)
+    assert len(tops) >= 5
+
+
+def is_shown(browser: webdriver.Chrome, selector: str) -> bool:
+    return browser.find_element(By.CSS_SELECTOR, selector).is_displayed()
+
+
+def test_a_finger_scrolls_the_page_by_the_drawing_and_drags_handles(
+    phone: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(phone, answered(TRUCK).page, tmp_path)
+
+    def swipe(x: float, y: float) -> tuple[float, float]:
+        """How far the page is scrolled and where a joint is as a finger goes up by 80 px."""
+        touch(phone, "Start", x, y)
+        for i in range(1, 9):
+            touch(phone, "Move", x, y - 10 * i)
+        touch(phone, "End")
+        settled(phone)
+        return js(phone, "return scrollY"), pages.place_of(phone, 2)[1]
+
+    ring = box(phone, ".handle[data-point='2'] .ring")
+    x, y = (ring["left"] + ring["right"]) / 2, (ring["top"] + ring["bottom"]) / 2
+    # Within the reach of a finger, but outside the circle.
+    scrolled, height = swipe(x + 15, y + 22)
+    assert scrolled == 0
+    assert height > 100
+    scrolled, then = swipe(x - 70, y + 40)
+    assert scrolled > 30
+    assert then == height
+
+
+# --- paper ------------------------------------------------------------------------------------
+
+
+@EACH_PAGE
+def test_paper_has_the_verdict_and_no_controls(
+    path: Path, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Light and still whatever the screen is; all judged figures with their limits."""
+    opened(browser, answered(path).page, tmp_path)
+    shown = len(browser.find_elements(By.CSS_SELECTOR, "#live-panel .rows li"))
+    media(browser, "print", "dark")
+    changed = browser.find_element(By.ID, "live-changed")
+    assert changed.text == "As sent."
+    controls = ".live button:not(.chip), .live input[type=range], .hint, .live .hit, .live .ring"
+    for each in browser.find_elements(By.CSS_SELECTOR, controls):
+        assert not each.is_displayed(), each.get_attribute("outerHTML")
+    assert js(browser, "return getComputedStyle(document.body).backgroundColor") == WHITE
+    rows = browser.find_elements(By.CSS_SELECTOR, "#live-panel .rows li")
+    assert len(rows) == shown > 0
+    for row in rows:
+        assert row.is_displayed()
+        assert row.find_element(By.CSS_SELECTOR, ".value span span").text
+    for selector in ("#live-panel .head", "#live-drawing", ".live .key"):
+        assert is_shown(browser, selector)
+    assert js(browser, "return getComputedStyle(document.querySelector('.is-live main > section"
+        ":nth-of-type(2)')).breakInside") == "avoid"  # fmt: skip
+
+
+def test_paper_names_what_was_changed(
+    phone: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Printed from a phone too, it has the drawing of a desk and no sheet."""
+    opened(phone, answered(TRUCK).page, tmp_path)
+    handle(phone, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+    handle(phone, 2).send_keys(4 * Keys.ARROW_DOWN)
+    settled(phone)
+    width = "return document.getElementById('live-drawing').viewBox.baseVal.width"
+    narrow = js(phone, width)
+    js(
+        phone,
+        """addEventListener("beforeprint", () => {
+            window.printed = document.getElementById("live-drawing").viewBox.baseVal.width;
+        });""",
+    )
+    assert base64.b64decode(phone.print_page()).startswith(b"%PDF")
+    assert js(phone, "return printed") == 680 > narrow
+    assert (
+        js(phone, "return document.getElementById('live-drawing').viewBox.baseVal.width") == narrow
+    )
+    media(phone, "print")
+    assert phone.find_element(By.ID, "live-changed").text == "Changed: joint 1 y \u221224.0 mm."
+    assert is_shown(phone, "#live-figures")
+    assert is_shown(phone, "#live-below")
+    assert js(phone, "return getComputedStyle(document.getElementById('live-panel')).position") == (
+        "static"
+    )
+    assert js(phone, "return document.querySelector('.ghost').getAttribute('points')")
