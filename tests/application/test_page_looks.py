@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import base64
+import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pages
+from cardan.app.scene import Scene
 from example_scenes import Answers, example
 from pages import handle, in_browser, js, opened, settled
 
@@ -212,3 +217,98 @@ def test_paper_names_what_was_changed(
         "static"
     )
     assert js(phone, "return document.querySelector('.ghost').getAttribute('points')")
+
+
+# --- the drawing ------------------------------------------------------------------------------
+
+
+def slopes(browser: webdriver.Chrome) -> dict[str, tuple[float, str]]:
+    """Every slope that is written, in degrees and as text."""
+    found = js(
+        browser,
+        """return [...document.querySelectorAll("#live-drawing .slope")]
+            .filter((e) => e.textContent)
+            .map((e) => [e.dataset.path, [Number(e.dataset.value), e.textContent]])""",
+    )
+    return {path: (value, text) for path, (value, text) in found}
+
+
+def test_slopes_are_those_of_the_shafts(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """In both views, to a hundredth of a degree, also of what is moved and stretched."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    for name in ("live-true", "live-high"):
+        browser.find_element(By.ID, name).click()
+        points = [pages.place_of(browser, i) for i in range(5)]
+        shown = slopes(browser)
+        for view, axis in ((0, 1), (1, 2)):
+            for shaft in (1, 2):
+                value, text = shown[f"derived:slopes_deg[view={view},shaft={shaft}]"]
+                along = np.subtract(points[shaft + 1], points[shaft])
+                assert value == pytest.approx(math.degrees(math.atan(along[axis] / along[0])))
+                minus = text.removeprefix("slope ").removesuffix("°").replace("\u2212", "-")
+                assert float(minus) == round(value, 2)
+        handle(browser, 2).send_keys(Keys.SHIFT + 3 * Keys.ARROW_UP)
+        settled(browser)
+    assert shown["derived:slopes_deg[view=0,shaft=1]"][1] == "slope 0.35°"
+
+
+def test_stretched_heights_are_dragged_exactly(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    high = browser.find_element(By.ID, "live-high")
+    wide = js(browser, "return cardanPage.drawing.scale")
+    high.click()
+    assert high.get_attribute("aria-pressed") == "true"
+    assert js(browser, "return cardanPage.drawing.scale") == wide
+    knobs = [box(browser, f".handle[data-point='{i}'] .knob") for i in (1, 3)]
+    fall = (knobs[1]["top"] - knobs[0]["top"]) / wide
+    assert fall == pytest.approx(4 * (180 - 24), abs=3)
+    for view, axis, sign in ((0, 1, -1.0), (1, 2, 1.0)):
+        before = pages.place_of(browser, 2)
+        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 40).perform()
+        after = pages.place_of(browser, 2)
+        assert after[axis] - before[axis] == pytest.approx(sign * 10.0 / wide, abs=0.6)
+        assert after[0] == before[0]
+    browser.find_element(By.ID, "live-true").click()
+    assert high.get_attribute("aria-pressed") == "false"
+
+
+def test_arrows_are_the_forces_of_the_bearings(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """At the drive angle and in the state that are shown, in both views with one scale."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    scene = Scene.load(TRUCK)
+    states = scene.states
+    assert states
+    for state, angle in ((2, 40.0), (0, 130.0)):
+        browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[state].click()
+        js(
+            browser,
+            """const angle = document.getElementById("live-angle");
+            angle.value = arguments[0];
+            angle.dispatchEvent(new Event("input"));""",
+            angle,
+        )
+        settled(browser)
+        load = states.load(state)
+        found = scene.drivelines()[state].evaluate(np.radians([angle]), "bearing_force", load=load)
+        forces = found.bearing_force.reshape(5, 3)
+        scale = js(browser, "return cardanPage.drawing.push")
+        paths = js(
+            browser,
+            "return [...document.querySelectorAll('.arrow')].map((e) => e.getAttribute('d'))",
+        )
+        for axis, drawn in ((1, paths[:5]), (2, paths[5:])):
+            down = -1.0 if axis == 1 else 1.0
+            for force, path in zip(forces, drawn, strict=True):
+                want = scale * np.array([force[0], down * force[axis]])
+                if not path:
+                    assert np.hypot(*want) < 5.0
+                    continue
+                start, end = np.array(re.findall(r"[-\d.]+", path), float).reshape(-1, 2)[:2]
+                np.testing.assert_allclose(end - start, want, atol=0.11)
+        assert sum(bool(path) for path in paths) > 4

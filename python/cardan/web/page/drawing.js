@@ -5,13 +5,21 @@
  * @module drawing
  */
 
+import { numberText } from "./numbers.js";
+
 const SVG = "http://www.w3.org/2000/svg";
 const TALLEST = 460; // px of both views together, if the driveline is as tall as long
+const HIGHEST = 920; // px of both views with heights stretched
 const ABOVE = 70; // px above what is drawn in a view, for names
-const BELOW = 34;
+const BELOW = 34; // for slopes and forces
 const LEFT = 26;
 const YOKE = 0.026; // half the length of a joint over the length of the driveline
 const RADIUS = 0.009; // of shafts without a tube
+const WIDE = 600; // px from which slopes are called so
+const LONG = 64; // px of a shaft beside which its slope is written
+const APART = 44; // px from a bearing to a slope
+const ARROW = 64; // px of the largest force of the drawing
+const HEAD = 8; // px of the head of an arrow
 
 /**
  * @param {string} name
@@ -75,8 +83,14 @@ export class Drawing {
     this.handles = [];
     this.views = model.sent.views.map((view, number) => this.#view(view, number));
     this.scale = 1;
+    /** How many times true size the direction across is drawn. */
+    this.stretch = 1;
+    /** px of an arrow for 1 N. */
+    this.push = 0;
     /** What is drawn is so long in mm. */
     this.length = 1;
+    /** Of the drawing in px. */
+    this.width = 0;
     /** @type {Handle | null} */
     this.selected = null;
     this.fit();
@@ -112,12 +126,14 @@ export class Drawing {
         ),
       ),
       bearings: many(sent.machine.bearings ?? [], "path", "box"),
+      arrows: many(sent.machine.bearings ?? [], "path", "arrow"),
       ghost: drawn("polyline", { class: "ghost" }, group),
       joints: (number ? [] : joints).map((_, joint) => {
         const name = drawn("text", {}, group);
         name.textContent = sent.points[joint + 1];
         return [name, drawn("text", { class: "big" }, group)];
       }),
+      slopes: many(sent.points.slice(1), "text", "slope"),
       forces: number ? [] : many(sent.machine.bearings ?? [], "text", "force"),
       /** Where bearings are. @type {number[][]} */
       centres: [],
@@ -153,7 +169,8 @@ export class Drawing {
    */
   #at(view, point) {
     const { axes, zero } = this.views[view];
-    return [zero[0] + this.scale * product(axes.right, point), zero[1] + this.scale * product(axes.down, point)];
+    const [right, down] = [axes.right, axes.down].map((axis) => this.scale * product(axis, point));
+    return [zero[0] + right, zero[1] + this.stretch * down];
   }
 
   /**
@@ -164,7 +181,8 @@ export class Drawing {
    */
   placeOf(handle, at) {
     const { axes, zero } = this.views[handle.view];
-    const [right, down] = [0, 1].map((i) => (at[i] - zero[i]) / this.scale);
+    const right = (at[0] - zero[0]) / this.scale;
+    const down = (at[1] - zero[1]) / this.scale / this.stretch;
     return [0, 1, 2].map((i) =>
       axes.right[i] ? right * axes.right[i] : axes.down[i] ? down * axes.down[i] : null,
     );
@@ -202,6 +220,7 @@ export class Drawing {
    */
   fit(width = this.svg.clientWidth || 800) {
     const { model, svg } = this;
+    this.width = width;
     const lines = model.sent.states.flatMap((_, state) => [model.points(state)]);
     const all = [...lines, model.drawnPoints].flat();
     const extent = (/** @type {number[]} */ axis) => {
@@ -212,10 +231,10 @@ export class Drawing {
     this.length = Math.max(last - first, 1);
     const heights = this.views.map(({ axes }) => {
       const [low, high] = extent(axes.down);
-      return [low - 0.03 * this.length, high + 0.03 * this.length];
+      return [low * this.stretch - 0.03 * this.length, high * this.stretch + 0.03 * this.length];
     });
     const total = heights.reduce((sum, [low, high]) => sum + high - low, 0);
-    this.scale = Math.min((width - 2 * LEFT) / this.length, TALLEST / total);
+    this.scale = Math.min((width - 2 * LEFT) / this.length, (this.stretch > 1 ? HIGHEST : TALLEST) / total);
     const middle = (width - this.scale * (first + last)) / 2;
     let top = 0;
     this.views.forEach((view, number) => {
@@ -224,7 +243,7 @@ export class Drawing {
       view.zero = [middle, top + above - this.scale * low];
       put(view.name, { y: top + 18 });
       put(view.edge, { x1: 0, x2: width, y1: top, y2: top });
-      top += above + this.scale * (high - low) + (number ? 10 : BELOW);
+      top += above + this.scale * (high - low) + BELOW;
     });
     put(svg, { viewBox: `0 0 ${width} ${top.toFixed(0)}`, height: top.toFixed(0) });
   }
@@ -233,7 +252,7 @@ export class Drawing {
   draw() {
     const { model } = this;
     const [points, sent] = [model.points(model.state), model.drawnPoints];
-    const pins = model.pins(this.angle);
+    const { pins, forces } = model.at(this.angle);
     this.views.forEach((view, number) => {
       const at = (/** @type {number[]} */ point) => this.#at(number, point);
       model.sent.states.forEach((_, state) => {
@@ -244,6 +263,8 @@ export class Drawing {
       this.#tubes(view, points.map(at));
       this.#yokes(view, points, at, pins);
       this.#bearings(view, points, at);
+      this.#arrows(view, forces);
+      this.#slopes(view, number, points, at);
       this.#names(view, points.map(at));
       for (const handle of this.handles) {
         if (handle.view !== number) continue;
@@ -261,6 +282,13 @@ export class Drawing {
     const [side] = this.views;
     side.joints.forEach(([, bend], joint) => mark(bend, this.model.here("bend", joint)));
     this.#forces(side, this.model.sent.machine.bearings ?? []);
+  }
+
+  /** Choose the length of the arrows by the largest force of all states. */
+  measure() {
+    const found = this.model.figures.filter(({ kind }) => kind.name === "bearing_force");
+    const most = Math.max(...found.flatMap(({ values }) => Array.from(values).filter(Number.isFinite)), 0);
+    this.push = most > 0 ? ARROW / most : 0;
   }
 
   /**
@@ -366,6 +394,53 @@ export class Drawing {
       put(box, { d: path.join("") });
       const label = view.forces[bearing];
       if (label) put(label, { x: centre[0], y: centre[1] + radius + 25 });
+    });
+  }
+
+  /**
+   * The force of each bearing on its shaft at the drive angle.
+   * @param {any} view
+   * @param {number[][]} forces
+   */
+  #arrows(view, forces) {
+    forces.forEach((force, bearing) => {
+      const across = [view.axes.right, view.axes.down].map((axis) => this.push * product(axis, force));
+      const long = Math.hypot(...across);
+      const start = view.centres[bearing];
+      const end = start.map((/** @type {number} */ x, /** @type {number} */ i) => x + across[i]);
+      const [u, v] = across.map((x) => x / long);
+      const head = [1, -1].map((side) => [end[0] - HEAD * u - 0.45 * side * HEAD * v, end[1] - HEAD * v + 0.45 * side * HEAD * u]);
+      const path = `M${listOf([start])}L${listOf([end])}M${listOf([end])}L${listOf([head[0]])}L${listOf([head[1]])}Z`;
+      put(view.arrows[bearing], { d: long > HEAD / 2 ? path : "" });
+    });
+  }
+
+  /**
+   * The slope of each shaft below it, where there is room: how fast the coordinate across rises along
+   * the view, whatever is stretched.
+   * @param {any} view
+   * @param {number} number
+   * @param {number[][]} points
+   * @param {(point: number[]) => number[]} at
+   */
+  #slopes(view, number, points, at) {
+    const { right, down } = view.axes;
+    const axis = down.findIndex((/** @type {number} */ x) => x !== 0);
+    const { digits } = this.model.sent.kinds.bend;
+    view.slopes.forEach((/** @type {Element} */ text, /** @type {number} */ shaft) => {
+      const along = points[shaft + 1].map((x, i) => x - points[shaft][i]);
+      const ends = [at(points[shaft]), at(points[shaft + 1])];
+      const isLong = Math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) > LONG + 2 * this.#yoke;
+      const value = (Math.atan2(along[axis], product(right, along)) * 180) / Math.PI;
+      const words = `${this.width < WIDE ? "" : "slope "}${numberText(value, digits)}°`;
+      mark(text, isLong ? { value, text: words, path: `derived:slopes_deg[view=${number},shaft=${shaft}]` } : null);
+      const isFree = (/** @type {number} */ share) =>
+        view.centres.every(
+          (/** @type {number[]} */ centre) => Math.abs(centre[0] - between(ends[0], ends[1], share)[0]) > APART,
+        );
+      const share = [0.5, 0.35, 0.65, 0.25, 0.75].find(isFree) ?? 0.5;
+      const [x, y] = between(ends[0], ends[1], share);
+      put(text, { x, y: y + this.#radius(shaft) + 17 });
     });
   }
 

@@ -5,7 +5,38 @@
  * @module looks
  */
 
+const STRETCH = 4;
 const PAPER = 680; // px, the width of a page without its margins
+
+/** @param {string} name */
+const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`live-${name}`));
+
+/**
+ * Let one of some buttons be chosen.
+ * @param {string[]} names
+ * @param {(place: number) => void} chosen
+ */
+function choice(names, chosen) {
+  const buttons = names.map(element);
+  buttons.forEach((button, place) =>
+    button.addEventListener("click", () => {
+      buttons.forEach((each) => each.setAttribute("aria-pressed", String(each === button)));
+      chosen(place);
+    }),
+  );
+}
+
+/**
+ * Let the heights of the drawing be stretched.
+ * @param {import("./drawing.js").Drawing} drawing
+ */
+export function stretched(drawing) {
+  choice(["true", "high"], (place) => {
+    drawing.stretch = place ? STRETCH : 1;
+    drawing.fit();
+    drawing.draw();
+  });
+}
 
 /**
  * Draw for paper while the page is printed.

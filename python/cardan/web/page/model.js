@@ -96,6 +96,7 @@ export class Model {
   #future = /** @type {Changes[]} */ ([]);
   #before = /** @type {Changes | null} */ (null);
   #judged;
+  #isLoaded;
 
   /**
    * @param {import("../cardan.js").Cardan} cardan
@@ -120,6 +121,7 @@ export class Model {
     /** @type {import("../cardan.js").Figure[]} */
     this.figures = [];
     this.compute();
+    this.#isLoaded = this.figures.some(({ kind }) => kind.name === "bearing_force");
     /** The rows of the scene as sent. */
     this.drawnRows = new Map(this.rows().map((row) => [row.key, row]));
   }
@@ -173,16 +175,18 @@ export class Model {
   }
 
   /**
-   * The driving and the driven pin of every joint at a drive angle, as unit vectors.
+   * What is at a drive angle in the state shown: the driving and the driven pin of every joint as unit
+   * vectors, and the force of every bearing on its shaft in N, of none where forces are not known.
    * @param {number} angle in rad
-   * @returns {number[][][]}
+   * @returns {{pins: number[][][], forces: number[][]}}
    */
-  pins(angle) {
-    const outputs = ["driving_pin", "driven_pin"];
+  at(angle) {
+    const outputs = ["driving_pin", "driven_pin", ...(this.#isLoaded ? ["bearing_force"] : [])];
     const found = this.machine.evaluate({ outputs, angles: [angle] });
-    const of = (/** @type {string} */ name, /** @type {number} */ joint) =>
-      found[name][joint][this.state].map((component) => component[0]);
-    return found.driving_pin.map((_, joint) => outputs.map((name) => of(name, joint)));
+    const of = (/** @type {string} */ name) =>
+      (found[name] ?? []).map((states) => states[this.state].map((component) => component[0]));
+    const [driving, driven] = [of("driving_pin"), of("driven_pin")];
+    return { pins: driving.map((pin, joint) => [pin, driven[joint]]), forces: of("bearing_force") };
   }
 
   /** Begin a gesture, which is one step of undo. */

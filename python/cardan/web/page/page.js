@@ -11,7 +11,7 @@ import { Dials } from "./dials.js";
 import { Drawing } from "./drawing.js";
 import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
-import { printed } from "./looks.js";
+import { printed, stretched } from "./looks.js";
 import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
@@ -105,6 +105,7 @@ function show(cardan, sent) {
   const settle = () => {
     model.compute();
     drawing.fit();
+    drawing.measure();
     drawing.draw();
     drawing.label();
     const words = panel.show(true);
@@ -243,6 +244,7 @@ function show(cardan, sent) {
   });
 
   printed(drawing);
+  stretched(drawing);
   let width = svg.clientWidth;
   new ResizeObserver(() => {
     if (svg.clientWidth === width) return;
