@@ -14,9 +14,11 @@ from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from test_live_page import edited
 
 import pages
 from cardan.app.scene import Scene
+from cardan.app.scene.machine import machine_of
 from example_scenes import Answers, example
 from pages import handle, in_browser, js, opened, settled
 
@@ -312,3 +314,49 @@ def test_arrows_are_the_forces_of_the_bearings(
                 start, end = np.array(re.findall(r"[-\d.]+", path), float).reshape(-1, 2)[:2]
                 np.testing.assert_allclose(end - start, want, atol=0.11)
         assert sum(bool(path) for path in paths) > 4
+
+
+def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """As the core judges the same heights; found in slices, and gone while somebody drags."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    ribbon = browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon")
+    assert ribbon.get_attribute("visibility") == "hidden"
+    joint = handle(browser, 2)
+    joint.send_keys("")
+    browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
+    bands = js(
+        browser,
+        """return [...document.querySelectorAll("#live-drawing .ribbon rect")].map((e) => {
+            const { top, bottom } = e.getBoundingClientRect();
+            return [(top + bottom) / 2, e.getAttribute("class"), getComputedStyle(e).fill];
+        })""",
+    )
+    knob = box(browser, ".handle[data-point='2'] .knob")
+    middle, scale = (
+        (knob["top"] + knob["bottom"]) / 2,
+        js(browser, "return cardanPage.drawing.scale"),
+    )
+    assert len(bands) > 30
+    step = 0.035 * 3450.0 / 20.0
+    for at, verdict, fill in bands:
+        place = round((middle - at) / scale / step)
+        assert abs((middle - at) / scale - step * place) < 1.0
+        machine = machine_of(edited(TRUCK, 2, (0.0, step * place, 0.0)))
+        assert machine
+        assert verdict == machine.verdict()
+        assert ("url" in fill) == (verdict == "beyond")
+    assert {verdict for _, verdict, _ in bands} == {"within", "beyond"}
+    words = ribbon.get_attribute("aria-label")
+    assert words == "Within all limits with y from \u2212112 to \u221270 mm"
+    slices = js(browser, "return cardanPage.ribbon.slices")
+    assert sum(count for count, _ in slices) == len(bands)
+    # One that looks at more than one height ends before 8 ms, unless the machine is busy.
+    long = [took for count, took in slices if count > 1]
+    assert np.median(long or [0.0]) < 9.0
+    ActionChains(browser).click_and_hold(joint).move_by_offset(0, 20).perform()
+    settled(browser)
+    assert ribbon.get_attribute("visibility") == "hidden"
+    ActionChains(browser).release().perform()
+    browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")

@@ -28,6 +28,7 @@ _MODULES = (
     "page/changes.js",
     "page/model.js",
     "page/drawing.js",
+    "page/ribbon.js",
     "page/panel.js",
     "page/dials.js",
     "page/fields.js",

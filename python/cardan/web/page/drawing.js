@@ -26,7 +26,7 @@ const HEAD = 8; // px of the head of an arrow
  * @param {Record<string, string | number>} attributes
  * @param {Element} parent
  */
-function drawn(name, attributes, parent) {
+export function drawn(name, attributes, parent) {
   const element = document.createElementNS(SVG, name);
   put(element, attributes);
   parent.append(element);
@@ -34,7 +34,7 @@ function drawn(name, attributes, parent) {
 }
 
 /** @param {Element} element @param {Record<string, string | number>} attributes */
-function put(element, attributes) {
+export function put(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) {
     element.setAttribute(name, typeof value === "number" ? value.toFixed(1) : value);
   }
@@ -58,6 +58,9 @@ const listOf = (points) => points.map((p) => p.map((x) => x.toFixed(1)).join()).
 
 /** @param {number[]} a @param {number[]} b @param {number} share */
 const between = (a, b, share) => a.map((x, i) => x + share * (b[i] - x));
+
+/** @param {{axes: {down: number[]}}} view */
+const acrossOf = ({ axes }) => axes.down.findIndex((x) => x !== 0);
 
 /**
  * @typedef {object} Handle
@@ -189,6 +192,14 @@ export class Drawing {
   }
 
   /**
+   * The coordinate that a handle shows from top to bottom.
+   * @param {Handle} handle
+   */
+  across(handle) {
+    return acrossOf(this.views[handle.view]);
+  }
+
+  /**
    * How far from the upstream end of its shaft a bearing would be that a handle shows there, in mm.
    * @param {Handle} handle
    * @param {number[]} at in px
@@ -299,7 +310,7 @@ export class Drawing {
     const { model } = this;
     const points = model.points(model.state);
     for (const { element, kind, item, view } of this.handles) {
-      const down = this.views[view].axes.down.findIndex((each) => each !== 0);
+      const down = acrossOf(this.views[view]);
       const now = kind === "point" ? points[item][down] : 1e3 * model.part("positions", item);
       const words =
         kind === "point" ? points[item].map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(", ") : tenth(now);
@@ -424,8 +435,8 @@ export class Drawing {
    * @param {(point: number[]) => number[]} at
    */
   #slopes(view, number, points, at) {
-    const { right, down } = view.axes;
-    const axis = down.findIndex((/** @type {number} */ x) => x !== 0);
+    const { right } = view.axes;
+    const axis = acrossOf(view);
     const { digits } = this.model.sent.kinds.bend;
     view.slopes.forEach((/** @type {Element} */ text, /** @type {number} */ shaft) => {
       const along = points[shaft + 1].map((x, i) => x - points[shaft][i]);
@@ -438,9 +449,12 @@ export class Drawing {
         view.centres.every(
           (/** @type {number[]} */ centre) => Math.abs(centre[0] - between(ends[0], ends[1], share)[0]) > APART,
         );
-      const share = [0.5, 0.35, 0.65, 0.25, 0.75].find(isFree) ?? 0.5;
-      const [x, y] = between(ends[0], ends[1], share);
-      put(text, { x, y: y + this.#radius(shaft) + 17 });
+      const share = [0.5, 0.35, 0.65, 0.25, 0.75].find(isFree);
+      const [x, y] = between(ends[0], ends[1], share ?? 0.5);
+      // Below what rises towards either end of the words, and below a force.
+      const rise = Math.min(2, Math.abs((ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0] || 1)));
+      const below = this.#radius(shaft) * Math.hypot(1, rise) + 7 * words.length * (rise / 2) + 15;
+      put(text, { x, y: y + below + (share === undefined ? 20 : 0) });
     });
   }
 

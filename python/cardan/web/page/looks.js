@@ -29,12 +29,13 @@ function choice(names, chosen) {
 /**
  * Let the heights of the drawing be stretched.
  * @param {import("./drawing.js").Drawing} drawing
+ * @param {() => void} ask to be drawn
  */
-export function stretched(drawing) {
+export function stretched(drawing, ask) {
   choice(["true", "high"], (place) => {
     drawing.stretch = place ? STRETCH : 1;
     drawing.fit();
-    drawing.draw();
+    ask();
   });
 }
 

@@ -454,6 +454,24 @@ export class Model {
     return positions ? machine.with({ positions }) : machine;
   }
 
+  /**
+   * The verdict on what has a limit, with a point moved along one axis; "" if that makes no driveline.
+   * @param {number} point
+   * @param {number} axis
+   * @param {number} by in mm
+   */
+  verdictAt(point, axis, by) {
+    const size = byOf(this.changes, "point", point, axis) + by;
+    try {
+      const machine = this.#changed(changed(this.changes, "point", point, axis, tidy(size)));
+      const ranks = machine.figures({ limited: true }).map(({ ranks }) => this.#worst(ranks));
+      return this.sent.verdicts.find((verdict) => ranks.includes(verdict)) ?? "not judged";
+    } catch (error) {
+      if (error instanceof CardanError) return "";
+      throw error;
+    }
+  }
+
   /** Give up a gesture. */
   cancel() {
     if (this.#before) this.#take(this.#before);

@@ -15,6 +15,7 @@ import { printed, stretched } from "./looks.js";
 import { Model } from "./model.js";
 import { minus, signed } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
+import { Ribbon } from "./ribbon.js";
 import { copy, note, noted, save } from "./sharing.js";
 import { foot } from "./trust.js";
 
@@ -41,6 +42,7 @@ function show(cardan, sent) {
   foot(element("trust"), cardan, sent);
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
+  const ribbon = new Ribbon(drawing);
   const panel = new Panel(element("panel"), element("changed"), model);
   const chips = chipsOf(model, () => {
     drawing.fit();
@@ -85,6 +87,8 @@ function show(cardan, sent) {
     drawing.draw();
     dials.show();
     about();
+    if (editing.isDragging || isGoing) ribbon.hide();
+    else ribbon.ask();
     times.push(performance.now() - start);
     // The browser paints the drawing before the next task.
     if ((editing.isDragging || isGoing) && ++passed >= every) setTimeout(follow);
@@ -108,6 +112,7 @@ function show(cardan, sent) {
     drawing.measure();
     drawing.draw();
     drawing.label();
+    ribbon.ask();
     const words = panel.show(true);
     chips();
     about();
@@ -244,7 +249,7 @@ function show(cardan, sent) {
   });
 
   printed(drawing);
-  stretched(drawing);
+  stretched(drawing, ask);
   let width = svg.clientWidth;
   new ResizeObserver(() => {
     if (svg.clientWidth === width) return;
@@ -252,12 +257,12 @@ function show(cardan, sent) {
     // A size that is set while sizes are observed would be observed again.
     requestAnimationFrame(() => {
       drawing.fit();
-      drawing.draw();
+      render();
     });
   }).observe(svg);
   if (noted()) model.read(noted());
   settle();
-  return { model, drawing, panel, times };
+  return { model, drawing, panel, ribbon, times };
 }
 
 /**
