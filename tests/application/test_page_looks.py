@@ -360,3 +360,79 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
     assert ribbon.get_attribute("visibility") == "hidden"
     ActionChains(browser).release().perform()
     browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
+
+
+# --- snapping ---------------------------------------------------------------------------------
+
+
+def dragged(
+    browser: webdriver.Chrome, by: tuple[float, float], key: str = ""
+) -> tuple[list[float], dict[str, dict[str, float]]]:
+    """Where joint 1 is, and words beside it with their lines, while it is dragged by so many px."""
+    actions = ActionChains(browser, duration=10).click_and_hold(handle(browser, 2))
+    if key:
+        actions.key_down(key)
+    actions.move_by_offset(*by).perform()
+    settled(browser)
+    found = js(
+        browser,
+        """return Object.fromEntries([...document.querySelectorAll("text.snap[visibility=visible]")]
+            .map((e) => [e.textContent, e.previousSibling.getBoundingClientRect().toJSON()]))""",
+    )
+    at = pages.place_of(browser, 2)
+    actions = ActionChains(browser, duration=10).release()
+    if key:
+        actions.key_up(key)
+    actions.perform()
+    assert not browser.find_elements(By.CSS_SELECTOR, "text.snap[visibility=visible]")
+    return at, found
+
+
+def test_a_point_snaps_to_what_it_is_near(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """To where it was drawn and to the level of its neighbours, with a line and a word."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    browser.find_element(By.ID, "live-high").click()
+    scale = js(browser, "return cardanPage.drawing.scale")
+    up = 4 * scale
+    # Joint 0 is 22 mm higher; the pointer stops 2 mm before it, which are fewer than 5 px.
+    level, words = dragged(browser, (0, round(-20 * up)))
+    assert level == [1650.0, -24.0, 0.0]
+    assert list(words) == ["level with joint 0"]
+    knob, line = box(browser, ".handle[data-point='2'] .knob"), words["level with joint 0"]
+    assert line["top"] == pytest.approx((knob["top"] + knob["bottom"]) / 2, abs=1.0)
+    assert line["width"] > 300
+    # 10 mm are more than 5 px.
+    away, words = dragged(browser, (0, round(10 * up)))
+    assert away[1] == pytest.approx(-34.0, abs=1.0)
+    assert away[1] == round(away[1])
+    assert words == {}
+    back, words = dragged(browser, (0, round(10 * up)))
+    assert back == [1650.0, -46.0, 0.0]
+    assert list(words) == ["as drawn"]
+    # To the right of where it was drawn, and back: a coordinate snaps by itself.
+    assert dragged(browser, (60, round(40 * up)))[0][0] == pytest.approx(1650 + 60 / scale, abs=1)
+    at, words = dragged(browser, (-59, 0))
+    assert at[0] == 1650.0
+    assert list(words) == ["as drawn"]
+    assert words["as drawn"]["height"] > words["as drawn"]["width"]
+
+
+def test_keys_hold_a_drag_straight_or_make_it_fine(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    scale = js(browser, "return cardanPage.drawing.scale")
+    straight, _ = dragged(browser, (30, 40), Keys.SHIFT)
+    assert straight[0] == 1650.0
+    assert straight[1] == pytest.approx(-46.0 - 40 / scale, abs=1.0)
+    browser.find_element(By.ID, "live-undo").click()
+    straight, _ = dragged(browser, (40, 30), Keys.SHIFT)
+    assert straight[1] == -46.0
+    assert straight[0] == pytest.approx(1650.0 + 40 / scale, abs=1.0)
+    browser.find_element(By.ID, "live-undo").click()
+    fine, words = dragged(browser, (3, 10), Keys.ALT)
+    assert fine[:2] == pytest.approx([1650.0 + 0.3 / scale, -46.0 - 1.0 / scale], abs=0.06)
+    assert fine[1] != round(fine[1]) or fine[0] != round(fine[0])
+    assert words == {}

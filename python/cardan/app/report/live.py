@@ -32,6 +32,7 @@ _MODULES = (
     "page/panel.js",
     "page/dials.js",
     "page/fields.js",
+    "page/snaps.js",
     "page/editing.js",
     "page/sharing.js",
     "page/trust.js",

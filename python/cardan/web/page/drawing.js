@@ -19,6 +19,7 @@ const WIDE = 600; // px from which slopes are called so
 const LONG = 64; // px of a shaft beside which its slope is written
 const APART = 44; // px from a bearing to a slope
 const ARROW = 64; // px of the largest force of the drawing
+const GUIDE = 200; // px from a point to the end of the line that shows what it has come to
 const HEAD = 8; // px of the head of an arrow
 
 /**
@@ -96,6 +97,9 @@ export class Drawing {
     this.width = 0;
     /** @type {Handle | null} */
     this.selected = null;
+    /** What the selected point has come to. */
+    this.snaps = /** @type {import("./snaps.js").Snap[]} */ ([]);
+    this.guides = [0, 1].map(() => ["line", "text"].map((tag) => drawn(tag, { class: "snap" }, svg)));
     this.fit();
   }
 
@@ -192,6 +196,14 @@ export class Drawing {
   }
 
   /**
+   * How many px are 1 mm along each axis.
+   * @param {Handle} handle
+   */
+  scaleOf(handle) {
+    return [0, 1, 2].map((axis) => this.scale * (axis === this.across(handle) ? this.stretch : 1));
+  }
+
+  /**
    * The coordinate that a handle shows from top to bottom.
    * @param {Handle} handle
    */
@@ -285,6 +297,24 @@ export class Drawing {
           class: handle === this.selected ? "handle on" : "handle",
         });
       }
+    });
+    this.#guide();
+  }
+
+  /** Show what the selected point has come to, by a line and a word. */
+  #guide() {
+    this.guides.forEach(([line, text], i) => {
+      const snap = this.snaps[i];
+      put(text, { visibility: snap ? "visible" : "hidden" });
+      put(line, { visibility: snap ? "visible" : "hidden" });
+      if (!snap || !this.selected) return;
+      const [x, y] = this.selected.at;
+      const isAcross = snap.axis === this.across(this.selected);
+      const [dx, dy] = isAcross ? [GUIDE, 0] : [0, GUIDE / 3];
+      put(line, { x1: x - dx, y1: y - dy, x2: x + dx, y2: y + dy });
+      const side = x + GUIDE > this.width ? -1 : 1;
+      put(text, isAcross ? { x: x + side * 0.6 * GUIDE, y: y - 6 } : { x: x + 40 * side, y: y + GUIDE / 3 });
+      text.textContent = snap.words;
     });
   }
 

@@ -6,8 +6,10 @@
  */
 
 import { tidy } from "./numbers.js";
+import { snapped } from "./snaps.js";
 
 const REACH = { mouse: 20, touch: 30 }; // px
+const FINE = 0.1; // of a drag with Alt
 const KEYS = /** @type {Record<string, number[]>} */ ({
   ArrowLeft: [-1, 0],
   ArrowRight: [1, 0],
@@ -19,7 +21,11 @@ const KEYS = /** @type {Record<string, number[]>} */ ({
 
 /** What moves the handles of a drawing. */
 export class Editing {
-  #drag = /** @type {{handle: Handle, off: number[]} | null} */ (null);
+  /**
+   * What is dragged, from where in mm, where the pointer was last and where it has taken the handle, in px.
+   * @type {{handle: Handle, from: number[], last: number[], spot: number[]} | null}
+   */
+  #drag = null;
 
   /**
    * @param {import("./drawing.js").Drawing} drawing
@@ -75,7 +81,8 @@ export class Editing {
     drawing.svg.setPointerCapture(event.pointerId);
     drawing.selected = handle;
     /** @type {SVGGElement} */ (handle.element).focus({ preventScroll: true });
-    this.#drag = { handle, off: at.map((x, i) => handle.at[i] - x) };
+    const from = handle.kind === "point" ? this.model.points(this.model.state)[handle.item] : [];
+    this.#drag = { handle, from, last: at, spot: [...handle.at] };
     this.model.begin();
     drawing.svg.classList.add("dragging");
     this.told.moved();
@@ -85,15 +92,30 @@ export class Editing {
   #follow(event) {
     if (!this.#drag) return;
     const { drawing, model } = this;
-    const { handle, off } = this.#drag;
-    const at = this.#placeOf(event).map((x, i) => x + off[i]);
+    const { handle, from, last, spot } = this.#drag;
+    const at = this.#placeOf(event);
+    spot.forEach((_, i) => {
+      spot[i] += (event.altKey ? FINE : 1) * (at[i] - last[i]);
+    });
+    this.#drag.last = at;
     if (handle.kind === "bearing") {
-      model.slide(handle.item, Math.round(drawing.positionOf(handle, at)));
+      const position = drawing.positionOf(handle, spot);
+      model.slide(handle.item, event.altKey ? Math.round(10 * position) / 10 : Math.round(position));
     } else {
-      const own = model.points(model.state)[handle.item];
-      const wanted = drawing.placeOf(handle, at);
-      // A coordinate that the pointer has not left keeps its tenths.
-      const to = wanted.map((x, axis) => (x === null || Math.abs(x - own[axis]) < 0.5 ? null : Math.round(x)));
+      const points = model.points(model.state);
+      const others = [{ at: model.drawnPoints[handle.item], words: "as drawn" }];
+      for (const i of [handle.item - 1, handle.item + 1]) {
+        if (points[i]) others.push({ at: points[i], words: `level with ${model.sent.points[i]}` });
+      }
+      const { to, snaps } = snapped(drawing.placeOf(handle, spot), {
+        from,
+        own: points[handle.item],
+        others,
+        scale: drawing.scaleOf(handle),
+        isFree: event.altKey,
+        isStraight: event.shiftKey,
+      });
+      drawing.snaps = snaps;
       model.place(handle.item, to);
     }
     this.told.moved();
@@ -101,6 +123,7 @@ export class Editing {
 
   #end() {
     this.#drag = null;
+    this.drawing.snaps = [];
     this.drawing.svg.classList.remove("dragging");
   }
 
