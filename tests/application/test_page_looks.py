@@ -349,7 +349,7 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
         assert ("url" in fill) == (verdict == "beyond")
     assert {verdict for _, verdict, _ in bands} == {"within", "beyond"}
     words = ribbon.get_attribute("aria-label")
-    assert words == "Within all limits with y from \u2212112 to \u221270 mm"
+    assert words == "Within all limits with y from \u2212112.4 to \u221270.2 mm"
     slices = js(browser, "return cardanPage.ribbon.slices")
     assert sum(count for count, _ in slices) == len(bands)
     # One that looks at more than one height ends before 8 ms, unless the machine is busy.
@@ -436,3 +436,142 @@ def test_keys_hold_a_drag_straight_or_make_it_fine(
     assert fine[:2] == pytest.approx([1650.0 + 0.3 / scale, -46.0 - 1.0 / scale], abs=0.06)
     assert fine[1] != round(fine[1]) or fine[0] != round(fine[0])
     assert words == {}
+
+
+# --- units and colours ------------------------------------------------------------------------
+
+
+@EACH_PAGE
+def test_lengths_are_shown_in_inches(
+    path: Path, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """To a thousandth; what stands behind a figure stays in the unit of the check."""
+    opened(browser, answered(path).page, tmp_path)
+    before = pages.figures(browser)
+    inch = browser.find_element(By.ID, "live-in")
+    if not inch.is_displayed():
+        assert not any(text.endswith(" mm") for _, _, text in before)
+        return
+    inch.click()
+    settled(browser)
+    after = pages.figures(browser)
+    assert [each[:2] for each in after] == [each[:2] for each in before]
+    for (_, value, text), (_, _, then) in zip(before, after, strict=True):
+        if text.endswith(" mm"):
+            number, unit = then.split(" ")
+            assert unit == "in"
+            assert float(number.replace("\u2212", "-")) == pytest.approx(value / 25.4, abs=0.0005)
+        else:
+            assert then == text
+    texts = browser.find_elements(By.CSS_SELECTOR, ".rows .value, .changes, .foot, .handle")
+    shown = [f"{each.text} {each.get_attribute('aria-valuetext') or ''}" for each in texts]
+    # Names of states have their own unit.
+    assert not re.search(r"[\d.]+ mm(?!\u201d)", " ".join(shown).partition("Drag a")[0])
+    browser.find_element(By.ID, "live-mm").click()
+    assert pages.figures(browser) == before
+
+
+def test_inches_are_typed_and_listed(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    browser.find_element(By.ID, "live-in").click()
+    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+    settled(browser)
+    field = browser.find_element(By.CSS_SELECTOR, "input[aria-label='y, in']")
+    assert field.get_attribute("value") == "\u22122.598"
+    assert browser.find_element(By.ID, "live-moved").text == "moved y \u22120.787 in"
+    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert js(browser, "return arguments[0].textContent", change) == "joint 1 y \u22120.787 in ✕"
+    bound = "//li[contains(., 'ngaged length')]//*[@class='value']"
+    engaged = browser.find_element(By.XPATH, bound).get_attribute("textContent")
+    assert "at least 2.756 in" in str(engaged)
+    js(browser, "arguments[0].focus()", field)
+    field.send_keys(Keys.CONTROL + "a" + Keys.NULL + "-2" + Keys.ENTER)
+    settled(browser)
+    assert pages.place_of(browser, 2) == [1650.0, pytest.approx(-50.8, abs=1e-9), 0.0]
+    field.send_keys(Keys.ARROW_UP)
+    settled(browser)
+    assert pages.place_of(browser, 2)[1] == pytest.approx(-50.8 + 0.254, abs=1e-6)
+
+
+CONTRAST = """
+const channels = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+const over = ([r, g, b, a = 1], below) => [r, g, b].map((x, i) => a * x + (1 - a) * below[i]);
+const light = (color) => color.reduce((sum, x, i) => {
+    const s = x / 255, linear = s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4;
+    return sum + [0.2126, 0.7152, 0.0722][i] * linear;
+}, 0);
+const ratio = (a, b) => {
+    const [low, high] = [light(a), light(b)].sort((x, y) => x - y);
+    return (high + 0.05) / (low + 0.05);
+};
+const ground = (e) => {
+    if (!e) return [255, 255, 255];
+    return over(channels(getComputedStyle(e).backgroundColor), ground(e.parentElement));
+};
+const opacity = (e) => e ? Number(getComputedStyle(e).opacity) * opacity(e.parentElement) : 1;
+const said = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+const found = [];
+for (const e of document.querySelectorAll(".live, .live *, header *")) {
+    const box = e.getBoundingClientRect(), style = getComputedStyle(e);
+    if (!box.width || style.visibility === "hidden") continue;
+    if (e.closest("button:disabled, .pale")) continue;
+    const below = ground(e);
+    const seen = ([r, g, b, a = 1]) => over([r, g, b, a * opacity(e)], below);
+    const name = `${e.tagName} ${e.getAttribute("class") || e.id} ${e.textContent.slice(0, 20)}`;
+    const svg = e instanceof SVGElement;
+    if ((said(e) && e.tagName !== "STYLE") || e.matches("input[type=text]")) {
+        found.push(["text", ratio(seen(channels(svg ? style.fill : style.color)), below), name]);
+    }
+    if (e.matches(".tube, .other, .box, .knob, .arrow, .ghost, .fork:not(.far)")) {
+        found.push(["line", ratio(seen(channels(style.stroke)), below), name]);
+    }
+}
+return found;
+"""
+
+
+@EACH_PAGE
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_everything_stands_out(
+    path: Path, theme: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Text by 4.5 to 1 and lines by 3 to 1, whether the system or a button chose the colours."""
+    media(browser, "screen", theme)
+    opened(browser, answered(path).page, tmp_path)
+    by_system = js(browser, CONTRAST)
+    media(browser, "screen", "dark" if theme == "light" else "light")
+    button = browser.find_element(By.ID, "live-theme")
+    for _ in range(1 if theme == "light" else 2):
+        button.click()
+    assert button.get_attribute("aria-label") == f"Colours: {theme}"
+    moved = browser.find_elements(By.CSS_SELECTOR, ".handle[data-point='1']")
+    for joint in moved[:1]:
+        joint.send_keys(Keys.SHIFT + 3 * Keys.ARROW_DOWN)
+        settled(browser)
+    by_button = js(browser, CONTRAST)
+    assert len(by_button) >= len(by_system) > 60
+    for kind, ratio, name in by_system + by_button:
+        assert ratio >= (4.5 if kind == "text" else 3.0), name
+
+
+def test_a_button_chooses_the_colours(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """As the system has them, light, dark and so on; paper is light whatever was chosen."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    ground = "return getComputedStyle(document.body).backgroundColor"
+    dark = "rgb(20, 24, 29)"
+    button = browser.find_element(By.ID, "live-theme")
+    media(browser, "screen", "dark")
+    grounds = []
+    for _ in range(4):
+        grounds.append(js(browser, ground))
+        button.click()
+    assert grounds == [dark, WHITE, dark, dark]
+    button.click()
+    assert button.text == "Dark"
+    media(browser, "print", "dark")
+    assert js(browser, ground) == WHITE
+    assert js(browser, "return getComputedStyle(document.documentElement).colorScheme") == "light"

@@ -6,7 +6,7 @@
  * @module changes
  */
 
-import { asGiven, exact, folded, signed, tidy } from "./numbers.js";
+import { asGiven, exact, folded, lengths, signed, signedLength, tidy } from "./numbers.js";
 
 /**
  * What has been changed, by key: `"point.2.y": -24`. Points, bearings and the engaged length of the
@@ -190,10 +190,11 @@ export function listed(sent, changes) {
 
 /** @param {Sent} sent @param {string} variable @param {number} item @param {number | null} axis @param {number} value */
 function wordsOf({ points, kinds, given }, variable, item, axis, value) {
-  if (variable === "point") return `${points[item]} ${AXES[axis ?? 0]} ${signed(value)} mm`;
+  const { unit } = lengths();
+  if (variable === "point") return `${points[item]} ${AXES[axis ?? 0]} ${signedLength(value)} ${unit}`;
   if (variable === "phase") return `phase of shaft ${item} ${signed(value)}°`;
-  if (variable === "bearing") return `bearing ${item} ${signed(value)} mm`;
-  if (variable === "engaged") return `${kinds.spline_engaged.label} ${signed(value)} mm`;
+  if (variable === "bearing") return `bearing ${item} ${signedLength(value)} ${unit}`;
+  if (variable === "engaged") return `${kinds.spline_engaged.label} ${signedLength(value)} ${unit}`;
   if (variable === "rating") return `joint ${item} ${asGiven(value)} N m`;
   return `${variable} ${asGiven(value)} ${(variable === "torque" ? given.torque : given.speed)?.unit}`;
 }

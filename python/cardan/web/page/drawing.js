@@ -5,7 +5,7 @@
  * @module drawing
  */
 
-import { numberText } from "./numbers.js";
+import { lengthText, lengths, numberText } from "./numbers.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const TALLEST = 460; // px of both views together, if the driveline is as tall as long
@@ -343,8 +343,8 @@ export class Drawing {
       const down = acrossOf(this.views[view]);
       const now = kind === "point" ? points[item][down] : 1e3 * model.part("positions", item);
       const words =
-        kind === "point" ? points[item].map((x, axis) => `${"xyz"[axis]} ${tenth(x)}`).join(", ") : tenth(now);
-      put(element, { "aria-valuenow": String(now), "aria-valuetext": `${words} mm; ${verdict}` });
+        kind === "point" ? points[item].map((x, axis) => `${"xyz"[axis]} ${lengthText(x)}`).join(", ") : lengthText(now);
+      put(element, { "aria-valuenow": String(now), "aria-valuetext": `${words} ${lengths().unit}; ${verdict}` });
     }
   }
 
@@ -526,6 +526,3 @@ export class Drawing {
     });
   }
 }
-
-/** @param {number} number */
-export const tenth = (number) => number.toFixed(1).replace(/^-/, "\u2212");

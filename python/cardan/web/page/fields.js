@@ -5,7 +5,7 @@
  * @module fields
  */
 
-import { exact, numberText } from "./numbers.js";
+import { exact, lengths, numberText } from "./numbers.js";
 import { made } from "./panel.js";
 
 const SCRUB = 4; // px from which a press is a drag
@@ -15,7 +15,7 @@ const PER_STEP = 3; // px of a drag for one step
  * What a field shows and sets.
  * @typedef {object} Shown
  * @property {string} label
- * @property {string} unit
+ * @property {string} unit of `get` and `set`; of lengths mm, whatever is shown
  * @property {import("./numbers.js").Digits} digits
  * @property {number} step by an arrow key; ten with Shift, a tenth with Alt
  * @property {number} most its magnitude, beyond which it is refused
@@ -54,17 +54,28 @@ export class Field {
     made("span", "", whole, shown.label);
     this.input = /** @type {HTMLInputElement} */ (made("input", "", whole));
     Object.assign(this.input, { type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
-    this.input.setAttribute("aria-label", `${shown.label}, ${shown.unit}`);
-    made("span", "", whole, shown.unit);
+    this.unit = made("span", "", whole);
     this.#listen(told);
     this.show();
   }
 
+  /** How it is shown: its unit, how much of its own unit that is, digits and step. */
+  get #form() {
+    const { unit, digits, step } = this.shown;
+    const { mm: size, ...form } = unit === "mm" ? lengths() : { unit, digits, step, mm: 1 };
+    return { size, ...form };
+  }
+
   /** Show the number as it is, unless somebody types. */
   show() {
-    const { get, digits } = this.shown;
+    const { get, label } = this.shown;
     if (this.isTyped) return;
-    const text = numberText(get(), digits);
+    const { unit, size, digits } = this.#form;
+    const text = numberText(get() / size, digits);
+    if (this.unit.textContent !== unit) {
+      this.unit.textContent = unit;
+      this.input.setAttribute("aria-label", `${label}, ${unit}`);
+    }
     if (this.input.value !== text) this.input.value = text;
     this.input.style.width = `${Math.max(5, text.length + 2)}ch`;
     this.input.dataset.value = String(get());
@@ -76,9 +87,9 @@ export class Field {
   /** @param {Told} told */
   #listen(told) {
     const { input, shown } = this;
-    const { label, unit, step, most } = shown;
+    const { label, unit, most } = shown;
     const sized = (/** @type {KeyboardEvent | PointerEvent} */ event) =>
-      step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
+      this.#form.step * this.#form.size * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
     /** @param {number} value */
     const put = (value) => {
       if (Math.abs(value) > most) told.refuse(`${label} must be within ±${most} ${unit}; the last value stays.`);
@@ -90,7 +101,7 @@ export class Field {
       const value = typed(input.value);
       if (Number.isFinite(value)) {
         told.begin();
-        put(value);
+        put(value * this.#form.size);
         told.done(label);
       } else told.refuse(`“${input.value}” is no number; ${label} stays as it was.`);
       this.show();

@@ -5,6 +5,13 @@
  * @module looks
  */
 
+import { showLengthsIn } from "./numbers.js";
+
+const THEMES = [
+  { name: "Auto", scheme: "", media: "" },
+  { name: "Light", scheme: "light", media: "not all" },
+  { name: "Dark", scheme: "dark", media: "screen" },
+];
 const STRETCH = 4;
 const PAPER = 680; // px, the width of a page without its margins
 
@@ -37,6 +44,47 @@ export function stretched(drawing, ask) {
     drawing.fit();
     ask();
   });
+}
+
+/**
+ * Let lengths be shown in mm or inches, where there are any.
+ * @param {import("./model.js").Model} model
+ * @param {() => void} settle
+ */
+export function measured(model, settle) {
+  const { figures, given, kinds } = model.sent;
+  const areThere = given.points || given.bearings.length || figures.some(({ kind }) => kinds[kind].unit === "mm");
+  element("lengths").hidden = !areThere;
+  choice(["mm", "in"], (place) => {
+    showLengthsIn(place ? "in" : "mm");
+    settle();
+  });
+}
+
+/** Let the page be light or dark whatever the system is. */
+export function coloured() {
+  const button = element("theme");
+  const { style } = document.documentElement;
+  const rules = Array.from(document.styleSheets).flatMap((sheet) =>
+    Array.from(sheet.cssRules).flatMap((rule) =>
+      rule instanceof CSSMediaRule && rule.conditionText.includes("prefers-color-scheme: dark")
+        ? [{ rule, condition: rule.media.mediaText }]
+        : [],
+    ),
+  );
+  let theme = 0;
+  const show = () => {
+    const { name, scheme, media } = THEMES[theme];
+    style.colorScheme = scheme;
+    for (const { rule, condition } of rules) rule.media.mediaText = media || condition;
+    button.textContent = name;
+    button.setAttribute("aria-label", `Colours: ${name.toLowerCase()}`);
+  };
+  button.addEventListener("click", () => {
+    theme = (theme + 1) % THEMES.length;
+    show();
+  });
+  show();
 }
 
 /**

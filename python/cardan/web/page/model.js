@@ -7,7 +7,7 @@
 
 import { CardanError } from "../cardan.js";
 import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf } from "./changes.js";
-import { ROUNDING, exact, folded, minus, numberText, settled, tidy, withUnit } from "./numbers.js";
+import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantityText, settled, tidy } from "./numbers.js";
 
 /** @typedef {import("./numbers.js").Digits} Digits */
 /** @typedef {import("./changes.js").Changes} Changes */
@@ -436,8 +436,9 @@ export class Model {
       const shaft = bearings[bearing];
       if (place.length === 1) return `bearing ${bearing} would lie where another bearing of shaft ${shaft} is`;
       const moved = positionsOf(this.sent, changes, (...of) => 1e-3 * length(...of)) ?? positions;
-      const [at, end] = [1e3 * moved[state][bearing], length(state, shaft)].map((x) => minus(x.toFixed(1)));
-      return `bearing ${bearing} would lie ${at} mm along shaft ${shaft}, which is ${end} mm long${within(state)}`;
+      const [at, end] = [1e3 * moved[state][bearing], length(state, shaft)].map(lengthText);
+      const { unit } = lengths();
+      return `bearing ${bearing} would lie ${at} ${unit} along shaft ${shaft}, which is ${end} ${unit} long${within(state)}`;
     }
     if (argument === "rating") {
       return `${this.#named(`rating.${place[0]}`)} would be ${minus(String(value))} N m; ${rule}`;
@@ -562,7 +563,7 @@ export class Model {
     const { states, kinds, here } = this.sent;
     const value = found * kinds[kind].factor;
     const path = here[kind].replace("{}", String(item)).replace("{state}", states[this.state]);
-    return { value, text: withUnit(numberText(value, kinds[kind].digits), kinds[kind]), path };
+    return { value, text: quantityText(value, kinds[kind]), path };
   }
 
   /**
@@ -589,14 +590,14 @@ export class Model {
     const names = [...this.sent.states, ...this.sent.steps];
     const isEven = spread(found.values) <= ROUNDING || value === 0;
     /** @param {number} number */
-    const text = (number) => withUnit(numberText(number, kind.digits, bounds), kind);
+    const text = (number) => quantityText(number, kind, bounds);
     const limit = found.limit * kind.factor;
     const item = of.item === null ? "" : of.item.toString();
     return {
       key: `${of.kind} ${item}`,
       name: of.name,
       text: text(value),
-      bound: of.bound,
+      bound: inLengths(of.bound),
       verdict: this.#worst(found.ranks),
       place: found.worst === null || isEven ? "" : placeText(names[found.worst]),
       value,

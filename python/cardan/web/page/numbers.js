@@ -28,10 +28,57 @@ export const minus = (text) => text.replace(/(^| )-(?=[\d.])/g, `$1${MINUS}`);
 export const folded = (angle, period) => angle - period * Math.round(angle / period);
 
 /**
- * A change with its sign, to a tenth, or to what it is.
+ * A change with its sign, to a tenth.
  * @param {number} number
  */
 export const signed = (number) => `${number < 0 ? MINUS : "+"}${Math.abs(number).toFixed(1)}`;
+
+/**
+ * A unit of lengths: how many mm it is, with how many digits lengths are shown, and the step of a key.
+ * @typedef {{unit: string, mm: number, digits: Digits, step: number}} Lengths
+ */
+
+/** @type {Record<string, Lengths>} */
+const LENGTHS = {
+  mm: { unit: "mm", mm: 1, digits: { decimals: 1, digits: null, apart: null, finest: 1e-6 }, step: 1 },
+  in: { unit: "in", mm: 25.4, digits: { decimals: 3, digits: null, apart: null, finest: 1e-7 }, step: 0.01 },
+};
+let shown = LENGTHS.mm;
+
+/** The unit in which lengths are shown. */
+export const lengths = () => shown;
+
+/**
+ * Show lengths in another unit from now on.
+ * @param {"mm" | "in"} unit
+ */
+export function showLengthsIn(unit) {
+  shown = LENGTHS[unit];
+}
+
+/**
+ * A length without its unit.
+ * @param {number} millimetres
+ */
+export const lengthText = (millimetres) => {
+  const text = Math.abs(millimetres / shown.mm).toFixed(shown.digits.decimals ?? 0);
+  return (millimetres < 0 && Number(text) ? MINUS : "") + text;
+};
+
+/**
+ * A change of a length with its sign and without its unit.
+ * @param {number} millimetres
+ */
+export const signedLength = (millimetres) => (millimetres < 0 ? MINUS : "+") + lengthText(Math.abs(millimetres));
+
+/**
+ * A text with its lengths in the unit that is shown.
+ * @param {string} text
+ */
+export const inLengths = (text) =>
+  shown === LENGTHS.mm
+    ? text
+    : text.replace(/([-\u2212]?)(\d[\d.]*) mm(?![\w²³])/g, (_, sign, digits) => `${sign}${lengthText(Number(digits))} ${shown.unit}`);
 
 /**
  * A length in mm without what a change of units or a subtraction adds.
@@ -66,9 +113,17 @@ export function settled(number, rule, apartFrom) {
   return Math.abs(number) < rule.finest && !isTold ? 0 : number;
 }
 
-/** @param {string} text @param {{unit: string}} kind */
-export function withUnit(text, kind) {
-  return ["", "°", "%"].includes(kind.unit) ? text + kind.unit : `${text} ${kind.unit}`;
+/**
+ * A figure with its unit, a length in the one that is shown.
+ * @param {number} value in the unit of the kind
+ * @param {{unit: string, digits: Digits}} kind
+ * @param {number[]} apartFrom what it is told apart from
+ */
+export function quantityText(value, kind, apartFrom = []) {
+  const { unit, digits, mm } = kind.unit === "mm" ? shown : { ...kind, mm: 1 };
+  const rule = mm === 1 ? kind.digits : digits;
+  const text = numberText(value / mm, rule, apartFrom.map((other) => other / mm));
+  return ["", "°", "%"].includes(unit) ? text + unit : `${text} ${unit}`;
 }
 
 /**

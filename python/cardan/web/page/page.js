@@ -11,9 +11,9 @@ import { Dials } from "./dials.js";
 import { Drawing } from "./drawing.js";
 import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
-import { printed, stretched } from "./looks.js";
+import { coloured, measured, printed, stretched } from "./looks.js";
 import { Model } from "./model.js";
-import { minus, signed } from "./numbers.js";
+import { lengths, minus, signedLength } from "./numbers.js";
 import { Panel, made, newMark } from "./panel.js";
 import { Ribbon } from "./ribbon.js";
 import { copy, note, noted, save } from "./sharing.js";
@@ -23,7 +23,6 @@ const FRAME_MS = 6; // that figures may take of a frame, on average
 const SLICE_MS = 4; // after which the search for what would help waits for the next frame
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
 const TURN_MS = 6000; // of a turn that plays
-const LENGTH = { decimals: 1, digits: null, apart: null, finest: 1e-6 };
 const GIVEN = { decimals: null, digits: 4, apart: null, finest: 0 };
 const MOST_MM = 1e6; // a coordinate, which no driveline has
 
@@ -250,6 +249,8 @@ function show(cardan, sent) {
 
   printed(drawing);
   stretched(drawing, ask);
+  measured(model, settle);
+  coloured();
   let width = svg.clientWidth;
   new ResizeObserver(() => {
     if (svg.clientWidth === width) return;
@@ -303,7 +304,7 @@ function placesOf(model, told) {
   let fields = [];
   const line = element("place");
   const fieldsOf = (/** @type {import("./drawing.js").Handle} */ { kind, item }) => {
-    const common = { unit: "mm", digits: LENGTH, step: 1, most: MOST_MM };
+    const common = { ...lengths(), unit: "mm", most: MOST_MM };
     if (kind === "bearing") {
       const get = () => 1e3 * model.part("positions", item);
       const label = `from the upstream end of shaft ${model.sent.machine.bearings[item]}`;
@@ -327,10 +328,10 @@ function placesOf(model, told) {
     for (const field of fields) field.show();
     const moves =
       kind === "point"
-        ? model.moved(item).map((x, axis) => (x ? `${"xyz"[axis]} ${signed(x)}` : ""))
-        : [model.slid(item) ? signed(model.slid(item)) : ""];
+        ? model.moved(item).map((x, axis) => (x ? `${"xyz"[axis]} ${signedLength(x)}` : ""))
+        : [model.slid(item) ? signedLength(model.slid(item)) : ""];
     const words = moves.filter(Boolean).join(", ");
-    element("moved").textContent = words ? `moved ${words} mm` : "";
+    element("moved").textContent = words ? `moved ${words} ${lengths().unit}` : "";
   };
 }
 

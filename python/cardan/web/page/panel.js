@@ -5,7 +5,7 @@
  * @module panel
  */
 
-import { minus, useText } from "./numbers.js";
+import { inLengths, minus, useText } from "./numbers.js";
 
 const MARKS = /** @type {Record<string, string[]>} */ ({
   within: ["M7 0a7 7 0 1 1 0 14A7 7 0 0 1 7 0z", "m4 7.2 2.2 2.2L10.2 5"],
@@ -194,7 +194,6 @@ export class Panel {
     }
     const each = made("ul", "", more);
     value.dataset.path = first.path;
-    bound.textContent = ` ${first.bound}`;
     let now = first;
     const fill = () => {
       each.replaceChildren();
@@ -208,6 +207,7 @@ export class Panel {
       mark(row.verdict);
       if (item.className !== classOf(row.verdict)) item.className = classOf(row.verdict);
       say(value, row.text);
+      say(bound, ` ${row.bound}`);
       value.dataset.value = String(row.value);
       say(place, row.place);
       say(use, row.use === null ? row.verdict : useText(row.use));
@@ -248,7 +248,7 @@ export class Panel {
     for (const suggestion of found.slice(0, OFFERED)) {
       const button = made("button", "", this.ways);
       button.setAttribute("type", "button");
-      made("span", "", button, wordsOf(suggestion, this.model.sent.points));
+      made("span", "", button, inLengths(wordsOf(suggestion, this.model.sent.points)));
       const { verdict, left } = suggestion;
       const then = verdict === "within" ? "all within" : `${left} ${verdict}`;
       made("span", `then ${classOf(verdict)}`, button, then);

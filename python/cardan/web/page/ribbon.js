@@ -6,6 +6,7 @@
  */
 
 import { drawn, put } from "./drawing.js";
+import { lengthText, lengths } from "./numbers.js";
 
 const SLICE = 8; // ms that it may take of a frame
 const WAIT = 150; // ms after a change
@@ -122,8 +123,8 @@ export class Ribbon {
     const within = ORDER.filter((place) => this.#found.get(place) === "within").sort((a, b) => a - b);
     const starts = within.filter((place) => !within.includes(place - 1));
     const ends = within.filter((place) => !within.includes(place + 1));
-    const text = (/** @type {number} */ place) => (own + this.#step * place).toFixed(0).replace("-", "\u2212");
-    const ranges = starts.map((start, i) => `from ${text(start)} to ${text(ends[i])} mm`);
+    const text = (/** @type {number} */ place) => lengthText(own + this.#step * place);
+    const ranges = starts.map((start, i) => `from ${text(start)} to ${text(ends[i])} ${lengths().unit}`);
     return `Within all limits with ${"xyz"[axis]} ${ranges.join(" and ") || "nowhere near"}`;
   }
 }
