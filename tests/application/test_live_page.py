@@ -674,15 +674,15 @@ def test_points_are_dragged_in_both_views(
     opened(browser, answered(TRUCK).page, tmp_path)
     for view, axis in ((0, 1), (1, 2)):
         before = place_of(browser, 2)
-        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 12).perform()
+        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 16).perform()
         after = place_of(browser, 2)
         moved = [a - b for a, b in zip(after, before, strict=True)]
         assert moved[axis] != 0.0
         assert [x for i, x in enumerate(moved) if i != axis] == [0.0, 0.0]
         assert after[axis] == round(after[axis])
-        # One scale for both views: 12 px are as many millimetres, y up and z down.
+        # One scale for both views: 16 px are as many millimetres, y up and z down.
         scale = js(browser, "return cardanPage.drawing.scale")
-        assert abs(abs(moved[axis]) - 12.0 / scale) <= 2.0
+        assert abs(abs(moved[axis]) - 16.0 / scale) <= 2.0
         assert (moved[axis] < 0) == (view == 0)
     held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
     held.perform()

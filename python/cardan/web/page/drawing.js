@@ -20,6 +20,7 @@ const LONG = 64; // px of a shaft beside which its slope is written
 const APART = 44; // px from a bearing to a slope
 const ARROW = 64; // px of the largest force of the drawing
 const GUIDE = 200; // px from a point to the end of the line that shows what it has come to
+const WIDEST = 0.08; // of that over the width
 const HEAD = 8; // px of the head of an arrow
 
 /**
@@ -329,7 +330,7 @@ export class Drawing {
   measure() {
     const found = this.model.figures.filter(({ kind }) => kind.name === "bearing_force");
     const most = Math.max(...found.flatMap(({ values }) => Array.from(values).filter(Number.isFinite)), 0);
-    this.push = most > 0 ? ARROW / most : 0;
+    this.push = most > 0 ? Math.min(ARROW, WIDEST * this.width) / most : 0;
   }
 
   /**
