@@ -23,6 +23,7 @@ const SEARCH_MS = 600; // after the last change, before it is looked for what wo
 const TURN_MS = 6000; // of a turn that plays
 const LENGTH = { decimals: 1, digits: null, apart: null, finest: 1e-6 };
 const GIVEN = { decimals: null, digits: 4, apart: null, finest: 0 };
+const KEPT = 1000; // times of frames
 const MOST_MM = 1e6; // a coordinate, which no driveline has
 
 /** @param {string} name */
@@ -84,7 +85,7 @@ function show(cardan, sent) {
     drawing.draw();
     dials.show();
     about();
-    times.push(performance.now() - start);
+    if (times.push(performance.now() - start) > KEPT) times.shift();
     // The browser paints the drawing before the next task.
     if ((editing.isDragging || isGoing) && ++passed >= every) setTimeout(follow);
   };
@@ -253,7 +254,7 @@ function show(cardan, sent) {
   }).observe(svg);
   if (noted()) model.read(noted());
   settle();
-  return { model, drawing, panel, times };
+  return { model, drawing, panel, times, memory: () => cardan.memory };
 }
 
 /**
