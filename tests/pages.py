@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -156,3 +156,66 @@ def first_number(text: str) -> float:
     found = re.match(r"-?[\d.]+", text)
     assert found, text
     return float(found[0])
+
+
+class Drawn(NamedTuple):
+    """A chart as it stands in a browser, with its curves in the numbers of its axes."""
+
+    heading: str
+    spoken: str
+    ticks: dict[str, list[float]]  # of "x" and "y"
+    names: list[str]  # texts along x
+    legend: list[str]
+    curves: list[NDArray[np.float64]]  # points ``(n, 2)``; of gaps NaN; none where it is text
+    former: list[NDArray[np.float64]]  # those of what was drawn before, dashed
+    bounds: list[float]  # limits
+
+
+_READ_CHART = """
+const figure = arguments[0], svg = figure.querySelector(":scope > svg");
+const all = (query) => [...svg.querySelectorAll(query)];
+const texts = (name) => all(`text[${name}]`);
+const paths = (query) => all(query).map((path) => path.getAttribute("d") ?? "");
+return {
+    heading: figure.querySelector("figcaption").textContent,
+    spoken: svg.getAttribute("aria-label"),
+    x: texts("data-x").map((t) => [Number(t.getAttribute("x")), Number(t.dataset.x)]),
+    y: texts("data-y").map((t) => [Number(t.getAttribute("y")) - 4, Number(t.dataset.y)]),
+    names: texts("data-x").map((t) => t.textContent),
+    legend: [...figure.querySelectorAll("li")].map((li) => li.textContent.trim()),
+    curves: paths(".curve:not(.former)"),
+    former: paths(".former"),
+    bounds: paths(".bound").join(""),
+};
+"""
+
+
+def chart_in(browser: Any, figure: Any) -> Drawn:  # noqa: ANN401 - selenium's own
+    """Read a chart back from its figure; no curve lies outside its frame."""
+    read = browser.execute_script(_READ_CHART, figure)
+    ticks = {axis: np.array(read[axis], dtype=np.float64) for axis in "xy"}
+    axes = {axis: np.polyfit(each[:, 0], each[:, 1], 1) for axis, each in ticks.items()}
+    low, high = sorted((read["y"][0][0], read["y"][-1][0]))
+
+    def points(path: str) -> NDArray[np.float64]:
+        pieces = []
+        for piece in filter(None, path.split("M")):
+            places = np.array([point.split() for point in piece.split("L")], dtype=float)
+            assert low - 0.1 <= places[:, 1].min() <= places[:, 1].max() <= high + 0.1
+            own = [
+                np.polyval(axes[axis], column) for axis, column in zip("xy", places.T, strict=True)
+            ]
+            pieces += [np.stack(own, axis=-1), np.full((1, 2), np.nan)]
+        return np.concatenate(pieces[:-1]) if pieces else np.empty((0, 2))
+
+    bounds = [float(y) for y in re.findall(r"M[\d.]+ ([-\d.]+)", read["bounds"])]
+    return Drawn(
+        read["heading"],
+        read["spoken"],
+        {axis: [value for _, value in read[axis]] for axis in "xy"},
+        read["names"],
+        read["legend"],
+        [points(path) for path in read["curves"]],
+        [points(path) for path in read["former"]],
+        [float(np.polyval(axes["y"], y)) for y in bounds],
+    )

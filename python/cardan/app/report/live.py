@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -20,7 +21,10 @@ from cardan.app.answers.table import PARTS
 from cardan.app.charts.drawing import views
 from cardan.app.scene.changes import given, pieces, sizes
 from cardan.app.scene.machine import machine_data, machine_of
+from cardan.app.scene.scene import Scene
 from cardan.design.machine import KINDS
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 
 _MODULES = (
     "cardan.js",
@@ -34,6 +38,8 @@ _MODULES = (
     "page/editing.js",
     "page/sharing.js",
     "page/trust.js",
+    "page/charts.js",
+    "page/curves.js",
     "page/page.js",
 )
 
@@ -87,8 +93,9 @@ def live(answer: Answer) -> dict[str, Any] | None:
     weights = scene.states.weights if scene.states else np.ones(1)
     states, directions = scene.states, machine.states.directions
     joints = [f"joint {joint}" for joint in range(scene.line.n_joints)]
+    sent = machine_data(scene) or {}
     data = {
-        "machine": machine_data(scene),
+        "machine": sent,
         "states": states.names if states else [""],
         "weights": weights.tolist(),
         "steps": scene.duty.names if scene.duty else [],
@@ -113,6 +120,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         "verdicts": FROM_THE_WORST,
         "title": scene.title,
         "core": _file("sources.sha256").decode().strip(),
+        "curves": list(_curves(answer, sent)),
         "here": _here(answer),
         "search": {
             "reach": reach["reach"],
@@ -172,6 +180,73 @@ def _here(answer: Answer) -> dict[str, str]:
         "bend": f"check:{in_state[1:]}.bends_deg[{{}}]" if in_state else "derived:bend_deg",
         "bearing_force": force if answer["forces"] else "derived:bearing_force_N",
     }
+
+
+def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """What is drawn over the turn; of each item the place of its largest, by state."""
+    scene = answer.scene
+    names = scene.states.names if scene.states else [""]
+    shafts = range(scene.line.n_joints + 1)
+    here, asked = _state_of_rows(scene), scene.shafts or shafts[-1:]
+
+    def rows(quantity: str, ending: str) -> list[dict[str, Any]]:
+        items = []
+        for shaft in shafts:
+            path = f"run:rows[quantity={quantity},shaft={shaft},statistic=peak].value{ending}"
+            paths = [
+                path if shaft in asked and i == here else "derived:" for i in range(len(names))
+            ]
+            items.append(
+                {"number": shaft, "name": f"shaft {shaft}", "shaft": shaft, "paths": paths}
+            )
+        return items
+
+    runs = any(data["speed"])
+    quantity, unit = (
+        ("acceleration_at_steady_drive", "rad_s2") if runs else ("acceleration_ratio", "")
+    )
+    motion = {
+        "output": "acceleration_ratio",
+        "heading": "Acceleration" if runs else "Acceleration ratio",
+        "bounded": "torsional_excitation" if runs else "",
+        "items": rows(quantity, "_rad_s2" if runs else "")[1:],
+    }
+    yield motion | _shown(unit)
+    if not any(data.get("torque") or ()) and not any(map(any, data.get("inertias") or ())):
+        return
+    if "torque" not in scene.quantities:
+        here = None
+    yield {"output": "torque", "heading": "Torque", "items": rows("torque", "_Nm")} | _shown("Nm")
+    if answer["forces"] and answer["forces"].bearings:
+        items = []
+        for bearing, (shaft, _) in enumerate(scene.line.bearings):
+            path = f"run:forces.bearings[bearing={bearing}].largest"
+            each = [f".states[state={name}]" if scene.states else "" for name in names]
+            paths = [f"{path}{in_state}.value_N" for in_state in each]
+            items.append(
+                {"number": bearing, "name": f"bearing {bearing}", "shaft": shaft, "paths": paths}
+            )
+        yield {"output": "bearing_force", "heading": "Bearing force", "items": items} | _shown("N")
+
+
+def _shown(unit: str) -> dict[str, Any]:
+    return {"unit": UNITS[unit].symbol, "digits": DIGITS[unit]._asdict()}
+
+
+def _state_of_rows(scene: Scene) -> int | None:
+    """The state that is the drawing with its load, of which the rows of ``cardan run`` are."""
+    states = scene.states
+    if not states:
+        return 0
+    own = _given(scene.line, scene.load_case)
+    each = [_given(states.driveline(i), states.load(i)) for i in range(states.count)]
+    return each.index(own) if own in each else None
+
+
+def _given(line: Driveline, load: Load | None) -> list[Any]:
+    """What the motion and the torques of a driveline follow from."""
+    chain = [line.bends.tolist(), line.twists.tolist(), line.phases.tolist()]
+    return [*chain, load and [float(load.torque), float(load.speed), float(load.acceleration)]]
 
 
 @cache
