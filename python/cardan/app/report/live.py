@@ -18,10 +18,11 @@ from cardan.app.answers.moves.figures import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.drawing import views
+from cardan.app.pictures.space import right_and_up
 from cardan.app.scene.changes import given, pieces, sizes
 from cardan.app.scene.machine import machine_data, machine_of
 from cardan.app.scene.scene import Scene
+from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -67,8 +68,7 @@ _PLACES = {
 def live(answer: Answer) -> dict[str, Any] | None:
     """Return what the live part of the page of a scene reads; ``None`` if it has no machine.
 
-    ``data`` is plain data for its scripts, ``script`` their text, and ``module`` the core for
-    browsers in base64.
+    ``data`` is plain data for its script, and ``module`` the core for browsers in base64.
     """
     scene = answer.scene
     machine = machine_of(scene)
@@ -104,7 +104,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         "points": ["upstream end", *joints, "downstream end"],
         "views": [
             {"name": name, "right": axes[0].tolist(), "down": axes[1].tolist()}
-            for name, axes in [*views(directions).items()][:2]
+            for name, axes in views(directions).items()
         ],
         "kinds": {name: _kind(name) for name in KINDS},
         "figures": figures,
@@ -136,7 +136,25 @@ def live(answer: Answer) -> dict[str, Any] | None:
             "sizes": sizes(scene),
         },
     }
-    return {"data": data, "script": _script(), "module": _module()}
+    return {"data": data, "module": _module()}
+
+
+def views(directions: FloatArray) -> dict[str, FloatArray]:
+    """Directions to the right, down and to the viewer for side view and top view, by its name.
+
+    In both the drive is on the left, and none is a mirror image. The directions are those of the
+    shafts, ``(states, n + 1, 3)``.
+    """
+    right, up = right_and_up(np.mean(directions, axis=(0, 1)))
+    side = np.cross(right, up)
+    names = [
+        f"{'-' if axis.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(axis)))]}"
+        for axis in (right, up, side)
+    ]
+    return {
+        f"Side view: {names[0]} to the right, {names[1]} up": np.stack([right, -up, side]),
+        f"Top view: {names[0]} to the right, {names[2]} down": np.stack([right, side, up]),
+    }
 
 
 def _place(kind: str) -> str:
@@ -250,11 +268,16 @@ def _given(line: Driveline, load: Load | None) -> list[Any]:
 
 
 @cache
-def _script() -> str:
-    """The modules as one script, since a page without a server cannot import any."""
-    modules = "".join(map(_enclosed, _MODULES))
+def script(*, moves: bool = False) -> str:
+    """Return modules as one script, since a page without a server cannot import any.
+
+    They draw the charts of a page, and let the driveline be moved.
+    """
+    names = _MODULES if moves else ("page/charts.js",)
+    start = "modules.charts.start();\n" + "modules.page.start();\n" * moves
     return (
-        f'"use strict";\n(() => {{\nconst modules = {{}};\n{modules}modules.page.start();\n}})();'
+        f'"use strict";\n(() => {{\nconst modules = {{}};\n'
+        f"{''.join(map(_enclosed, names))}{start}}})();"
     )
 
 

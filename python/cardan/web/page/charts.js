@@ -8,7 +8,7 @@
 const SVG = "http://www.w3.org/2000/svg";
 const MINUS = "\u2212";
 /** The width of a chart that is not laid out, and in px the frame of all. */
-const [WIDTH, LEFT, RIGHT, TOP, BOTTOM, HEIGHT] = [360, 52, 14, 8, 38, 180];
+const [WIDTH, LEFT, RIGHT, TOP, BOTTOM, HEIGHT] = [360, 56, 16, 8, 38, 180];
 const TICKS = 4; // steps along an axis, about
 const DEGREES = [1, 2, 5, 10, 15, 30, 45, 90, 180, 360];
 /** Values that vary by less beside their size are one, and would fill the chart with rounding. */
@@ -54,12 +54,6 @@ const TILTS = [0, 30, 45, 60, 90];
  */
 
 /**
- * Bands of colour over two keys, both rising; the values are those of the rows, from below.
- * @typedef {{x: number[], y: number[], values: number[][], labels: string[], levels: number[],
- *   least: number[] | null, thinned: string}} Mapped
- */
-
-/**
  * @param {string} name
  * @param {Record<string, string | number>} attributes
  * @param {Element} parent
@@ -102,17 +96,18 @@ const tenth = (value) => String(Math.round(10 * value) / 10);
  * A round number with a true minus sign.
  * @param {number} value
  */
-export const roundText = (value) => String(Number(value.toPrecision(10))).replace("-", MINUS);
+const roundText = (value) => String(Number(value.toPrecision(10))).replace("-", MINUS);
 
 /** @param {Titles} titles */
 const headed = ({ heading, unit }) => (unit ? `${heading} [${unit}]` : heading);
 
 /** @param {number | null | undefined} value */
-const isKnown = (value) => typeof value === "number" && !Number.isNaN(value);
+const isKnown = (value) => Number.isFinite(value);
 
 /**
  * The least and the largest of some lists.
  * @param {Values[]} lists
+ * @returns {[number, number]}
  */
 function extent(lists) {
   let [low, high] = [Infinity, -Infinity];
@@ -149,7 +144,7 @@ function shown(low, high, scale) {
  * @param {number} high
  * @param {number} about how many steps
  */
-export function ticks(low, high, about = TICKS) {
+function ticks(low, high, about = TICKS) {
   const rough = (high - low) / about;
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = power * (/** @type {number} */ ([1, 2, 2.5, 5, 10].find((part) => part * power >= rough)));
@@ -166,7 +161,7 @@ const multiples = (step, first, last) =>
  * @param {number} low
  * @param {number} high
  */
-export function ticksAlong(label, low, high) {
+function ticksAlong(label, low, high) {
   const span = high - low;
   if (/deg/.test(label) && span > 2) {
     const step = DEGREES.find((each) => span <= 5 * each) ?? 360 * Math.ceil(span / 1800);
@@ -234,7 +229,7 @@ class Frame {
       /** @type {Record<string, string | number>} */
       const place = tilt
         ? { x: at, y: bottom + 9, dy: "4", transform: from, class: "end" }
-        : { x: at, y: bottom + 15, class: "middle" };
+        : { x: at, y: bottom + 17, class: "middle" };
       drawn("text", { ...place, "data-x": String(value) }, grid, text);
     }
     for (const [value, text] of up) {
@@ -251,11 +246,11 @@ class Frame {
 export class Chart {
   /** What the axis of the values shows: its ends, and for what it was drawn. */
   #axis = { low: Infinity, high: -Infinity, key: "" };
-  /** @type {{line: Element, ghost: Element, mark: Element, item: HTMLElement, words: Element, figure: HTMLElement, at: number,
+  /** @type {{line: Element, ghost: Element, mark: Element | null, item: HTMLElement, words: Element, figure: HTMLElement, at: number,
    *   former?: Values, key?: string}[]} what is drawn of each, and its ghost for which axes */
   #curves = [];
   /** @type {Values} */ #x = [];
-  #marked = NaN;
+  #marked = Infinity;
   /**
    * Where the samples are drawn along the axis.
    * @type {string[]}
@@ -310,11 +305,11 @@ export class Chart {
     this.#x = x;
     const lists = curves.flatMap(({ values }) => (values ? [values] : []));
     const axis = this.#axis;
-    let [low, high, isFlat] = shown(...extentOf([...lists, ...ghosts, holds, bounds]), scale);
+    let [low, high, isFlat] = shown(...extent([...lists, ...ghosts, holds, bounds]), scale);
     if (isGrowing) [low, high] = [Math.min(low, axis.low), Math.max(high, axis.high)];
     const up = ticks(low, high);
     [low, high] = [Math.min(low, up[0]), Math.max(high, up[up.length - 1])];
-    const fitted = fittedNames(names, frame);
+    const fitted = fittedNames(names, frame.width);
     const [first, last] = fitted ? [-0.5, names.length - 0.5] : extent([x]);
     const ends = [first, last > first ? last : first + 1];
     const key = [low, high, ...ends, frame.width].join();
@@ -357,7 +352,7 @@ export class Chart {
     /** @type {number[][]} */
     const taken = [];
     curves.forEach(({ label, values, kind, mark, figure }, i) => {
-      const own = (this.#curves[i] ??= this.#made(kind ?? `c${i % 6}`));
+      const own = (this.#curves[i] ??= this.#made(kind ?? `c${i % 6}`, mark !== undefined));
       own.line.setAttribute("d", values ? this.#path(values, isFlat) : "");
       const ghost = ghosts[i] ? `${this.#axis.key} ${i}` : "";
       if (own.former !== ghosts[i] || own.key !== ghost) {
@@ -366,8 +361,10 @@ export class Chart {
       }
       if (!isGrowing) own.at = values && mark ? this.#free(values, x, taken) : -1;
       const at = values && own.at >= 0 ? this.#place(values, x, own.at) : null;
-      put(own.mark, at ? { x: at[0], y: at[1] - 4, visibility: "visible" } : { visibility: "hidden" });
-      say(own.mark, mark ?? "");
+      if (own.mark) {
+        put(own.mark, at ? { x: at[0], y: at[1] - 4, visibility: "visible" } : { visibility: "hidden" });
+        say(own.mark, mark ?? "");
+      }
       say(own.words, `${label} `);
       say(own.figure, figure ? figure.text : "");
       own.item.classList.toggle("flat", !values);
@@ -378,12 +375,12 @@ export class Chart {
     });
   }
 
-  /** @param {string} kind */
-  #made(kind) {
+  /** @param {string} kind @param {boolean} isMarked */
+  #made(kind, isMarked) {
     const { plot, legend } = this.frame;
     const ghost = drawn("path", { class: `curve former ${kind}` }, plot);
     const line = drawn("path", { class: `curve ${kind}` }, plot);
-    const mark = drawn("text", { class: "middle mark" }, plot);
+    const mark = isMarked ? drawn("text", { class: "middle" }, plot) : null;
     const item = made("li", "", legend);
     const swatch = drawn("svg", { class: "swatch", "aria-hidden": "true", viewBox: "0 0 30 12" }, item);
     drawn("path", { class: `curve ${kind}`, d: "M0 6H30" }, swatch);
@@ -442,12 +439,9 @@ export class Chart {
   mark(x) {
     this.#marked = x;
     const { across, bottom } = this.frame;
-    put(this.cursor, { d: Number.isNaN(x) ? "" : `M${tenth(across(x))} ${TOP}V${bottom}` });
+    put(this.cursor, { d: Number.isFinite(x) ? `M${tenth(across(x))} ${TOP}V${bottom}` : "" });
   }
 }
-
-/** @param {Values[]} lists @returns {[number, number]} */
-const extentOf = (lists) => /** @type {[number, number]} */ (extent(lists));
 
 /** @param {Element} element @param {string} text */
 function say(element, text) {
@@ -457,10 +451,11 @@ function say(element, text) {
 /**
  * Names below a frame, level where they fit, else aslant; null where they are too many.
  * @param {string[]} names
- * @param {Frame} frame
+ * @param {number} width of the frame
  */
-function fittedNames(names, { width, right }) {
+function fittedNames(names, width) {
   if (!names.length) return null;
+  const right = width - RIGHT;
   const texts = names.map((name) => (name.length > LETTERS ? `${name.slice(0, LETTERS - 1)}…` : name));
   const wide = texts.map(textWidth);
   const step = (right - LEFT) / names.length;
@@ -486,3 +481,125 @@ function fittedNames(names, { width, right }) {
  */
 const textWidth = (name) =>
   FONT * Array.from(name).reduce((sum, letter) => sum + (letter > "\u10ff" ? 1 : 0.62), 0);
+
+/**
+ * What Python sends of curves, with the names of the samples and what these are.
+ * @typedef {Titles & Drawn & {named: string}} SentChart
+ */
+
+/**
+ * A quantity over two keys, both rising: rows of values from the least `y` on.
+ * @typedef {Titles & {beside: string, x: number[], y: number[], values: number[][], scale: number,
+ *   least: number[], thinned: string}} SentMap
+ */
+
+/** @param {Element} parent @param {SentChart} sent */
+function drawChart(parent, sent) {
+  const over = fittedNames(sent.names ?? [], WIDTH) ? sent.named : sent.over;
+  const chart = new Chart(parent, { ...sent, over });
+  chart.draw(sent);
+  const { left_out: left } = sent;
+  if (left) made("li", "", chart.frame.legend, `not drawn: ${left} that var${left > 1 ? "y" : "ies"} no more than these`);
+}
+
+/**
+ * Bands of colour, with the least value marked.
+ * @param {Element} parent
+ * @param {SentMap} sent
+ */
+function drawMap(parent, sent) {
+  const { x, y, values, least, thinned, over, beside, heading, unit, scale } = sent;
+  const frame = new Frame(parent, sent);
+  const [first, last] = extent(values);
+  const [low, high, isFlat] = shown(first, last, scale);
+  const levels = ticks(low, high, 7);
+  const [across, up] = [edges(x), edges(y)];
+  /** @type {(at: number) => [number, string]} */
+  const named = (at) => [at, roundText(at)];
+  const along = (/** @type {string} */ label, /** @type {number[]} */ own) =>
+    ticksAlong(label, own[0], own[own.length - 1]).map(named);
+  const ends = (/** @type {number[]} */ own) => [own[0], own[own.length - 1]];
+  frame.axes(ends(across), ends(up), along(over, x), along(beside, y), { lines: false });
+  const { plot, legend, svg } = frame;
+  const middle = (TOP + frame.bottom) / 2;
+  drawn("text", { x: -middle, y: 12, transform: "rotate(-90)", class: "middle" }, plot, beside);
+  const bands = levels.slice(1).map(() => "");
+  const place = (/** @type {number} */ i, /** @type {number} */ j) =>
+    `${tenth(frame.across(across[i]))} ${tenth(frame.up(up[j]))}`;
+  values.forEach((row, j) => {
+    const of = row.map((value) => bandOf(isFlat ? (low + high) / 2 : value, levels));
+    for (let i = 0, start = 0; i < row.length; i++) {
+      if (of[i + 1] === of[i]) continue;
+      const right = tenth(frame.across(across[i + 1]));
+      bands[of[i]] += `M${place(start, j)}H${right}V${tenth(frame.up(up[j + 1]))}H${tenth(frame.across(across[start]))}z`;
+      start = i + 1;
+    }
+  });
+  bands.forEach((path, band) => {
+    drawn("path", { class: `band m${band}`, d: path }, frame.below);
+    const item = made("li", "", legend);
+    const patch = drawn("svg", { class: "patch", "aria-hidden": "true" }, item);
+    drawn("rect", { class: `band m${band}`, width: 14, height: 14 }, patch);
+    item.append(` ${roundText(levels[band])} to ${roundText(levels[band + 1])}`);
+  });
+  if (!isFlat) {
+    drawn("circle", { class: "least", cx: frame.across(least[0]), cy: frame.up(least[1]), r: 4 }, plot);
+    made("li", "", legend, `○ least value, at ${least.map(roundText).join(", ")}`);
+  }
+  if (thinned) made("li", "", legend, thinned);
+  const range = `from ${roundText(first)} to ${roundText(last)}${unit && ` ${unit}`}`;
+  put(svg, { "aria-label": `${heading} over ${over} and ${beside}, ${range}` });
+}
+
+/**
+ * The band between two levels that holds a value.
+ * @param {number} value
+ * @param {number[]} levels
+ */
+function bandOf(value, levels) {
+  const above = levels.slice(1, -1).findIndex((level) => value < level);
+  return above < 0 ? levels.length - 2 : above;
+}
+
+/**
+ * Borders of cells around places: halfway between neighbours, and as far beyond the ends.
+ * @param {number[]} places
+ */
+function edges(places) {
+  const middles = places.slice(1).map((place, i) => (place + places[i]) / 2);
+  const last = places.length - 1;
+  return [2 * places[0] - middles[0], ...middles, 2 * places[last] - middles[last - 1]];
+}
+
+/**
+ * Bars with a label on the left and a text on the right.
+ * @param {Element} parent
+ * @param {{heading: string, items: [string, number, string][]}} sent
+ */
+function drawBars(parent, { heading, items }) {
+  const figure = made("figure", "", parent);
+  made("figcaption", "", figure, heading);
+  const said = items.map(([label, , text]) => `${label} ${text}`).join(", ");
+  const viewBox = `0 0 ${WIDTH} ${18 * items.length + 6}`;
+  const svg = drawn("svg", { role: "img", viewBox, "aria-label": said }, figure);
+  const most = Math.max(...items.map(([, size]) => size)) || 1;
+  items.forEach(([label, size, text], i) => {
+    const width = (170 * size) / most;
+    drawn("text", { x: 118, y: 18 * i + 15, class: "end" }, svg, label);
+    drawn("rect", { class: "share", x: 124, y: 18 * i + 5, width, height: 12 }, svg);
+    drawn("text", { x: 128 + width, y: 18 * i + 15 }, svg, text);
+  });
+}
+
+/** Draw what the page holds as data. */
+export function start() {
+  const kinds = /** @type {Record<string, (parent: Element, sent: any) => void>} */ ({
+    chart: drawChart,
+    map: drawMap,
+    bars: drawBars,
+  });
+  for (const script of Array.from(document.querySelectorAll(".drawing > script"))) {
+    const sent = JSON.parse(script.textContent ?? "");
+    kinds[sent.kind](/** @type {Element} */ (script.parentElement), sent);
+  }
+}

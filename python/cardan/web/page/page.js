@@ -39,6 +39,12 @@ function show(cardan, sent) {
   for (const name of ["page", "panel", "dials", "curves", "trust"]) element(name).hidden = false;
   document.body.classList.add("is-live");
   foot(element("trust"), cardan, sent);
+  const report = document.getElementById("sent");
+  if (report instanceof HTMLDetailsElement) {
+    report.open = false;
+    // Paper shows all of it.
+    addEventListener("beforeprint", () => (report.open = true));
+  }
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
   const panel = new Panel(element("panel"), model);
@@ -136,7 +142,6 @@ function show(cardan, sent) {
     });
     clearTimeout(search);
     search = window.setTimeout(help, SEARCH_MS);
-    element("below").hidden = model.isDrawn;
   };
 
   /** What would help, as long as nothing is changed; it takes too long for one frame. */
