@@ -65,6 +65,7 @@ const acts = [
     () => { if (random() < 0.2) document.getElementById("live-drawn").click(); },
     () => {
         const old = model.address;
+        if (random() < 0.9) return; // Browsers refuse more than some addresses a second.
         const moved = "#point.2.y=" + (200 * random() - 100);
         location.hash = any([moved, "#phase.1=9&x=1", "#a=b", "#" + old]);
     },
