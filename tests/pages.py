@@ -7,14 +7,13 @@ rows of tables, numbers. In Chromium its live part is moved, and its figures are
 from __future__ import annotations
 
 import html
+import json
 import os
 import re
 import shutil
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -26,7 +25,6 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webelement import WebElement
 
-from cardan.app.charts.charts import FRAME
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -60,15 +58,23 @@ def plain(cell: str) -> str:
     return re.sub(r"\N{MINUS SIGN}(?=[\d.])", "-", html.unescape(cell))
 
 
-def figure(page: str, heading: str) -> ElementTree.Element:
-    """Return the figure with a heading; there must be exactly one."""
-    found = [
-        element
-        for element in map(ElementTree.fromstring, re.findall(r"<figure>.*?</figure>", page, re.S))
-        if element[0].text == heading
-    ]
+def drawings(page: str) -> list[Any]:
+    """Return the data of everything that a page draws, in its order."""
+    found = re.findall(r'<div class="drawing"><script[^>]*>(.*?)</script>', page)
+    return [json.loads(data) for data in found]
+
+
+def figure(page: str, heading: str) -> Any:  # noqa: ANN401 - JSON
+    """Return the data of what has a heading with its unit; there must be exactly one."""
+    found = [each for each in drawings(page) if headed(each) == heading]
     assert len(found) == 1, heading
     return found[0]
+
+
+def headed(drawing: Any) -> str:  # noqa: ANN401 - JSON
+    """Return the heading of a drawing as the page shows it."""
+    unit = drawing.get("unit")
+    return f"{drawing['heading']} [{unit}]" if unit else str(drawing["heading"])
 
 
 def three(value: float) -> str:
@@ -82,53 +88,12 @@ def near(text: str) -> Any:  # noqa: ANN401 - pytest gives it no type
     return pytest.approx(first_number(text), abs=0.5000001 * 10.0 ** -len(digits))
 
 
-def value(text: str) -> float:
-    """Return a number as the page writes it, with a true minus sign."""
-    return float(text.replace("\N{MINUS SIGN}", "-"))
-
-
-def scales(
-    chart: ElementTree.Element, names: Sequence[str] = ()
-) -> dict[str, list[tuple[float, float]]]:
-    """Return place and value of every tick of each axis; a name along x has its number."""
-    ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
-    for line, text in pairwise(chart[1]):
-        if line.get("class") == "grid":
-            axis = "x" if line.get("x1") == line.get("x2") else "y"
-            shown = text.text or ""
-            number = names.index(shown) if axis == "x" and names else value(shown)
-            ticks[axis].append((float(line.attrib[f"{axis}1"]), number))
-    return ticks
-
-
-def legend_of(chart: ElementTree.Element) -> list[str]:
-    """Return the words beside the curves or bands."""
-    return [" ".join("".join(item.itertext()).split()) for item in chart[2]]
-
-
-def curves(chart: ElementTree.Element, names: Sequence[str] = ()) -> dict[str, NDArray[np.float64]]:
-    """Return the points ``(n, 2)`` of every curve by its legend, as its axes say where they are.
-
-    Along an axis of names they have the numbers of these.
-
-    None of them lies outside the frame.
-    """
-    ticks = {axis: np.array(found) for axis, found in scales(chart, names).items()}
-    x_axis, y_axis = (np.polyfit(ticks[axis][:, 0], ticks[axis][:, 1], 1) for axis in "xy")
-    found: dict[str, list[str]] = {}
-    for line in chart.iter("polyline"):
-        label = legend_of(chart)[int(line.attrib["class"].removeprefix("curve c"))]
-        found.setdefault(label, []).extend(line.attrib["points"].split())
-    drawn = {}
-    for label, points in found.items():
-        x, y = np.transpose([point.split(",") for point in points]).astype(np.float64)
-        for places, low, high in (
-            (x, FRAME.left, FRAME.right),
-            (y, FRAME.top, FRAME.bottom),
-        ):
-            assert low - 0.1 <= places.min() <= places.max() <= high + 0.1, label
-        drawn[label] = np.stack([np.polyval(x_axis, x), np.polyval(y_axis, y)], axis=-1)
-    return drawn
+def curves(chart: Any) -> dict[str, NDArray[np.float64]]:  # noqa: ANN401 - JSON
+    """Return the points ``(n, 2)`` of every curve that is sent, by its label; gaps are NaN."""
+    return {
+        curve["label"]: np.array([chart["x"], curve["values"]], dtype=np.float64).T
+        for curve in chart["curves"]
+    }
 
 
 def printed(command: str, name: str, *more: str | Path) -> str:
@@ -165,6 +130,75 @@ def first_number(text: str) -> float:
     found = re.match(r"-?[\d.]+", text)
     assert found, text
     return float(found[0])
+
+
+class Drawn(NamedTuple):
+    """A chart as it stands in a browser, with its curves in the numbers of its axes."""
+
+    heading: str
+    spoken: str
+    ticks: dict[str, list[float]]  # of "x" and "y"
+    names: list[str]  # texts along x
+    legend: list[str]
+    curves: list[NDArray[np.float64]]  # points ``(n, 2)``; of gaps NaN; none where it is text
+    former: list[NDArray[np.float64]]  # those of what was drawn before, dashed
+    bounds: list[float]  # limits
+    axes: dict[str, NDArray[np.float64]]  # from places to numbers
+
+    def along(self, axis: str, places: list[float]) -> list[float]:
+        """Return what an axis has at some places."""
+        return [float(np.polyval(self.axes[axis], place)) for place in places]
+
+
+_READ_CHART = """
+const figure = arguments[0], svg = figure.querySelector(":scope > svg");
+const all = (query) => [...svg.querySelectorAll(query)];
+const texts = (name) => all(`text[${name}]`);
+const paths = (query) => all(query).map((path) => path.getAttribute("d") ?? "");
+return {
+    heading: figure.querySelector("figcaption").textContent,
+    spoken: svg.getAttribute("aria-label"),
+    x: texts("data-x").map((t) => [Number(t.getAttribute("x")), Number(t.dataset.x)]),
+    y: texts("data-y").map((t) => [Number(t.getAttribute("y")) - 4, Number(t.dataset.y)]),
+    names: texts("data-x").map((t) => t.textContent),
+    legend: [...figure.querySelectorAll("li")].map((li) => li.textContent.trim()),
+    curves: paths(".curve:not(.former)"),
+    former: paths(".former"),
+    bounds: paths(".bound").join(""),
+};
+"""
+
+
+def chart_in(browser: Any, figure: Any) -> Drawn:  # noqa: ANN401 - selenium's own
+    """Read a chart back from its figure; no curve lies outside its frame."""
+    read = browser.execute_script(_READ_CHART, figure)
+    ticks = {axis: np.array(read[axis], dtype=np.float64) for axis in "xy"}
+    axes = {axis: np.polyfit(each[:, 0], each[:, 1], 1) for axis, each in ticks.items()}
+    low, high = sorted((read["y"][0][0], read["y"][-1][0]))
+
+    def points(path: str) -> NDArray[np.float64]:
+        pieces = []
+        for piece in filter(None, path.split("M")):
+            places = np.array([point.split() for point in piece.split("L")], dtype=float)
+            assert low - 0.1 <= places[:, 1].min() <= places[:, 1].max() <= high + 0.1
+            own = [
+                np.polyval(axes[axis], column) for axis, column in zip("xy", places.T, strict=True)
+            ]
+            pieces += [np.stack(own, axis=-1), np.full((1, 2), np.nan)]
+        return np.concatenate(pieces[:-1]) if pieces else np.empty((0, 2))
+
+    bounds = [float(y) for y in re.findall(r"M[\d.]+ ([-\d.]+)", read["bounds"])]
+    return Drawn(
+        read["heading"],
+        read["spoken"],
+        {axis: [value for _, value in read[axis]] for axis in "xy"},
+        read["names"],
+        read["legend"],
+        [points(path) for path in read["curves"]],
+        [points(path) for path in read["former"]],
+        [float(np.polyval(axes["y"], y)) for y in bounds],
+        axes,
+    )
 
 
 # --- in Chromium ------------------------------------------------------------------------------

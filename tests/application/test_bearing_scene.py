@@ -23,9 +23,9 @@ from cardan.app.answers.forces.figures import (
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import summary
 from cardan.app.answers.turn.picture import plot_scene, quantities
-from cardan.app.charts.samples import evaluated
 from cardan.app.command import commands
 from cardan.app.report import write_report
+from cardan.app.report.samples import evaluated
 from cardan.app.scene import Scene, SceneError, load_scene
 from cardan.app.scene.study.cluster import _fingerprint
 from cardan.app.scene.study.curves import columns, study_columns

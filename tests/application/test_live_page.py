@@ -21,6 +21,7 @@ from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.wait import WebDriverWait
 
 import pages
 import tiers
@@ -35,9 +36,22 @@ from cardan.app.report.moving import moving_page
 from cardan.app.scene import Scene
 from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
+from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
 from example_scenes import DRIVELINES, Answers, example
-from pages import REQUIRED, figures, handle, in_browser, js, opened, place_of, settled, verdict_of
+from pages import (
+    REQUIRED,
+    Drawn,
+    chart_in,
+    figures,
+    handle,
+    in_browser,
+    js,
+    opened,
+    place_of,
+    settled,
+    verdict_of,
+)
 
 WEB = Path(str(resources.files("cardan"))) / "web"
 NODE = shutil.which("node")
@@ -785,6 +799,7 @@ def test_a_link_carries_what_was_changed(
     handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
     browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
     settled(browser)
+    WebDriverWait(browser, 10).until(lambda browser: "state=" in browser.current_url)
     address = browser.current_url
     assert address.endswith("#point.2.y=-21&state=%2B80+mm")
     shown = figures(browser)
@@ -950,8 +965,7 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
         joint.send_keys(4 * Keys.ARROW_DOWN)
         settled(browser)
         assert verdict_of(browser) == "within"
-        for name in ("live-below", "live-link"):
-            assert not browser.find_element(By.ID, name).is_displayed()
+        assert not browser.find_element(By.ID, "live-link").is_displayed()
         browser.find_element(By.ID, "live-save").click()
         deadline = time.monotonic() + 10.0
         while not (tmp_path / "truck-shaft.toml").exists():
@@ -993,14 +1007,16 @@ def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: i
 def test_a_page_without_webassembly_is_the_report(
     browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
-    """The live part stays hidden where the module cannot be loaded."""
-    page = answered(TRUCK).page
-    script = re.findall(r"<script>(\"use strict\";\n\(\(\).*?)</script>", page, re.S)[0]
-    (tmp_path / "page.html").write_text(page.replace(script, ""), encoding="utf-8")
+    """The live part stays hidden where the module cannot be loaded; all else is there."""
+    (tmp_path / "page.html").write_text(answered(TRUCK).page, encoding="utf-8")
+    without = {"source": "delete globalThis.WebAssembly"}
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", without)
     browser.get((tmp_path / "page.html").as_uri())
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
     assert not browser.find_element(By.ID, "live-page").is_displayed()
     assert not browser.find_element(By.ID, "live-panel").is_displayed()
-    assert browser.find_element(By.ID, "sample").is_displayed()
+    assert browser.find_element(By.ID, "answer").is_displayed()
+    assert browser.find_element(By.CSS_SELECTOR, "#tolerances .drawing figure").is_displayed()
 
 
 def test_the_module_is_in_the_page(tmp_path: Path) -> None:
@@ -1009,8 +1025,161 @@ def test_the_module_is_in_the_page(tmp_path: Path) -> None:
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     (module,) = re.findall(r'id="live-module">(.*?)</script>', page)
     assert base64.b64decode(module) == (WEB / "cardan.wasm.gz").read_bytes()
-    (script,) = re.findall(r"<script>(\"use strict\";\n\(\(\).*?)</script>", page, re.S)
+    (script,) = re.findall(r"<script>(.*?)</script>", page, re.S)
     assert not re.search(r"\b(import|export|eval|fetch)\b", script)
     recorded = Scene.parse("[driveline]\nbends_deg = [8]\n[study]\nbends_deg.0 = [1, 2]\n", "a")
     write_report(recorded, tmp_path / "b.html")
     assert "live-module" not in (tmp_path / "b.html").read_text(encoding="utf-8")
+
+
+# --- curves over the turn -----------------------------------------------------------------------
+
+
+def charts(browser: webdriver.Chrome) -> list[Drawn]:
+    figures = browser.find_elements(By.CSS_SELECTOR, "#live-curves figure")
+    return [chart_in(browser, figure) for figure in figures]
+
+
+def over_the_turn(scene: Scene, name: str, state: str, degrees: FloatArray) -> FloatArray:
+    """Accelerations, torques or sizes of bearing forces of all shafts or bearings of a state."""
+    states = scene.states
+    assert states
+    number = states.names.index(state)
+    line, load = states.driveline(number), states.load(number)
+    assert load
+    shafts = None if name == "bearing_force" else slice(None)
+    found = line.evaluate(np.radians(degrees), name, shafts=shafts, load=load)
+    values = np.asarray(getattr(found, name))
+    if name == "acceleration_ratio":
+        return values[1:] * float(load.speed) ** 2
+    return values if name == "torque" else np.linalg.norm(values, axis=-1)
+
+
+def drawn_as(scene: Scene, state: str, shown: list[Drawn], *, former: bool = False) -> None:
+    """All curves stand where the axes say that the values of a scene are."""
+    names = ("acceleration_ratio", "torque", "bearing_force")
+    for chart, name in zip(shown, names, strict=True):
+        curves = chart.former if former else chart.curves
+        degrees = np.arange(0.0, 361.0, 3.0)
+        values = over_the_turn(scene, name, state, degrees)
+        assert len(values) == len(curves)
+        # A tenth of a pixel.
+        close = (chart.ticks["y"][-1] - chart.ticks["y"][0]) / 1000.0
+        for curve, expected in zip(curves, values, strict=True):
+            if np.ptp(expected) <= 0.01 * np.max(np.abs(expected)):
+                assert len(curve) == 0
+                continue
+            assert np.allclose(curve[:, 0], degrees, atol=0.2)
+            assert np.allclose(curve[:, 1], expected, atol=close), name
+
+
+@in_browser
+def test_curves_over_the_turn_stand_where_the_package_says(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """In the state shown, as drawn and after a move, with the scene as sent dashed behind it."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    scene, moved = Scene.load(TRUCK), edited(TRUCK, 2, (0.0, -24.0, 0.0))
+    shown = charts(browser)
+    assert [chart.heading for chart in shown] == [
+        "Acceleration [rad/s²]",
+        "Torque [N m]",
+        "Bearing force [N]",
+    ]
+    assert [chart.bounds for chart in shown] == [pytest.approx([-300, 300], abs=1.0), [], []]
+    assert all("over drive angle [deg], from" in chart.spoken for chart in shown)
+    drawn_as(scene, "rest", shown)
+    assert not any(len(curve) for chart in shown for curve in chart.former)
+    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN, Keys.NULL, 4 * Keys.ARROW_DOWN)
+    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[0].click()
+    settled(browser)
+    drawn_as(moved, "-80 mm", charts(browser))
+    drawn_as(scene, "-80 mm", charts(browser), former=True)
+    assert "even" in charts(browser)[1].legend[-1]
+
+
+@in_browser
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
+)
+def test_sizes_of_curves_are_those_of_a_run(
+    name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Each that names its place in ``cardan run --json`` has the number there, exactly."""
+    path = example(f"{name}.toml")
+    opened(browser, answered(path).page, tmp_path)
+    data, placed = answered(path).data("run"), 0
+    for chip in browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]"):
+        browser.execute_script("arguments[0].click()", chip)
+        sizes = js(
+            browser,
+            """return [...document.querySelectorAll("#live-curves [data-path^='run:']")].map((e) =>
+                [e.dataset.path, Number(e.dataset.value), e.textContent])""",
+        )
+        placed += len(sizes)
+        for place, value, text in sizes:
+            assert value == number_at(data, place), place
+            shown = number_text(value, place.rpartition(".value")[2].removeprefix("_"))
+            assert text.removeprefix("±") == shown.replace("-", "\u2212"), place
+    assert placed
+
+
+def number_at(data: Any, path: str) -> Any:  # noqa: ANN401
+    """What a path names in JSON: ``run:rows[quantity=torque,shaft=3].value_Nm``."""
+    for name, keys in re.findall(r"\.?(\w+)|\[([^\]]+)\]", path.partition(":")[2]):
+        if name:
+            data = data[name]
+        else:
+            wanted = dict(pair.split("=") for pair in keys.split(","))
+            (data,) = [
+                each for each in data if all(str(each.get(k)) == v for k, v in wanted.items())
+            ]
+    return data
+
+
+@in_browser
+def test_axes_grow_while_dragging_and_fit_afterwards(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    js(browser, "document.getElementById('live-curves').scrollIntoView()")
+
+    def top(y: float) -> float:
+        script = """const { model, curves } = cardanPage;
+            model.begin(); model.place(2, [null, arguments[0], null]); curves.show(arguments[1]);
+            const shown = document.querySelectorAll("#live-curves [data-y]");
+            return Math.max(...[...shown].map((text) => Number(text.dataset.y)))"""
+        return float(js(browser, script, y, not y))
+
+    settled(browser)
+    heights = [top(y) for y in (-100.0, 300.0, -46.0)]
+    assert heights[0] < heights[1] == heights[2]
+    assert js(browser, "cardanPage.model.cancel(); cardanPage.curves.show(true)") is None
+    assert max(chart.ticks["y"][-1] for chart in charts(browser)) < heights[1]
+
+
+@in_browser
+def test_curves_are_copied(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> None:
+    """As text with a line of names and units."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    button = browser.find_element(By.XPATH, "//button[.='Copy as CSV']")
+    js(
+        browser,
+        """Object.defineProperty(navigator, "clipboard", { configurable: true, value: {
+            writeText: async (text) => { window.copiedText = text; } } })""",
+    )
+    browser.execute_script("arguments[0].click()", button)
+    head, *rows = js(browser, "return copiedText").splitlines()
+    names = head.split(",")
+    assert names[:2] == ["drive angle [deg]", "acceleration of shaft 1 [rad/s²] (rest)"]
+    values = np.array([row.split(",") for row in rows], dtype=float)
+    scene = Scene.load(TRUCK)
+    expected = [
+        over_the_turn(scene, name, "rest", values[:, 0])
+        for name in ("acceleration_ratio", "torque", "bearing_force")
+    ]
+    assert values[:, 0].tolist() == list(range(0, 361, 3))
+    assert np.allclose(values[:, 1:], np.concatenate(expected).T, rtol=1e-9, atol=1e-9)
+    said = browser.find_element(By.CSS_SELECTOR, "#live-curves [role=status]")
+    assert said.text == "copied"

@@ -186,7 +186,7 @@ def test_paper_has_the_verdict_and_no_controls(
         assert row.find_element(By.CSS_SELECTOR, ".value span span").text
     for selector in ("#live-panel .head", "#live-drawing", ".live .key"):
         assert is_shown(browser, selector)
-    assert js(browser, "return getComputedStyle(document.querySelector('.is-live main > section"
+    assert js(browser, "return getComputedStyle(document.querySelector('#sent > section"
         ":nth-of-type(2)')).breakInside") == "avoid"  # fmt: skip
 
 
@@ -214,7 +214,8 @@ def test_paper_names_what_was_changed(
     media(phone, "print")
     assert phone.find_element(By.ID, "live-changed").text == "Changed: joint 1 y \u221224.0 mm."
     assert is_shown(phone, "#live-figures")
-    assert is_shown(phone, "#live-below")
+    # The report of the scene as sent, which a screen has collapsed.
+    assert is_shown(phone, "#answer")
     assert js(phone, "return getComputedStyle(document.getElementById('live-panel')).position") == (
         "static"
     )

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import html
-import json
 import re
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import cardan
 from cardan import Driveline, Load
@@ -22,9 +18,10 @@ from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.torsion.figures import torsion_figures
+from cardan.app.report.samples import evaluated
 from cardan.app.scene import Scene
 from example_scenes import Answers, example
-from pages import curves, figure, legend_of, near, page_of, scales, tables, three, value
+from pages import curves, drawings, figure, headed, near, page_of, tables, three
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -39,13 +36,6 @@ def test_a_driveline_that_turns_evenly(tmp_path: Path) -> None:
     assert "leads and lags" not in page
     rows = {row[0]: row[1:] for row in tables(page)[MOTION]}
     assert rows["Equivalent bend [deg]"] == ["10.00", "0"]
-    # What does not vary is a level line.
-    for heading, unit, level in (("speed ratio", "", 1.0), ("angle error", "deg", 0.0)):
-        drawn = curves(figure(page, f"{heading} [{unit}]" if unit else heading))
-        varies, even = drawn.values()
-        assert list(drawn) == [f"shaft {shaft} {unit}".rstrip() for shaft in (1, 2)]
-        assert len(varies) == len(even)
-        assert even[:, 1] == pytest.approx(level, abs=1e-6)
 
 
 AS_BUILT = """\
@@ -71,11 +61,11 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     at = line.evaluate(turn, outputs, shafts=slice(None), load=load)
     motion = {row[0]: row[1:] for row in found[MOTION]}
     drawn_errors = curves(figure(page, "angle error [deg]"))
-    assert list(drawn_errors) == ["shaft 1 deg", "shaft 2 deg"]
+    assert list(drawn_errors) == ["shaft 1", "shaft 2"]
     for shaft in (1, 2):
-        x, y = drawn_errors[f"shaft {shaft} deg"].T
+        x, y = drawn_errors[f"shaft {shaft}"].T
         errors = np.degrees(np.interp(np.radians(x), turn, at.angle_error[shaft]))
-        assert y == pytest.approx(errors, abs=0.02 * np.ptp(errors))
+        assert y == pytest.approx(errors, abs=1e-3 * np.ptp(errors))
         shown = {name: cells[shaft - 1] for name, cells in motion.items()}
         error = np.degrees(np.abs(at.angle_error[shaft]).max())
         assert float(shown["Largest angle error [deg]"]) == pytest.approx(error, rel=1e-3)
@@ -99,135 +89,27 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     assert words in page
 
 
-@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill-spindle"])
-def test_a_driveline_fills_the_width_of_its_drawings(name: str, answered: Answers) -> None:
-    page = answered(example(f"{name}.toml")).page
-    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
-    drawing = json.loads(found)["drawing"]
-    points = np.array(drawing["points"]).reshape(-1, 3)
-    for view in drawing["views"]:
-        across, down, viewer = np.array(view["axes"])
-        places = points @ np.stack([across, down], axis=-1) + view["offset"]
-        left, right = places[:, 0].min(), places[:, 0].max()
-        width, height = view["size"]
-        # In the middle, with as much room on either side: for the pins, however they lie, and more.
-        assert left - 1.2 * drawing["pin"] * np.linalg.norm(viewer) > 15.0
-        assert left + right == pytest.approx(width, abs=0.2)
-        assert places[:, 1].min() > 20.0
-        assert places[:, 1].max() < height - 20.0
-        # The tips of the pins lie farther out.
-        assert right - left > 0.65 * width
-
-
-def dimensions(page: str, view: int) -> tuple[list[str], list[tuple[float, float, str]]]:
-    """The bends above a view from left to right, and the lengths with the ends of their lines."""
-    (drawn,) = re.findall(rf'<svg id="view-{view}".*?</svg>', page, re.S)
-    above, below = [], []
-    for path, words in re.findall(r'class="dimension" d="(.*?)"/>\s*<text.*?>(.*?)</text>', drawn):
-        if path:
-            ends = re.findall(r"M([\d.]+) [\d.]+V", path)
-            below.append((float(ends[0]), float(ends[1]), words))
-        else:
-            above.append(words)
-    return above, below
-
-
-def centres(page: str, view: int) -> NDArray[np.float64]:
-    """Where the joints of a view are drawn."""
-    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
-    drawing = json.loads(found)["drawing"]
-    axes, offset = (drawing["views"][view][key] for key in ("axes", "offset"))
-    return np.asarray(np.array(drawing["points"][0])[1:-1] @ np.array(axes[:2]).T + offset)
-
-
-@pytest.mark.parametrize("name", ["truck-shaft", "steering-column", "test-rig"])
-def test_side_view_and_top_view_have_bends_and_lengths(name: str, answered: Answers) -> None:
-    path = example(f"{name}.toml")
-    scene, page = Scene.load(path), answered(path).page
-    assert dimensions(page, 2) == ([], [])
-    lengths = [700.0]
-    if scene.points is not None:
-        lengths = np.linalg.norm(np.diff(scene.points, axis=0), axis=-1)[1:-1].tolist()
-    for view in (0, 1):
-        above, below = dimensions(page, view)
-        shown = [float(bend.removesuffix("°")) for bend in above]
-        slopes = np.degrees(np.arctan2(*scene.line.directions[:, [view + 1, 0]].T))
-        np.testing.assert_allclose(shown, np.abs(np.diff(slopes)), rtol=5e-3, atol=1e-6)
-        at = centres(page, view)[:, 0]
-        for ends, (left, right, words), length in zip(pairwise(at), below, lengths, strict=True):
-            np.testing.assert_allclose((left, right), ends, atol=0.2)
-            number, unit = words.split()
-            assert unit == "mm"
-            assert float(number) == pytest.approx(length, rel=5e-4)
-
-
-def test_views_have_the_projected_bends_of_the_catalogues_example(answered: Answers) -> None:
-    """Its Bild 19: 15 and 11.5 deg in side view, 7 and 12 deg in top view; 16.4 deg in space."""
-    page = answered(example("spatial_shaft.toml")).page
-    assert dimensions(page, 0)[0] == ["15°", "11.5°"]
-    assert dimensions(page, 1)[0] == ["7°", "12°"]
-
-
-def test_dimensions_are_those_that_are_known(tmp_path: Path, answered: Answers) -> None:
-    page = page_of("[driveline]\nbends_deg = [5, 6]\n", tmp_path)
-    assert dimensions(page, 0) == (["5°", "6°"], [])
-    page = page_of("[driveline]\nbends_deg = [5, 6]\nlengths_m = [1, 1.25, 1]\n", tmp_path)
-    assert [words for *_, words in dimensions(page, 1)[1]] == ["1.25 m"]
-    # The bends change from sample to sample.
-    recorded = answered(example("recorded_run.toml")).page
-    assert all(dimensions(recorded, view) == ([], []) for view in range(3))
-    assert "Angles above the joints" in page
-    assert "Angles above the joints" not in recorded
-
-
-def test_dimensions_without_room_are_left_out(tmp_path: Path) -> None:
-    long = ", ".join(["1000"] * 13)
-    page = page_of(f"[driveline]\nbends_deg = {[1.25] * 12}\nlengths_mm = [{long}]\n", tmp_path)
-    assert dimensions(page, 0) == ([], [])
+STRAIGHT = "[driveline]\nbends_deg = [0, 0]\n[joints]\ncross_deg = 0\n"
 
 
 def test_without_bends_all_curves_are_lines_of_text(tmp_path: Path) -> None:
-    page = page_of("[driveline]\nbends_deg = [0, 0]\n", tmp_path)
+    page = page_of(STRAIGHT, tmp_path)
     lines = re.findall("<li>(.*?)</li>", page.split('<ul class="note">')[1].split("</ul>")[0])
     assert lines[:3] == ["angle error of 0°", "speed ratio of 1", "acceleration ratio of 0"]
-    assert 'class="curve' not in page
+    assert not drawings(page)
 
 
-def test_of_many_shafts_the_last_one_is_always_drawn(tmp_path: Path) -> None:
+def test_of_many_shafts_the_last_one_is_always_drawn() -> None:
     """The last one turns evenly, since pairs of equal bends cancel each other."""
     bends = [3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8]
-    page = page_of(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 11}\n", tmp_path)
-    chart = figure(page, "angle error [deg]")
-    drawn = [label.removesuffix(" deg") for label in curves(chart)]
+    scene = Scene.parse(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 11}\n")
+    (panel,) = (each for each in evaluated(scene).panels() if each.heading == "angle error")
     # The five of the others that vary most.
     line = Driveline.from_bends(bends, phases=[0] * 11, degrees=True)
     errors = np.array([float(line.equivalent(shaft).max_angle_error) for shaft in range(1, 12)])
     most = sorted(np.argsort(errors)[-5:] + 1)
-    assert drawn == [f"shaft {shaft}" for shaft in (*most, 12)]
-
-
-def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
-    """A reading beside a curve has its value, to a thousandth of its range or finer."""
-    page = page_of(AS_BUILT, tmp_path)
-    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
-    readings, shown = json.loads(found)["curves"], 0
-    for chart in map(ElementTree.fromstring, re.findall("<figure>.*?</figure>", page, re.S)):
-        moving = [line for line in chart.iter("polyline") if "id" in line.attrib]
-        numbers = [int(line.attrib["id"].removeprefix("curve-")) for line in moving]
-        outputs = [int(output.attrib["data-curve"]) for output in chart.iter("output")]
-        assert numbers == outputs == list(range(shown, shown + len(moving)))
-        shown += len(moving)
-        if not moving:
-            continue
-        at, ticks = np.transpose(scales(chart)["y"])
-        slope, offset = np.polyfit(at, ticks, 1)
-        values = np.array([readings[number]["values"] for number in numbers])
-        for number, line, row in zip(numbers, moving, values, strict=True):
-            y = np.array([pair.split(",")[1] for pair in line.attrib["points"].split()], float)
-            np.testing.assert_allclose(slope * y + offset, row, atol=0.01 * np.ptp(values))
-            size = min(np.abs(values).max(), np.ptp(values))
-            assert 1e-4 * size < 10.0 ** -readings[number]["decimals"] <= 1e-3 * size
-    assert shown == len(readings) > 4
+    assert [curve.label for curve in panel.curves] == [f"shaft {shaft}" for shaft in (*most, 12)]
+    assert panel.left_out == 6
 
 
 def test_deviations_of_nothing_are_the_drawing(tmp_path: Path) -> None:
@@ -287,45 +169,21 @@ def test_figures_that_are_not_finite_are_named_and_not_drawn(tmp_path: Path) -> 
     extremes = tables(page)["Extremes"][1:]
     assert ["largest jerk ratio, shaft 1", "", "not finite", ""] in extremes
     assert "Not drawn, because some values are not finite: largest jerk ratio, shaft 1." in page
-    headings = re.findall("<figcaption>(.*?)</", page)
+    headings = [headed(each) for each in drawings(page)]
     assert "largest angle error, shaft 1 [deg]" in headings
     assert "largest jerk ratio, shaft 1" not in headings
 
 
 def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> None:
-    """Each value lies in the band that the legend names, whichever key the scene has first."""
+    """Whichever key the scene has first."""
     text = STUDY.replace("[9, 3, 6]", "{from = 1, to = 8, steps = 8}")
-    page = page_of(text, tmp_path)
-    drawn = figure(page, "equivalent bend, shaft 2 [deg]")
-    svg = drawn[1]
-    labels = [text.text for text in svg.iter("text") if text.get("class") == "middle"][-2:]
-    assert labels == ["phase, shaft 1 [deg]", "bend, joint 0 [deg]"]
-    ticks = [text for text in svg.iter("text") if text.get("class") in ("middle", "end")][:-2]
-    below = [text for text in ticks if text.get("class") == "middle"]
-    assert [value(text.text or "") for text in below] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
-    places = np.interp([-60.0, -30.0, 0.0, 30.0, 60.0, 90.0], [-65.0, 95.0], [56.0, 344.0])
-    assert [float(text.attrib["x"]) for text in below] == pytest.approx(places, abs=0.06)
-    upwards = [text for text in ticks if text.get("class") == "end"]
-    assert [value(text.text or "") for text in upwards] == [2.0, 4.0, 6.0, 8.0]
-    places = np.interp([2.0, 4.0, 6.0, 8.0], [0.5, 8.5], [142.0, 8.0])
-    # The foot of a number is 4 below its place.
-    assert [float(text.attrib["y"]) - 4.0 for text in upwards] == pytest.approx(places, abs=0.06)
-    legend = legend_of(drawn)
+    drawn = figure(page_of(text, tmp_path), "equivalent bend, shaft 2 [deg]")
     phases, bends = np.linspace(-60.0, 90.0, 16), np.arange(1.0, 9.0)
-    seen = 0
-    for path, label in zip(svg.iter("path"), legend[:-1], strict=True):
-        low, high = map(value, label.split(" to "))
-        for bar in path.attrib["d"].split("M")[1:]:
-            left, first, right, second, _ = map(float, re.findall(r"[-.\d]+", bar))
-            # Cells lie around their values: the frame has half a step on either side.
-            across = np.interp([left, right], [56.0, 344.0], [-65.0, 95.0])
-            up = sorted(np.interp([-first, -second], [-142.0, -8.0], [0.5, 8.5]))
-            for bend in bends[(bends > up[0]) & (bends < up[1])]:
-                inside = bend_of(bend, phases[(phases > across[0]) & (phases < across[1])])
-                assert np.all((inside >= low - 1e-9) & (inside <= high + 1e-9))
-                seen += inside.size
-    assert seen == 128
-    assert "○ least value, at 0, 6" in legend
+    assert (drawn["over"], drawn["beside"]) == ("phase, shaft 1 [deg]", "bend, joint 0 [deg]")
+    assert (drawn["x"], drawn["y"]) == (phases.tolist(), bends.tolist())
+    expected = [bend_of(bend, phases) for bend in bends]
+    np.testing.assert_allclose(drawn["values"], expected, atol=1e-3)
+    assert drawn["least"] == [0.0, 6.0]
 
 
 def test_the_best_driveline_uses_least_of_its_tightest_limit(tmp_path: Path) -> None:
@@ -369,16 +227,13 @@ def test_scatter_of_tolerances(answered: Answers) -> None:
     assert limit[:, 1].max() == pytest.approx(100.0, abs=0.5)
     assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(3.0, abs=0.02)
-    bars = figure(page, f"What makes the {shown.label} scatter")[1]
-    widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
-    shares = [share.share for share in found.shares]
-    assert len(shares) > 1
-    assert widths == pytest.approx([170.0 * one / max(shares) for one in shares], abs=0.02)
-    words = [text.text or "" for text in bars.iter("text")]
-    assert words[::2] == ["Phase of shaft 1", "Bend of joint 0", "Bend of joint 1"]
-    assert [float(text.removesuffix("%")) for text in words[1::2]] == pytest.approx(
-        [100.0 * share for share in shares], abs=0.06
-    )
+    bars = figure(page, f"What makes the {shown.label} scatter")["items"]
+    shares = [100.0 * share.share for share in found.shares]
+    assert [size for _, size, _ in bars] == pytest.approx(shares)
+    words = ["Phase of shaft 1", "Bend of joint 0", "Bend of joint 1"]
+    assert [label for label, _, _ in bars] == words
+    texts = [float(text.removesuffix("%")) for _, _, text in bars]
+    assert texts == pytest.approx(shares, abs=0.06)
 
 
 def test_the_scatter_is_drawn_up_to_the_worst_driveline(tmp_path: Path) -> None:
@@ -413,12 +268,9 @@ def test_verdicts_on_tolerances_have_their_colour(
 def test_life_with_each_size_and_the_load_of_the_pins(answered: Answers) -> None:
     scene = Scene.load(EXAMPLES / "conveyor.toml")
     found, page = needed(Answer(scene)), answered(example("conveyor.toml")).page
-    bars = figure(page, "L10 life with each size at every joint")[1]
-    hours = {one.size: one.hours for one in found.sizes if one.hours is not None}
-    assert [text.text for text in bars.iter("text")][::2] == list(hours)
-    widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
-    longest = max(hours.values())
-    assert widths == pytest.approx([170.0 * each / longest for each in hours.values()], abs=0.02)
+    bars = figure(page, "L10 life with each size at every joint")["items"]
+    hours = [[one.size, one.hours] for one in found.sizes if one.hours is not None]
+    assert [each[:2] for each in bars] == hours
     # The step that wears the joint with the shortest life most.
     lives = [joint.hours.value for joint in found.joints if joint.hours and joint.hours.value]
     damage = found.joints[int(np.argmin(lives))].damage
@@ -444,16 +296,17 @@ def test_curves_of_the_optimum(answered: Answers) -> None:
     found = optimised(scene)
     assert found
     section = answered(example("truck_heights.toml")).page.partition('<section id="optimise"')[2]
-    charts = re.findall("<figure>.*?</figure>", section.partition("</section>")[0], re.S)
+    charts = drawings(section.partition("</section>")[0])
     assert len(charts) == len(found.asked.variables) == 3
     for number, (variable, chart) in enumerate(zip(found.asked.variables, charts, strict=True)):
-        drawn = curves(ElementTree.fromstring(chart))
+        drawn = curves(chart)
         unit = "mm" if "points" in variable.axis.key else "deg"
         best = variable.base + float(found.best.x[number])
         assert next(iter(drawn)) == f"best at {best:.6g} {unit}"
         beyond = bool(np.any(np.isfinite(found.over(number).beyond)))
         assert list(drawn)[1:] == (["beyond a limit"] if beyond else [])
         points = np.concatenate(list(drawn.values()))
+        points = points[np.isfinite(points[:, 1])]
         changes = np.repeat(found.best.x[None, :], len(points), axis=0)
         changes[:, number] = points[:, 0] - variable.base
         bends = np.degrees(found.asked.drivelines(changes).equivalent().bend).max(axis=-1)
@@ -482,8 +335,6 @@ def test_torques_over_the_speed_are_those_of_their_shaft(answered: Answers) -> N
     assert len(response.compliant) > 1
     for place, shaft in enumerate(response.compliant):
         chart = figure(page, f"Torque of shaft {shaft} over a turn [N m]")
-        # Round numbers, and not parts of a turn.
-        assert [rpm for _, rpm in scales(chart)["x"]] == [1000.0, 2000.0, 3000.0]
         drawn = curves(chart)
         assert list(drawn) == ["largest", "mean", "least"]
         largest = np.asarray(response.torque_max)[place][response.found]

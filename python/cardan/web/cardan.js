@@ -322,6 +322,26 @@ export class Machine {
   }
 
   /**
+   * The drivelines of one state with their load, of which less is computed than of all.
+   * @param {number} state
+   * @returns {Machine}
+   */
+  only(state) {
+    const { states, data } = this;
+    this.#check("state", state, Number.isInteger(state) && state >= 0 && state < states,
+      `it must be a whole number from 0 to ${states - 1}`);
+    /** @param {any} values */
+    const own = (values) => {
+      const all = flat(values);
+      const each = all.length / states;
+      return all.slice(state * each, (state + 1) * each);
+    };
+    const parts = [...CHAINS, ...FRAMES, "lengths", "positions", "torque", "speed", "acceleration"];
+    const changes = Object.fromEntries(parts.map((name) => [name, own(data[name])]));
+    return this.with({ ...changes, points: undefined, inertias: (data.inertias ?? []).map(own) });
+  }
+
+  /**
    * The machine with a point moved alike in all states and in the drawing.
    * @param {number} point from the upstream end
    * @param {[number, number, number]} by in m

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from cardan.app.answers.charts import Table
 from cardan.app.answers.printed import (
     given,
     is_nested,
@@ -15,7 +16,6 @@ from cardan.app.answers.printed import (
     table_of,
 )
 from cardan.app.answers.rows import Entry, Judged, rows_of, worst_of
-from cardan.app.charts.charts import Table
 
 if TYPE_CHECKING:
     from cardan.app.answers.answer import JudgedFigure

@@ -22,12 +22,10 @@ def write_report(
     """Write the report of a scene as one HTML page.
 
     It gives the answer first: whether the driveline runs smoothly, what loads the bearings and how
-    to set the yokes. Inputs, tables and curves follow, with a slider over the drive angle that
-    turns the driveline in a drawing and moves a cursor in the curves. What it shows is evaluated
-    here and stored in the page sample by sample. At the top the driveline can be moved, unless it
-    was recorded, is varied by a study or has joints as built; the page then evaluates it by the
-    core, which it holds as WebAssembly. Of a ball joint it shows verdict, figures and the pressure
-    on the seat.
+    to set the yokes. Inputs, tables and charts follow. At the top the driveline can be moved,
+    unless it was recorded, is varied by a study or has joints as built; the page then evaluates it
+    by the core, which it holds as WebAssembly. Of a ball joint it shows verdict, figures and the
+    pressure on the seat.
 
     Args:
         scene: the scene; without recorded angles the page shows one turn of it in half degrees.

@@ -26,7 +26,7 @@ from cardan.app.answers.yokes.text import (
     tooth_lines,
     yoke_lines,
 )
-from cardan.app.charts.samples import Samples, deviates, turn_motion
+from cardan.app.report.samples import Samples, deviates, turn_motion
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import counted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -17,10 +18,14 @@ from cardan.app.answers.moves.figures import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.drawing import views
+from cardan.app.pictures.space import right_and_up
 from cardan.app.scene.changes import given, pieces, sizes
 from cardan.app.scene.machine import machine_data, machine_of
+from cardan.app.scene.scene import Scene
+from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 
 _MODULES = (
     "cardan.js",
@@ -36,6 +41,8 @@ _MODULES = (
     "page/editing.js",
     "page/sharing.js",
     "page/trust.js",
+    "page/charts.js",
+    "page/curves.js",
     "page/looks.js",
     "page/page.js",
 )
@@ -64,8 +71,7 @@ _PLACES = {
 def live(answer: Answer) -> dict[str, Any] | None:
     """Return what the live part of the page of a scene reads; ``None`` if it has no machine.
 
-    ``data`` is plain data for its scripts, ``script`` their text, and ``module`` the core for
-    browsers in base64.
+    ``data`` is plain data for its script, and ``module`` the core for browsers in base64.
     """
     scene = answer.scene
     machine = machine_of(scene)
@@ -90,8 +96,9 @@ def live(answer: Answer) -> dict[str, Any] | None:
     weights = scene.states.weights if scene.states else np.ones(1)
     states, directions = scene.states, machine.states.directions
     joints = [f"joint {joint}" for joint in range(scene.line.n_joints)]
+    sent = machine_data(scene) or {}
     data = {
-        "machine": machine_data(scene),
+        "machine": sent,
         "states": states.names if states else [""],
         "weights": weights.tolist(),
         "steps": scene.duty.names if scene.duty else [],
@@ -100,7 +107,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         "points": ["upstream end", *joints, "downstream end"],
         "views": [
             {"name": name, "right": axes[0].tolist(), "down": axes[1].tolist()}
-            for name, axes in [*views(directions).items()][:2]
+            for name, axes in views(directions).items()
         ],
         "kinds": {name: _kind(name) for name in KINDS},
         "figures": figures,
@@ -116,6 +123,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         "verdicts": FROM_THE_WORST,
         "title": scene.title,
         "core": _file("sources.sha256").decode().strip(),
+        "curves": list(_curves(answer, sent)),
         "here": _here(answer),
         "search": {
             "reach": reach["reach"],
@@ -131,7 +139,25 @@ def live(answer: Answer) -> dict[str, Any] | None:
             "sizes": sizes(scene),
         },
     }
-    return {"data": data, "script": _script(), "module": _module()}
+    return {"data": data, "module": _module()}
+
+
+def views(directions: FloatArray) -> dict[str, FloatArray]:
+    """Directions to the right, down and to the viewer for side view and top view, by its name.
+
+    In both the drive is on the left, and none is a mirror image. The directions are those of the
+    shafts, ``(states, n + 1, 3)``.
+    """
+    right, up = right_and_up(np.mean(directions, axis=(0, 1)))
+    side = np.cross(right, up)
+    names = [
+        f"{'-' if axis.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(axis)))]}"
+        for axis in (right, up, side)
+    ]
+    return {
+        f"Side view: {names[0]} to the right, {names[1]} up": np.stack([right, -up, side]),
+        f"Top view: {names[0]} to the right, {names[2]} down": np.stack([right, side, up]),
+    }
 
 
 def _place(kind: str) -> str:
@@ -177,12 +203,84 @@ def _here(answer: Answer) -> dict[str, str]:
     }
 
 
+def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """What is drawn over the turn; of each item the place of its largest, by state."""
+    scene = answer.scene
+    names = scene.states.names if scene.states else [""]
+    shafts = range(scene.line.n_joints + 1)
+    here, asked = _state_of_rows(scene), scene.shafts or shafts[-1:]
+
+    def rows(quantity: str, ending: str) -> list[dict[str, Any]]:
+        items = []
+        for shaft in shafts:
+            path = f"run:rows[quantity={quantity},shaft={shaft},statistic=peak].value{ending}"
+            paths = [
+                path if shaft in asked and i == here else "derived:" for i in range(len(names))
+            ]
+            items.append(
+                {"number": shaft, "name": f"shaft {shaft}", "shaft": shaft, "paths": paths}
+            )
+        return items
+
+    runs = any(data["speed"])
+    quantity, unit = (
+        ("acceleration_at_steady_drive", "rad_s2") if runs else ("acceleration_ratio", "")
+    )
+    motion = {
+        "output": "acceleration_ratio",
+        "heading": "Acceleration" if runs else "Acceleration ratio",
+        "bounded": "torsional_excitation" if runs else "",
+        "items": rows(quantity, "_rad_s2" if runs else "")[1:],
+    }
+    yield motion | _shown(unit)
+    if not any(data.get("torque") or ()) and not any(map(any, data.get("inertias") or ())):
+        return
+    if "torque" not in scene.quantities:
+        here = None
+    yield {"output": "torque", "heading": "Torque", "items": rows("torque", "_Nm")} | _shown("Nm")
+    if answer["forces"] and answer["forces"].bearings:
+        items = []
+        for bearing, (shaft, _) in enumerate(scene.line.bearings):
+            path = f"run:forces.bearings[bearing={bearing}].largest"
+            each = [f".states[state={name}]" if scene.states else "" for name in names]
+            paths = [f"{path}{in_state}.value_N" for in_state in each]
+            items.append(
+                {"number": bearing, "name": f"bearing {bearing}", "shaft": shaft, "paths": paths}
+            )
+        yield {"output": "bearing_force", "heading": "Bearing force", "items": items} | _shown("N")
+
+
+def _shown(unit: str) -> dict[str, Any]:
+    return {"unit": UNITS[unit].symbol, "digits": DIGITS[unit]._asdict()}
+
+
+def _state_of_rows(scene: Scene) -> int | None:
+    """The state that is the drawing with its load, of which the rows of ``cardan run`` are."""
+    states = scene.states
+    if not states:
+        return 0
+    own = _given(scene.line, scene.load_case)
+    each = [_given(states.driveline(i), states.load(i)) for i in range(states.count)]
+    return each.index(own) if own in each else None
+
+
+def _given(line: Driveline, load: Load | None) -> list[Any]:
+    """What the motion and the torques of a driveline follow from."""
+    chain = [line.bends.tolist(), line.twists.tolist(), line.phases.tolist()]
+    return [*chain, load and [float(load.torque), float(load.speed), float(load.acceleration)]]
+
+
 @cache
-def _script() -> str:
-    """The modules as one script, since a page without a server cannot import any."""
-    modules = "".join(map(_enclosed, _MODULES))
+def script(*, moves: bool = False) -> str:
+    """Return modules as one script, since a page without a server cannot import any.
+
+    They draw the charts of a page, and let the driveline be moved.
+    """
+    names = _MODULES if moves else ("page/charts.js",)
+    start = "modules.charts.start();\n" + "modules.page.start();\n" * moves
     return (
-        f'"use strict";\n(() => {{\nconst modules = {{}};\n{modules}modules.page.start();\n}})();'
+        f'"use strict";\n(() => {{\nconst modules = {{}};\n'
+        f"{''.join(map(_enclosed, names))}{start}}})();"
     )
 
 

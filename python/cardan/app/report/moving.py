@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cardan.app.answers.answer import Answer
-from cardan.app.report.live import live
+from cardan.app.report.live import live, script
 from cardan.app.report.page import environment, part
 from cardan.app.scene.scene import Scene
 
@@ -32,7 +32,7 @@ def moving_page(answers: Mapping[str, Answer]) -> str | None:
         .render(
             style=part("page.css") + part("live.css"),
             choice=part("choice.js") if len(machines) > 1 else None,
-            script=first["script"],
+            script=script(moves=True),
             module=first["module"],
             machines={key: each["data"] for key, each in machines.items()},
             titles={key: _title(answers[key].scene) for key in machines},

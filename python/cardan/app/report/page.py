@@ -15,17 +15,16 @@ import numpy as np
 
 from cardan import __version__
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.charts import chart
 from cardan.app.answers.page import judged_table, tables_of
 from cardan.app.answers.states.page import states
 from cardan.app.answers.study.page import study
 from cardan.app.answers.yokes.figures import yoke_settings
-from cardan.app.charts.charts import Panel, chart, decimals
-from cardan.app.charts.drawing import drawing
-from cardan.app.charts.samples import Samples, evaluated
 from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer, verdict_of
-from cardan.app.report.live import live
+from cardan.app.report.live import live, script
+from cardan.app.report.samples import Samples, evaluated
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -39,7 +38,6 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     known: dict[str, Any] = {
         "version": __version__,
         "style": part("page.css"),
-        "script": part("page.js"),
         "title": scene.title or Path(scene.name).name,
         "name": Path(scene.name).name,
         "date": _today(),
@@ -48,7 +46,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     if isinstance(scene, BallJointScene):
         answer = Answer(scene)
         known |= {"verdict": verdict_of(answer), "parts": _parts(answer)}
-        return template.render(known, joints=0, varied=False, states=None, study=None)
+        known |= {"live": None, "script": script(), "joints": 0, "varied": False}
+        return template.render(known, states=None, study=None)
     result = scene.run(progress)
     samples, answer = evaluated(scene), Answer(scene)
     motion = answer["limits"]
@@ -56,13 +55,12 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     fixed = scene.line.n_joints > 1 and not scene.line.shape
     fixed = fixed and not (scene.states and scene.states.set_phases)
     yokes = yoke_settings(scene) if fixed else None
-    known_panels, (x, x_label) = samples.panels(), _abscissa(samples)
-    panels = [panel for panel in known_panels if not panel.is_steady]
-    firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     table = result.study
     moves = live(answer)
     if moves:
         known["style"] += part("live.css")
+    # What the page computes itself is not drawn twice.
+    panels, (x, x_label) = [] if moves else samples.panels(), _abscissa(samples)
     speeds = tables_of("Limits are kept up to", motion.speeds) if motion.speeds else []
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
@@ -71,20 +69,16 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         over="time" if samples.time is not None else "the drive angle",
         varied=bool(scene.study and scene.study.axes),
         live=moves,
-        recorded=scene.recording is not None,
+        script=script(moves=moves is not None),
         every=samples.every,
         inputs=results.inputs(scene),
         results=[judged_table(answer.judged), *speeds, *results.results(samples, answer)],
         study=None if table is None or over_states else study(scene, table, answer.check),
         states=states(answer, over_states, yokes) if over_states else None,
-        charts=[
-            chart(panel, x, x_label, int(first))
-            for panel, first in zip(panels, firsts[:-1], strict=True)
-        ],
-        steady=[panel.line for panel in known_panels if panel.is_steady],
+        charts=[chart(panel, x, x_label) for panel in panels if not panel.is_steady],
+        steady=[panel.line for panel in panels if panel.is_steady],
         parts=_parts(answer),
         catalogue=results.catalogue(scene, yokes),
-        data=_data(samples, panels),
     )
 
 
@@ -150,25 +144,3 @@ def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
         return angle, "drive angle [deg]"
     # Angles that go back and forth would draw the curves over themselves.
     return samples.every * np.arange(float(len(angle))), "recorded sample"
-
-
-def _data(samples: Samples, panels: list[Panel]) -> dict[str, Any]:
-    """What the script reads."""
-    curves = []
-    for panel in panels:
-        digits = decimals(panel)
-        curves += [
-            {"decimals": digits, "values": np.round(curve.values, digits).tolist()}
-            for curve in panel.curves
-        ]
-    return {"places": _places(samples), "curves": curves, "drawing": drawing(samples)}
-
-
-def _places(samples: Samples) -> list[str]:
-    """Where each sample stands, in words."""
-    angle = samples.angle_deg
-    digits = 1 if np.all(np.round(angle, 1) == angle) else 2
-    places = [f"{value:.{digits}f}°".replace("-", "\N{MINUS SIGN}") for value in angle]
-    if samples.result.scene.recording is not None:
-        places = [f"{samples.every * i}, drive angle {place}" for i, place in enumerate(places)]
-    return places

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.charts import Table
 from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends
 from cardan.app.answers.rounding import alike, is_cancelled
 from cardan.app.answers.rows import key_of
 from cardan.app.answers.turn.figures import within_turn
 from cardan.app.answers.yokes.figures import SHOWN, YokeFigures
-from cardan.app.charts.charts import Table
-from cardan.app.charts.samples import PeakSample, Samples, deviates, equivalent, turn_motion
+from cardan.app.report.samples import PeakSample, Samples, deviates, equivalent, turn_motion
 from cardan.app.scene.language.units import RPM, in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths

@@ -38,6 +38,7 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
  * @property {string} title of the scene
  * @property {string} core the digest of its sources
+ * @property {import("./curves.js").SentCurves[]} curves over the turn
  * @property {Record<string, string>} here where the check has a kind of figure of one state
  * @property {Given} given what the scene gives of what can be changed
  * @property {{name: string, text: string, pieces: Piece[], sizes: Record<string, string>}} source the
@@ -124,6 +125,11 @@ export class Model {
     this.#isLoaded = this.figures.some(({ kind }) => kind.name === "bearing_force");
     /** The rows of the scene as sent. */
     this.drawnRows = new Map(this.rows().map((row) => [row.key, row]));
+  }
+
+  /** The machine as sent. */
+  get drawnMachine() {
+    return this.#base;
   }
 
   /** Whether nothing has been changed. */

@@ -7,6 +7,7 @@
  */
 
 import { Cardan } from "../cardan.js";
+import { Curves } from "./curves.js";
 import { Dials } from "./dials.js";
 import { Drawing } from "./drawing.js";
 import { Editing } from "./editing.js";
@@ -24,6 +25,7 @@ const SLICE_MS = 4; // after which the search for what would help waits for the 
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
 const TURN_MS = 6000; // of a turn that plays
 const GIVEN = { decimals: null, digits: 4, apart: null, finest: 0 };
+const KEPT = 1000; // times of frames
 const MOST_MM = 1e6; // a coordinate, which no driveline has
 
 /** @param {string} name */
@@ -36,9 +38,15 @@ const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`l
  */
 function show(cardan, sent) {
   const model = new Model(cardan, sent);
-  for (const name of ["page", "panel", "dials", "trust"]) element(name).hidden = false;
+  for (const name of ["page", "panel", "dials", "curves", "trust"]) element(name).hidden = false;
   document.body.classList.add("is-live");
   foot(element("trust"), cardan, sent);
+  const report = document.getElementById("sent");
+  if (report instanceof HTMLDetailsElement) {
+    report.open = false;
+    // Paper shows all of it.
+    addEventListener("beforeprint", () => (report.open = true));
+  }
   const svg = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("drawing")));
   const drawing = new Drawing(svg, model);
   const ribbon = new Ribbon(drawing);
@@ -70,9 +78,14 @@ function show(cardan, sent) {
   };
   const dials = new Dials(element("dials"), model, told);
   const loads = loadsOf(model, told);
+  const curves = new Curves(element("curves"), model, (degrees) => {
+    angle.value = String(Math.round(degrees));
+    turn();
+  });
   let search = 0;
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
+  let areCurvesDue = true;
   let frame = 0;
   const times = /** @type {number[]} */ ([]);
 
@@ -88,7 +101,7 @@ function show(cardan, sent) {
     about();
     if (editing.isDragging || isGoing) ribbon.hide();
     else ribbon.ask();
-    times.push(performance.now() - start);
+    if (times.push(performance.now() - start) > KEPT) times.shift();
     // The browser paints the drawing before the next task.
     if ((editing.isDragging || isGoing) && ++passed >= every) setTimeout(follow);
   };
@@ -97,10 +110,16 @@ function show(cardan, sent) {
     if (!editing.isDragging && !isGoing) return;
     passed = 0;
     const start = performance.now();
-    model.compute(false);
-    panel.show(false);
-    chips();
-    drawing.label();
+    // Figures and curves together would take too long for one frame.
+    areCurvesDue = !areCurvesDue;
+    if (areCurvesDue) {
+      curves.show(false);
+    } else {
+      model.compute(false);
+      panel.show(false);
+      chips();
+      drawing.label();
+    }
     every = Math.max(1, Math.ceil((performance.now() - start) / FRAME_MS));
   };
 
@@ -120,16 +139,16 @@ function show(cardan, sent) {
     button("undo").disabled = !model.canUndo;
     button("redo").disabled = !model.canRedo;
     button("drawn").disabled = model.isDrawn;
-    note(model.address);
+    note(() => model.address);
     dials.show();
     dials.mark();
+    curves.show(true);
     panel.list((changes) => {
       model.take(changes);
       settle();
     });
     clearTimeout(search);
     search = window.setTimeout(help, SEARCH_MS);
-    element("below").hidden = model.isDrawn;
   };
 
   /** What would help, as long as nothing is changed; it takes too long for one frame. */
@@ -218,6 +237,7 @@ function show(cardan, sent) {
   const turn = () => {
     drawing.angle = (Number(angle.value) * Math.PI) / 180;
     element("angle-shown").textContent = `${Math.round(Number(angle.value))}°`;
+    curves.mark(Number(angle.value));
     ask();
   };
   angle.addEventListener("input", turn);
@@ -263,7 +283,7 @@ function show(cardan, sent) {
   }).observe(svg);
   if (noted()) model.read(noted());
   settle();
-  return { model, drawing, panel, ribbon, times };
+  return { model, drawing, panel, curves, ribbon, times, memory: () => cardan.memory };
 }
 
 /**

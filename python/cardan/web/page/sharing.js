@@ -5,6 +5,8 @@
  * @module sharing
  */
 
+const NOTED_MS = 300; // after the last change
+
 /**
  * Copy a text.
  * @param {string} text
@@ -45,16 +47,22 @@ export function noted() {
   return words.includes("=") ? words : "";
 }
 
+/** What waits to be noted: browsers refuse a page that changes its address at every key. */
+let waiting = 0;
+
 /**
- * Show what was changed in the address, without a step back to it.
- * @param {string} words
+ * Show what was changed in the address soon, without a step back to it.
+ * @param {() => string} words
  */
 export function note(words) {
-  if (words === noted()) return;
-  try {
-    const [page] = location.href.split("#");
-    history.replaceState(null, "", words ? `#${words}` : page);
-  } catch {
-    // A page within another may have no address of its own.
-  }
+  clearTimeout(waiting);
+  waiting = window.setTimeout(() => {
+    if (words() === noted()) return;
+    try {
+      const [page] = location.href.split("#");
+      history.replaceState(null, "", words() ? `#${words()}` : page);
+    } catch {
+      // A page within another may have no address of its own.
+    }
+  }, NOTED_MS);
 }

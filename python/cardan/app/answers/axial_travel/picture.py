@@ -9,7 +9,7 @@ import numpy as np
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
-from cardan.app.charts.charts import Curve, Panel, chart
+from cardan.app.answers.charts import Curve, Panel, chart
 from cardan.app.pictures.style import check_kind, drawing, finish, legend_above, line_style, stacked
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError

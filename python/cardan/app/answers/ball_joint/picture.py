@@ -12,8 +12,8 @@ from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
     pressure_curve,
 )
+from cardan.app.answers.charts import Curve, Panel, chart
 from cardan.app.answers.printed import given, quantity
-from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import THIN, arrow, check_kind, drawing, finish, line_style, page
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.charts import Curve, Panel, bars, chart
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
 from cardan.app.answers.printed import curves_text, given, quantity
 from cardan.app.answers.rounding import is_steady, signed
-from cardan.app.charts.charts import Curve, Panel, bars, chart
 from cardan.app.pictures.style import (
     LINES,
     check_kind,

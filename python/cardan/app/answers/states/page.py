@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.charts import Curve, Panel, Table, chart
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import CLASSES, tables_of
 from cardan.app.answers.printed import quantity
@@ -19,7 +20,6 @@ from cardan.app.answers.states.figures import (
 )
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import YokeFigures
-from cardan.app.charts.charts import Curve, Panel, Table, chart
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.states import StatesResult
@@ -92,7 +92,7 @@ def _charts(scene: Scene, table: StatesResult, yokes: YokeFigures | None) -> lis
         if column.name == "equivalent_bend":
             curves += _compared(scene, yokes, count)
         heading = column_name(column).partition(" [")[0]
-        made.append(chart(Panel(heading, unit, tuple(curves)), x, label, named=named))
+        made.append(chart(Panel(heading, unit, tuple(curves)), x, label, named))
     return made
 
 

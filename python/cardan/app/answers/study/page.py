@@ -8,27 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.answers.charts import Curve, Panel, Table, chart, plain, some
 from cardan.app.answers.limits.check import check_row
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.page import judged_lines
-from cardan.app.answers.printed import kind_of_symbol, range_ends
 from cardan.app.answers.rounding import ROUNDING
 from cardan.app.answers.study.figures import End, extremes
 from cardan.app.answers.table import PARTS
-from cardan.app.charts.charts import (
-    FRAME,
-    Curve,
-    Panel,
-    Table,
-    chart,
-    number,
-    scale_of,
-    scaled,
-    some,
-    ticks,
-    ticks_of,
-)
 from cardan.app.scene.language.units import in_degrees
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.axes import Axis
@@ -50,7 +37,7 @@ def study(scene: Scene, result: StudyResult, found: Check) -> dict[str, Any]:
     """
     tables = [_extremes(result)]
     if not result.axes:
-        return {"tables": tables, "best": None, "charts": [], "maps": [], "notes": []}
+        return {"tables": tables, "best": None, "charts": [], "notes": []}
     varied = [
         (key_name(a.key), str(len(a.values)), f"{np.min(a.values):.6g} to {np.max(a.values):.6g}")
         for a in result.axes
@@ -111,7 +98,8 @@ def _at(axes: Sequence[Axis], place: Sequence[Any]) -> str:
     said = []
     for axis, i in zip(axes, place, strict=True):
         name, _, unit = key_name(axis.key).partition(" [")
-        said.append(f"{name}: {number(axis.values[i])} {unit.removesuffix(']')}".rstrip())
+        value = f"{axis.values[i]:.10g}".replace("-", "\N{MINUS SIGN}")
+        said.append(f"{name}: {value} {unit.removesuffix(']')}".rstrip())
     return "; ".join(said)
 
 
@@ -126,7 +114,7 @@ def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
         key=lambda i: -len(result.axes[i].values),
     )
     keys, held = order[:2], order[2:]
-    drawn: dict[str, Any] = {"charts": [], "maps": [], "notes": []}
+    drawn: dict[str, Any] = {"charts": [], "notes": []}
     if not keys:
         return drawn
     notes = drawn["notes"]
@@ -153,7 +141,7 @@ def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
         elif len(keys) == 2 and len(grids[1]) > _MOST_CURVES:
             labels = [key_name(axis.key) for axis in axes]
             x, y = grids
-            drawn["maps"].append(heat_map(Panel(heading, unit, ()), x, y, values.T, labels))
+            drawn["charts"].append(heat_map(Panel(heading, unit, ()), x, y, values.T, labels))
         else:
             drawn["charts"].append(_chart(Panel(heading, unit, ()), axes, grids, values))
     if infinite:
@@ -187,60 +175,24 @@ _MOST_ACROSS, _MOST_UP = 96, 64
 def heat_map(
     panel: Panel, x: FloatArray, y: FloatArray, values: FloatArray, labels: list[str]
 ) -> dict[str, Any]:
-    """Return heading, ticks, bands and their legend as plain data for the macro ``map``.
+    """Return a quantity over two keys as plain data for the macro ``drawing``.
 
     The values, ``(rows, columns)``, are finite, and those of both keys, x across, rise.
     """
-    low, high, flat = scale_of(values, panel.scale)
-    levels = np.array(ticks(low, high, 7.0))
     rows, columns = some(len(y), _MOST_UP), some(len(x), _MOST_ACROSS)
-    across, up = _edges(x[columns]), _edges(y[rows])
-    shown = np.full_like(values, np.mean(values)) if flat else values
-    bands = np.digitize(shown[np.ix_(rows, columns)], levels[1:-1])
-    to_x = scaled(across[0], across[-1], FRAME.left, FRAME.right)
-    to_y = scaled(up[0], up[-1], FRAME.bottom, FRAME.top)
     place = np.unravel_index(int(np.argmin(values)), values.shape)
-    x_label, y_label = labels
-    heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
-    ends = (float(np.min(values)), float(np.max(values)))
-    spoken = " to ".join(range_ends(*ends, kind_of_symbol(panel.unit)))
     return {
-        "frame": FRAME,
-        "heading": heading,
-        "spoken": f"{heading} over {x_label} and {y_label}, from {spoken}",
-        "x_label": x_label,
-        "y_label": y_label,
-        "x_ticks": [(f"{to_x(t):.1f}", number(t)) for t in ticks_of(x_label, x[0], x[-1])],
-        "y_ticks": [(f"{to_y(t) + 4:.1f}", number(t)) for t in ticks_of(y_label, y[0], y[-1])],
-        "bands": [
-            {
-                "path": _path(bands == band, to_x(across), to_y(up)),
-                "label": f"{number(levels[band])} to {number(levels[band + 1])}",
-            }
-            for band in range(len(levels) - 1)
-        ],
-        "least": None if flat else [f"{to_x(x[place[1]]):.1f}", f"{to_y(y[place[0]]):.1f}"],
-        "least_at": f"{number(x[place[1]])}, {number(y[place[0]])}",
+        "kind": "map",
+        "heading": panel.heading,
+        "unit": panel.unit,
+        "over": labels[0],
+        "beside": labels[1],
+        "x": plain(x[columns], x, digits=7),
+        "y": plain(y[rows], y, digits=7),
+        "values": [plain(row, values) for row in values[np.ix_(rows, columns)]],
+        "scale": panel.scale,
+        "least": [float(x[place[1]]), float(y[place[0]])],
         "thinned": f"{len(columns)} of {len(x)} by {len(rows)} of {len(y)} values are drawn"
         if len(rows) < len(y) or len(columns) < len(x)
         else "",
     }
-
-
-def _path(inside: Any, x: FloatArray, y: FloatArray) -> str:  # noqa: ANN401 - booleans
-    """Bars over the cells of one band, each as long as its run of columns."""
-    bars = []
-    for row, cells in enumerate(inside):
-        ends = np.flatnonzero(np.diff(np.concatenate([[False], cells, [False]]).astype(int)))
-        bars += [
-            f"M{x[first]:.1f} {y[row]:.1f}H{x[last]:.1f}V{y[row + 1]:.1f}H{x[first]:.1f}z"
-            for first, last in ends.reshape(-1, 2)
-        ]
-    return "".join(bars)
-
-
-def _edges(places: FloatArray) -> FloatArray:
-    """Borders of cells around places: halfway between neighbours, and as far beyond the ends."""
-    middles = (places[1:] + places[:-1]) / 2.0
-    first, last = 2.0 * places[0] - middles[0], 2.0 * places[-1] - middles[-1]
-    return np.concatenate([[first], middles, [last]])

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.charts import Curve, Panel, chart
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
-from cardan.app.charts.charts import Curve, Panel, chart
 from cardan.app.pictures.style import (
     LINES,
     THIN,

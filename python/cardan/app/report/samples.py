@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cardan.app.answers.charts import Curve, Panel
 from cardan.app.answers.rounding import MAGNITUDES, alike, first_peak, is_cancelled, signed
 from cardan.app.answers.turn.extremes import magnitudes, peak, peaks, shortest_arm, values_of
-from cardan.app.charts.charts import Curve, Panel
-from cardan.app.pictures.space import pins
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.recording.recorded import Angles
 from cardan.app.scene.scene import Scene, SceneResult
@@ -193,16 +192,6 @@ class Samples:
             left_out = len(curves) - len(chosen)
             panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
         return panels
-
-    def pins(self) -> FloatArray:
-        """Return the pins of every cross at the samples shown, as ``pins`` does."""
-        line, angle = self.result.scene.line, self.result.drive_angle[self.shown]
-        return pins(line[self.shown] if line.shape else line, angle)
-
-    def directions(self) -> FloatArray:
-        """Return the shafts' directions, ``(samples, n + 1, 3)`` or a single sample for all."""
-        line = self.result.scene.line
-        return line.directions[self.shown] if line.shape else line.directions[np.newaxis]
 
 
 def evaluated(scene: Scene) -> Samples:

@@ -1,1 +1,0 @@
-"""Charts, drawings and tables of the page, as SVG and HTML."""
