@@ -21,6 +21,7 @@ from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.wait import WebDriverWait
 
 import pages
@@ -708,7 +709,7 @@ def test_points_are_dragged_in_both_views(
     assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
 
 
-def field(browser: webdriver.Chrome, label: str) -> pages.WebElement:
+def field(browser: webdriver.Chrome, label: str) -> WebElement:
     return browser.find_element(By.CSS_SELECTOR, f"input[aria-label^='{label},']")
 
 

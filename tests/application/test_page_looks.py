@@ -368,7 +368,7 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
 
 
 def dragged(
-    browser: webdriver.Chrome, by: tuple[float, float], key: str = ""
+    browser: webdriver.Chrome, by: tuple[int, int], key: str = ""
 ) -> tuple[list[float], dict[str, dict[str, float]]]:
     """Where joint 1 is, and words beside it with their lines, while it is dragged by so many px."""
     actions = ActionChains(browser, duration=10).click_and_hold(handle(browser, 2))
