@@ -13,7 +13,10 @@ const WAIT = 150; // ms after a change
 const SPAN = 0.035; // how far the ribbon goes either way, over the length of the driveline
 const BANDS = 20; // either way
 const WIDTH = 8; // px
+const HATCH = 4; // px between lines that tell verdicts apart without colour
 const ASIDE = 30; // px from the point
+/** @type {Record<string, string>} */
+const LINES = { beyond: `l${WIDTH} ${-HATCH}`, tolerable: `h${WIDTH}` };
 
 /** @typedef {import("./drawing.js").Handle} Handle */
 
@@ -35,15 +38,9 @@ export class Ribbon {
   /** @param {import("./drawing.js").Drawing} drawing */
   constructor(drawing) {
     this.drawing = drawing;
-    const patterns = drawn("defs", {}, drawing.svg);
-    for (const [verdict, lines] of [["beyond", "M-1 5 5-1"], ["tolerable", "M0 2H4"]]) {
-      const size = { width: 4, height: 4, patternUnits: "userSpaceOnUse" };
-      const pattern = drawn("pattern", { id: `live-${verdict}`, class: verdict, ...size }, patterns);
-      drawn("rect", { width: 4, height: 4 }, pattern);
-      drawn("path", { d: lines }, pattern);
-    }
     this.group = drawn("g", { class: "ribbon", role: "img" }, drawing.svg);
     this.bands = new Map(ORDER.map((place) => [place, drawn("rect", { width: WIDTH }, this.group)]));
+    this.hatch = drawn("path", { class: "hatch" }, this.group);
     this.here = drawn("path", { class: "here" }, this.group);
     this.hide();
   }
@@ -104,10 +101,15 @@ export class Ribbon {
     const high = this.#step * drawing.scale * drawing.stretch;
     const left = x + ASIDE + WIDTH > drawing.width ? x - ASIDE - WIDTH : x + ASIDE;
     const sign = drawing.views[handle.view].axes.down[axis];
+    let lines = "";
     for (const [place, band] of this.bands) {
       const verdict = (this.#found.get(place) || "none").replace(" ", "-");
-      put(band, { x: left, y: y + sign * place * high - high / 2, height: high + 0.2, class: verdict });
+      const top = y + sign * place * high - high / 2;
+      put(band, { x: left, y: top, height: high + 0.2, class: verdict });
+      const line = LINES[verdict];
+      for (let at = HATCH * Math.ceil(top / HATCH); line && at < top + high; at += HATCH) lines += `M${left} ${at}${line}`;
     }
+    put(this.hatch, { d: lines });
     put(this.here, { d: `M${left - 2} ${y}l-7-5v10z` });
     put(this.group, { visibility: "visible", "aria-label": this.#words(handle, axis) });
   }
