@@ -582,7 +582,7 @@ def test_a_button_chooses_the_colours(
         button.click()
     assert grounds == [dark, WHITE, dark, dark]
     button.click()
-    assert button.text == "Dark"
+    assert button.text == "Colours: dark"
     media(browser, "print", "dark")
     assert js(browser, ground) == WHITE
     assert js(browser, "return getComputedStyle(document.documentElement).colorScheme") == "light"

@@ -50,7 +50,7 @@ export class Curves {
   constructor(element, model, turned) {
     this.model = model;
     this.sent = model.sent.curves;
-    const head = made("div", "bar", element);
+    const head = made("div", "top", element);
     made("h3", "", head, "Curves over the turn");
     this.of = made("span", "of", head);
     const button = made("button", "", head, "Copy as CSV");

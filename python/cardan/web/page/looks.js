@@ -8,9 +8,9 @@
 import { showLengthsIn } from "./numbers.js";
 
 const THEMES = [
-  { name: "Auto", scheme: "", media: "" },
-  { name: "Light", scheme: "light", media: "not all" },
-  { name: "Dark", scheme: "dark", media: "screen" },
+  { name: "Colours: auto", scheme: "", media: "" },
+  { name: "Colours: light", scheme: "light", media: "not all" },
+  { name: "Colours: dark", scheme: "dark", media: "screen" },
 ];
 const STRETCH = 4;
 const PAPER = 680; // px, the width of a page without its margins
