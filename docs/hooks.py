@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import cases
 from latex2mathml.converter import convert
 
 ROOT = Path(__file__).parent.parent
@@ -57,6 +58,8 @@ def included(name: str) -> str:
         "limits": limits,
         "limits-as-built": limits_as_built,
         "commands": command_help,
+        "cases-answer": cases.answer,
+        "cases": cases.book,
     }
     if name in own:
         return own[name]()

@@ -6,10 +6,13 @@ import hashlib
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import cases
 
 import cardan
 from cardan.app.answers.explain import reference
@@ -36,7 +39,8 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     benches = {f"benches/{path.name}": path for path in (ROOT / "benches").glob("*.svg")}
     for uri, path in (pictures() | benches).items():
         files.append(File.generated(config, uri, abs_src_path=str(path)))
-    texts = {"reference/figures.md": reference(), "machines/moving.html": machines()}
+    texts = {"reference/figures.md": reference()}
+    texts |= {"machines/moving.html": machines(), "cases/moving.html": moving(cases.SCENES)}
     for uri, text in (schemas() | texts).items():
         files.append(File.generated(config, uri, content=text))
     return files
@@ -51,11 +55,13 @@ def schemas() -> dict[str, str]:
 def machines() -> str:
     """Return the page in which one of the machines is chosen and moved."""
     scenes = resources.files("cardan.app.scene").joinpath("machines")
-    answers = {}
-    for name in MACHINES:
-        text = scenes.joinpath(f"{name}.toml").read_text("utf-8")
-        answers[name] = cardan.Answer(cardan.Scene.parse(text, f"{name}.toml"))
-    page = moving_page(answers)
+    return moving({name: scenes.joinpath(f"{name}.toml").read_text("utf-8") for name in MACHINES})
+
+
+def moving(scenes: Mapping[str, str]) -> str:
+    """Return the page in which one of some scenes is chosen and moved."""
+    parsed = {name: cardan.Scene.parse(text, f"{name}.toml") for name, text in scenes.items()}
+    page = moving_page({name: cardan.Answer(scene) for name, scene in parsed.items()})
     assert page is not None
     return page
 

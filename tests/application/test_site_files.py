@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
 
+import cases
 import pytest
 
 from cardan.app.answers.schema import answers_schema
@@ -97,6 +98,14 @@ def test_every_machine_can_be_chosen_and_moved(site_files: ModuleType) -> None:
         *(f"machines/moving.html?{name}" for name in names),
     }
     assert 'src="machines/moving.html"' in (DOCS / "tryit.md").read_text("utf-8")
+
+
+def test_every_case_that_is_a_driveline_can_be_moved(site_files: ModuleType) -> None:
+    page = site_files.moving(cases.SCENES)
+    names = re.findall(r'<a href="\?(.*?)">', page)
+    assert names == list(cases.SCENES)
+    assert set(re.findall(r"\(cases/moving\.html\?(.*?)\)", cases.book())) == set(names)
+    assert len(page) < 700_000
 
 
 def test_pages_link_to_the_schemas(site_files: ModuleType) -> None:
