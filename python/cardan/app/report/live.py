@@ -27,26 +27,6 @@ from cardan.design.machine import KINDS
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
-_MODULES = (
-    "cardan.js",
-    "page/numbers.js",
-    "page/changes.js",
-    "page/model.js",
-    "page/drawing.js",
-    "page/ribbon.js",
-    "page/panel.js",
-    "page/dials.js",
-    "page/fields.js",
-    "page/snaps.js",
-    "page/editing.js",
-    "page/sharing.js",
-    "page/trust.js",
-    "page/charts.js",
-    "page/curves.js",
-    "page/looks.js",
-    "page/page.js",
-)
-
 _PLACES = {
     "bend": "life.joints[joint={}].bend",
     "speed_bend": "life.joints[joint={}].speed_bend",
@@ -270,36 +250,49 @@ def _given(line: Driveline, load: Load | None) -> list[Any]:
     return [*chain, load and [float(load.torque), float(load.speed), float(load.acceleration)]]
 
 
+_IMPORT = re.compile(r'(?m)^import (\{[^}]*\}) from "\.+/((\w+)\.js)";')
+
+
 @cache
 def script(*, moves: bool = False) -> str:
     """Return modules as one script, since a page without a server cannot import any.
 
     They draw the charts of a page, and let the driveline be moved.
     """
-    names = _MODULES if moves else ("page/charts.js",)
+    modules = dict.fromkeys(_with_imports("page.js" if moves else "charts.js"))
     start = "modules.charts.start();\n" + "modules.page.start();\n" * moves
     return (
         f'"use strict";\n(() => {{\nconst modules = {{}};\n'
-        f"{''.join(map(_enclosed, names))}{start}}})();"
+        f"{''.join(map(_enclosed, modules))}{start}}})();"
     )
+
+
+def _with_imports(name: str) -> Iterator[str]:
+    """A module behind those that it imports."""
+    for found in _IMPORT.finditer(_text(name)):
+        yield from _with_imports(found[2])
+    yield name
 
 
 def _enclosed(name: str) -> str:
     """A module as a function that returns what it exports."""
     # Types and descriptions are for those who read the modules.
-    text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", _file(name).decode())
+    text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", _text(name))
     text = re.sub(r"(?m)^ *(?:// .*)?\n", "", text)
     exported = re.findall(r"(?m)^export (?:async )?\w+ (\w+)", text)
     text = re.sub(r"(?m)^export ", "", text)
-    source = r'(?m)^import (\{[^}]*\}) from "[^"]*?(\w+)\.js";'
-    text = re.sub(source, r"const \1 = modules.\2;", text)
-    own = name.rpartition("/")[2].removesuffix(".js")
+    text = _IMPORT.sub(r"const \1 = modules.\3;", text)
+    own = name.removesuffix(".js")
     return f"modules.{own} = (() => {{\n{text}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 @cache
 def _module() -> str:
     return base64.b64encode(_file("cardan.wasm.gz")).decode()
+
+
+def _text(module: str) -> str:
+    return _file(module if module == "cardan.js" else f"page/{module}").decode()
 
 
 def _file(name: str) -> bytes:

@@ -5,7 +5,8 @@
  * @module charts
  */
 
-const SVG = "http://www.w3.org/2000/svg";
+import { drawn, made, put, px, say } from "./elements.js";
+
 const MINUS = "\u2212";
 /** The width of a chart that is not laid out, and in px the frame of all. */
 const [WIDTH, LEFT, RIGHT, TOP, BOTTOM, HEIGHT] = [360, 56, 16, 8, 38, 180];
@@ -52,45 +53,6 @@ const TILTS = [0, 30, 45, 60, 90];
  * @property {string} over what is along the axis
  * @property {number} [left_out] how many smaller curves are not drawn
  */
-
-/**
- * @param {string} name
- * @param {Record<string, string | number>} attributes
- * @param {Element} parent
- * @param {string} text
- */
-function drawn(name, attributes, parent, text = "") {
-  const element = document.createElementNS(SVG, name);
-  put(element, attributes);
-  if (text) element.textContent = text;
-  parent.append(element);
-  return element;
-}
-
-/** @param {Element} element @param {Record<string, string | number>} attributes */
-function put(element, attributes) {
-  for (const [name, value] of Object.entries(attributes)) {
-    const text = typeof value === "number" ? tenth(value) : value;
-    if (element.getAttribute(name) !== text) element.setAttribute(name, text);
-  }
-}
-
-/**
- * @param {string} tag
- * @param {string} kind
- * @param {Element} parent
- * @param {string} text
- */
-function made(tag, kind, parent, text = "") {
-  const element = document.createElement(tag);
-  if (kind) element.className = kind;
-  element.textContent = text;
-  parent.append(element);
-  return element;
-}
-
-/** @param {number} value in px */
-const tenth = (value) => String(Math.round(10 * value) / 10);
 
 /**
  * A round number with a true minus sign.
@@ -218,14 +180,14 @@ class Frame {
   axes(x, y, across, up, { lines, tilt = 0, room = 0 }) {
     const { svg, grid, width, right, bottom, titles } = this;
     this.height = HEIGHT + room;
-    put(svg, { viewBox: `0 0 ${tenth(width)} ${tenth(this.height)}` });
+    put(svg, { viewBox: `0 0 ${px(width)} ${px(this.height)}` });
     this.across = scaled(x[0], x[1], LEFT, right);
     this.up = scaled(y[0], y[1], bottom, TOP);
     grid.replaceChildren();
     for (const [value, text] of across) {
       const at = this.across(value);
       if (lines) drawn("line", { class: "grid", x1: at, x2: at, y1: TOP, y2: bottom }, grid);
-      const from = `rotate(-${tilt} ${tenth(at)} ${bottom + 9})`;
+      const from = `rotate(-${tilt} ${px(at)} ${bottom + 9})`;
       /** @type {Record<string, string | number>} */
       const place = tilt
         ? { x: at, y: bottom + 9, dy: "4", transform: from, class: "end" }
@@ -321,7 +283,7 @@ export class Chart {
         ? fitted.texts.map((text, i) => [i, text])
         : ticksAlong(frame.titles.over, ends[0], ends[1]).map((at) => [at, roundText(at)]);
       frame.axes(ends, [low, high], along, up.map((at) => [at, roundText(at)]), { lines: true, ...fitted });
-      this.#along = Array.from(places, (at) => tenth(frame.across(Number(at))));
+      this.#along = Array.from(places, (at) => px(frame.across(Number(at))));
       this.#bounds(bounds);
       this.mark(this.#marked);
     }
@@ -336,9 +298,9 @@ export class Chart {
   #bounds(bounds) {
     const { up, right } = this.frame;
     const [low, high] = bounds.map(up);
-    const edges = bounds.map((bound) => `M${LEFT} ${tenth(up(bound))}H${right}`);
+    const edges = bounds.map((bound) => `M${LEFT} ${px(up(bound))}H${right}`);
     put(this.limits, { d: edges.join("") });
-    put(this.band, { d: bounds.length ? `M${LEFT} ${tenth(low)}H${right}V${tenth(high)}H${LEFT}Z` : "" });
+    put(this.band, { d: bounds.length ? `M${LEFT} ${px(low)}H${right}V${px(high)}H${LEFT}Z` : "" });
   }
 
   /**
@@ -426,7 +388,7 @@ export class Chart {
         continue;
       }
       const value = isFlat ? middle : Number(values[i]);
-      path += `${pen}${this.#along[i]} ${tenth(up(value))}`;
+      path += `${pen}${this.#along[i]} ${px(up(value))}`;
       pen = "L";
     }
     return path;
@@ -439,13 +401,8 @@ export class Chart {
   mark(x) {
     this.#marked = x;
     const { across, bottom } = this.frame;
-    put(this.cursor, { d: Number.isFinite(x) ? `M${tenth(across(x))} ${TOP}V${bottom}` : "" });
+    put(this.cursor, { d: Number.isFinite(x) ? `M${px(across(x))} ${TOP}V${bottom}` : "" });
   }
-}
-
-/** @param {Element} element @param {string} text */
-function say(element, text) {
-  if (element.textContent !== text) element.textContent = text;
 }
 
 /**
@@ -525,13 +482,13 @@ function drawMap(parent, sent) {
   drawn("text", { x: -middle, y: 12, transform: "rotate(-90)", class: "middle" }, plot, beside);
   const bands = levels.slice(1).map(() => "");
   const place = (/** @type {number} */ i, /** @type {number} */ j) =>
-    `${tenth(frame.across(across[i]))} ${tenth(frame.up(up[j]))}`;
+    `${px(frame.across(across[i]))} ${px(frame.up(up[j]))}`;
   values.forEach((row, j) => {
     const of = row.map((value) => bandOf(isFlat ? (low + high) / 2 : value, levels));
     for (let i = 0, start = 0; i < row.length; i++) {
       if (of[i + 1] === of[i]) continue;
-      const right = tenth(frame.across(across[i + 1]));
-      bands[of[i]] += `M${place(start, j)}H${right}V${tenth(frame.up(up[j + 1]))}H${tenth(frame.across(across[start]))}z`;
+      const right = px(frame.across(across[i + 1]));
+      bands[of[i]] += `M${place(start, j)}H${right}V${px(frame.up(up[j + 1]))}H${px(frame.across(across[start]))}z`;
       start = i + 1;
     }
   });

@@ -7,7 +7,7 @@
 
 import { Chart } from "./charts.js";
 import { minus, numberText } from "./numbers.js";
-import { made } from "./panel.js";
+import { made } from "./elements.js";
 import { copy } from "./sharing.js";
 
 const STEP = 3; // degrees between samples

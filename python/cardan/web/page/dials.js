@@ -5,10 +5,9 @@
  * @module dials
  */
 
+import { drawn, made } from "./elements.js";
 import { folded, numberText } from "./numbers.js";
-import { made } from "./panel.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const SNAP = 3; // degrees within which the best setting is taken
 const DEGREE = Math.PI / 180;
 const TENTH = { decimals: 1, digits: null, apart: null, finest: 1e-3 };
@@ -18,20 +17,6 @@ const KEYS = /** @type {Record<string, number>} */ ({
   ArrowRight: 1,
   ArrowUp: 1,
 });
-
-/**
- * @param {string} name
- * @param {string} kind
- * @param {string} path
- * @param {Element} parent
- */
-function path(name, kind, path, parent) {
-  const element = document.createElementNS(SVG, name);
-  element.setAttribute("class", kind);
-  if (path) element.setAttribute("d", path);
-  parent.append(element);
-  return element;
-}
 
 /**
  * An angle in words, seen from the drive.
@@ -81,25 +66,22 @@ export class Dials {
   #dial(element, i, on) {
     const { model } = this;
     const own = made("div", "dial", element);
-    const svg = document.createElementNS(SVG, "svg");
-    svg.setAttribute("viewBox", "-30 -30 60 60");
-    for (const [name, value] of Object.entries({
-      role: "slider",
-      tabindex: "0",
-      "aria-label": `Yokes of shaft ${i + 1}`,
-      "aria-valuemin": "-180",
-      "aria-valuemax": "180",
-    })) {
-      svg.setAttribute(name, value);
-    }
-    own.append(svg);
-    path("path", "rim", "M0-23A23 23 0 1 1 0 23A23 23 0 1 1 0-23", svg);
-    path("path", "ticks", [0, 90, 180, 270].map((a) => `M${at(a, 20)}L${at(a, 23)}`).join(""), svg);
-    const best = path("path", "best", "", svg);
-    path("path", "driving", "M0 15V-15", svg);
-    const driven = path("path", `driven s${(i + 1) % 4}`, "", svg);
-    const grip = path("circle", `grip s${(i + 1) % 4}`, "", svg);
-    grip.setAttribute("r", "4.5");
+    const svg = /** @type {SVGSVGElement} */ (
+      drawn("svg", {
+        viewBox: "-30 -30 60 60",
+        role: "slider",
+        tabindex: "0",
+        "aria-label": `Yokes of shaft ${i + 1}`,
+        "aria-valuemin": "-180",
+        "aria-valuemax": "180",
+      }, own)
+    );
+    drawn("path", { class: "rim", d: "M0-23A23 23 0 1 1 0 23A23 23 0 1 1 0-23" }, svg);
+    drawn("path", { class: "ticks", d: [0, 90, 180, 270].map((a) => `M${at(a, 20)}L${at(a, 23)}`).join("") }, svg);
+    const best = drawn("path", { class: "best" }, svg);
+    drawn("path", { class: "driving", d: "M0 15V-15" }, svg);
+    const driven = drawn("path", { class: `driven s${(i + 1) % 4}` }, svg);
+    const grip = drawn("circle", { class: `grip s${(i + 1) % 4}`, r: 4.5 }, svg);
     const words = made("div", "", own);
     made("strong", "", words, `Yokes of shaft ${i + 1}`);
     const value = made("span", "phase", words);

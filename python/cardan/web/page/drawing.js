@@ -5,9 +5,9 @@
  * @module drawing
  */
 
+import { drawn, put } from "./elements.js";
 import { lengthText, lengths, numberText } from "./numbers.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const TALLEST = 460; // px of both views together, if the driveline is as tall as long
 const HIGHEST = 920; // px of both views with heights stretched
 const ABOVE = 70; // px above what is drawn in a view, for names
@@ -22,25 +22,6 @@ const ARROW = 64; // px of the largest force of the drawing
 const GUIDE = 200; // px from a point to the end of the line that shows what it has come to
 const WIDEST = 0.08; // of that over the width
 const HEAD = 8; // px of the head of an arrow
-
-/**
- * @param {string} name
- * @param {Record<string, string | number>} attributes
- * @param {Element} parent
- */
-export function drawn(name, attributes, parent) {
-  const element = document.createElementNS(SVG, name);
-  put(element, attributes);
-  parent.append(element);
-  return element;
-}
-
-/** @param {Element} element @param {Record<string, string | number>} attributes */
-export function put(element, attributes) {
-  for (const [name, value] of Object.entries(attributes)) {
-    element.setAttribute(name, typeof value === "number" ? value.toFixed(1) : value);
-  }
-}
 
 /**
  * Write a figure with its place in the answer of the check.

@@ -6,7 +6,7 @@
  */
 
 import { exact, lengths, numberText } from "./numbers.js";
-import { made } from "./panel.js";
+import { made } from "./elements.js";
 
 const SCRUB = 4; // px from which a press is a drag
 const PER_STEP = 3; // px of a drag for one step

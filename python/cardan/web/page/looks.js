@@ -8,9 +8,9 @@
 import { showLengthsIn } from "./numbers.js";
 
 const THEMES = [
-  { name: "Colours: auto", scheme: "", media: "" },
-  { name: "Colours: light", scheme: "light", media: "not all" },
-  { name: "Colours: dark", scheme: "dark", media: "screen" },
+  { name: "auto", scheme: "", media: "" },
+  { name: "light", scheme: "light", media: "not all" },
+  { name: "dark", scheme: "dark", media: "screen" },
 ];
 const STRETCH = 4;
 const PAPER = 680; // px, the width of a page without its margins
@@ -77,8 +77,7 @@ export function coloured() {
     const { name, scheme, media } = THEMES[theme];
     style.colorScheme = scheme;
     for (const { rule, condition } of rules) rule.media.mediaText = media || condition;
-    button.textContent = name;
-    button.setAttribute("aria-label", `Colours: ${name.toLowerCase()}`);
+    button.textContent = `Colours: ${name}`;
   };
   button.addEventListener("click", () => {
     theme = (theme + 1) % THEMES.length;

@@ -5,6 +5,7 @@
  * @module panel
  */
 
+import { drawn, made, put, say } from "./elements.js";
 import { inLengths, minus, useText } from "./numbers.js";
 
 const MARKS = /** @type {Record<string, string[]>} */ ({
@@ -24,29 +25,6 @@ const OFFERED = 4; // changes that would help
 const SPAN = 1.5; // times its limit that a bar shows
 
 /**
- * @param {string} tag
- * @param {string} kind
- * @param {Element} parent
- * @param {string} text
- */
-export function made(tag, kind, parent, text = "") {
-  const element = document.createElement(tag);
-  if (kind) element.className = kind;
-  element.textContent = text;
-  parent.append(element);
-  return element;
-}
-
-/**
- * Give an element a text that it may have.
- * @param {Element} element
- * @param {string} text
- */
-export function say(element, text) {
-  if (element.textContent !== text) element.textContent = text;
-}
-
-/**
  * The class of a verdict.
  * @param {string} verdict
  */
@@ -57,18 +35,14 @@ const classOf = (verdict) => verdict.replace(" ", "-");
  * @param {Element} parent
  */
 export function newMark(parent) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 14 14");
-  svg.setAttribute("aria-hidden", "true");
-  const paths = [0, 1].map(() => document.createElementNS("http://www.w3.org/2000/svg", "path"));
-  svg.append(...paths);
-  parent.append(svg);
+  const svg = drawn("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, parent);
+  const paths = [0, 1].map(() => drawn("path", {}, svg));
   let shown = "";
   return (/** @type {string} */ verdict) => {
     if (verdict === shown) return;
     shown = verdict;
-    svg.setAttribute("class", `mark ${classOf(verdict)}`);
-    paths.forEach((path, i) => path.setAttribute("d", MARKS[verdict][i]));
+    put(svg, { class: `mark ${classOf(verdict)}` });
+    paths.forEach((path, i) => put(path, { d: MARKS[verdict][i] }));
   };
 }
 

@@ -5,7 +5,7 @@
  * @module ribbon
  */
 
-import { drawn, put } from "./drawing.js";
+import { drawn, put } from "./elements.js";
 import { lengthText, lengths } from "./numbers.js";
 
 const SLICE = 8; // ms that it may take of a frame

@@ -10,7 +10,7 @@
  * @module trust
  */
 
-import { made } from "./panel.js";
+import { made } from "./elements.js";
 
 /** The digest of the results, as the installed package computes them. */
 export const PUBLISHED = "e2a151ba833e384b7ea3900a24440eff9b1d9420b61a512486a2aa08d6258d49";
