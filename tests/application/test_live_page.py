@@ -389,6 +389,8 @@ def test_states_have_the_verdict_of_the_check(tmp_path: Path) -> None:
     for told in told_after(tmp_path, scene, moves):
         data = check_data(Answer(Scene.parse(without_slow_parts(told["text"]))))
         assert len(told["rows"]) == 13
+        lives = [row["place"] for row in told["rows"].values() if "life" in row["path"]]
+        assert lives == 3 * ["over the duty cycle"]
         states = [each["verdict"] for each in data["states"]]
         assert [verdict != "within" for verdict in told["states"]] == [
             state != "within" or slides
@@ -701,6 +703,13 @@ def test_points_are_dragged_in_both_views(
         assert (moved[axis] < 0) == (view == 0)
     held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
     held.perform()
+    # The figures of what is held still are its own.
+    bend = "check:limits.equivalent_bend.value_deg"
+    own = """const { model } = cardanPage;
+    return model.rows().find((row) => row.path === arguments[0]).value;"""
+    shown = "return Number(document.querySelector(`[data-path='${arguments[0]}']`).dataset.value)"
+    expected = js(browser, f"cardanPage.model.compute(); {own}", bend)
+    WebDriverWait(browser, 5).until(lambda browser: js(browser, shown, bend) == expected)
     assert place_of(browser, 2) != after
     ActionChains(browser).send_keys(Keys.ESCAPE).release().perform()
     assert place_of(browser, 2) == after
@@ -755,7 +764,7 @@ def test_numbers_are_typed_stepped_and_dragged(
     data = check_data(Answer(Scene.parse(without_slow_parts(text))))
     for path, value, _ in figures(browser):
         assert value == at(data, path), path
-    assert saved(browser) == ["truck-shaft.toml", text]
+    assert saved(browser) == ["truck-shaft.changed.toml", text]
 
 
 def saved(browser: webdriver.Chrome) -> list[str]:
@@ -877,7 +886,7 @@ def test_a_suggestion_is_applied_with_a_click(
     """It brings the truck within its limits, as the check confirms, and can be taken back."""
     opened(browser, answered(TRUCK).page, tmp_path)
     offer = browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
-    assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within"]
+    assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within here"]
     offer.click()
     assert verdict_of(browser) == "within"
     assert place_of(browser, 2) == [1650.0, -70.0, 0.0]
@@ -969,13 +978,13 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
         assert not browser.find_element(By.ID, "live-link").is_displayed()
         browser.find_element(By.ID, "live-save").click()
         deadline = time.monotonic() + 10.0
-        while not (tmp_path / "truck-shaft.toml").exists():
+        while not (tmp_path / "truck-shaft.changed.toml").exists():
             assert time.monotonic() < deadline
             time.sleep(0.02)
     finally:
         browser.switch_to.default_content()
     lowered = edited(TRUCK, 2, (0.0, -24.0, 0.0))
-    assert Scene.load(tmp_path / "truck-shaft.toml").points == pytest.approx(lowered.points)
+    assert Scene.load(tmp_path / "truck-shaft.changed.toml").points == pytest.approx(lowered.points)
 
 
 @in_browser

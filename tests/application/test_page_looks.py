@@ -153,7 +153,14 @@ def test_a_finger_scrolls_the_page_by_the_drawing_and_drags_handles(
 
     ring = box(phone, ".handle[data-point='2'] .ring")
     x, y = (ring["left"] + ring["right"]) / 2, (ring["top"] + ring["bottom"]) / 2
-    # Within the reach of a finger, but outside the circle.
+    # Within the reach of a finger, but outside the circle. What is not chosen does not move.
+    scrolled, height = swipe(x + 15, y + 22)
+    assert scrolled > 30
+    assert height == -46.0
+    opened(phone, answered(TRUCK).page, tmp_path)
+    touch(phone, "Start", x + 15, y + 22)
+    touch(phone, "End")
+    settled(phone)
     scrolled, height = swipe(x + 15, y + 22)
     assert scrolled == 0
     assert height > 100

@@ -47,6 +47,9 @@ _PLACES = {
 """Where an answer has the figures of a machine, by their kind; others are of the part ``limits``.
 """
 
+_OVER = {"life": "over the duty cycle"}
+"""Over what a kind of figure is, where that is neither a state nor a step."""
+
 
 def live(answer: Answer) -> dict[str, Any] | None:
     """Return what the live part of the page of a scene reads; ``None`` if it has no machine.
@@ -70,6 +73,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
                 "bound": bound_of(replace(own.value, maximum=None), own.entry.row),
                 "limit": bound_of(own.value, own.entry.row),
                 "source": own.value.source,
+                "over": _OVER.get(each.kind.name, ""),
             }
         )
     reach = search(scene)

@@ -61,7 +61,17 @@ export class Editing {
    * @param {TouchEvent} event
    */
   #hold(event) {
-    if (this.drawing.nearest(this.#placeOf(event.touches[0]), REACH.touch)) event.preventDefault();
+    // The pointer has come down before.
+    if (this.isDragging && event.cancelable) event.preventDefault();
+  }
+
+  /**
+   * Whether a finger moves what a handle is of: it chooses first, since it also scrolls the page.
+   * @param {Handle} handle
+   */
+  #isChosen({ kind, item }) {
+    const { selected } = this.drawing;
+    return selected?.kind === kind && selected.item === item;
   }
 
   /** @param {{clientX: number, clientY: number}} event */
@@ -75,12 +85,15 @@ export class Editing {
     if (event.button) return;
     const { drawing } = this;
     const at = this.#placeOf(event);
-    const handle = drawing.nearest(at, event.pointerType === "touch" ? REACH.touch : REACH.mouse);
+    const isTouch = event.pointerType === "touch";
+    const handle = drawing.nearest(at, isTouch ? REACH.touch : REACH.mouse);
     if (!handle) return;
-    event.preventDefault();
-    drawing.svg.setPointerCapture(event.pointerId);
+    const moves = !isTouch || this.#isChosen(handle);
     drawing.selected = handle;
     /** @type {SVGGElement} */ (handle.element).focus({ preventScroll: true });
+    if (!moves) return this.told.select();
+    event.preventDefault();
+    drawing.svg.setPointerCapture(event.pointerId);
     const from = handle.kind === "point" ? this.model.points(this.model.state)[handle.item] : [];
     this.#drag = { handle, from, last: at, spot: [...handle.at] };
     this.model.begin();

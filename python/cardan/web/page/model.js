@@ -30,7 +30,7 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  * @property {{name: string, right: number[], down: number[]}[]} views
  * @property {Record<string, SentKind>} kinds
  * @property {{kind: string, item: number | null, name: string, bound: string, limit: string,
- *   source: string}[]} figures
+ *   source: string, over: string}[]} figures
  *   those that have a limit
  * @property {{name: string, verdict: string, words: string}[]} others that are not computed here
  * @property {string[]} verdicts from the worst
@@ -605,7 +605,7 @@ export class Model {
       text: text(value),
       bound: inLengths(of.bound),
       verdict: this.#worst(found.ranks),
-      place: found.worst === null || isEven ? "" : placeText(names[found.worst]),
+      place: of.over || found.worst === null || isEven ? of.over : placeText(names[found.worst]),
       value,
       use: used(value, limit, found.kind.most),
       path: `check:${kind.path.replace("{}", item)}.value${kind.ending}`,

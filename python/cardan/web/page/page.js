@@ -22,6 +22,7 @@ import { copy, note, noted, save } from "./sharing.js";
 import { foot } from "./trust.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
+const STILL_MS = 100; // without a frame, after which the figures of the last one are found
 const SLICE_MS = 4; // after which the search for what would help waits for the next frame
 const SEARCH_MS = 600; // after the last change, before it is looked for what would help
 const TURN_MS = 6000; // of a turn that plays
@@ -87,7 +88,8 @@ function show(cardan, sent) {
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
   let areCurvesDue = true;
-  let frame = 0;
+  let [frame, late] = [0, 0];
+  let [figuresOf, curvesOf] = [model.machine, model.machine];
   const times = /** @type {number[]} */ ([]);
 
   const ask = () => {
@@ -104,7 +106,9 @@ function show(cardan, sent) {
     else ribbon.ask();
     if (times.push(performance.now() - start) > KEPT) times.shift();
     // The browser paints the drawing before the next task.
-    if ((editing.isDragging || isGoing) && ++passed >= every) setTimeout(follow);
+    if (!editing.isDragging && !isGoing) return;
+    clearTimeout(late);
+    late = window.setTimeout(follow, ++passed >= every ? 0 : STILL_MS);
   };
 
   const follow = () => {
@@ -115,12 +119,17 @@ function show(cardan, sent) {
     areCurvesDue = !areCurvesDue;
     if (areCurvesDue) {
       curves.show(false);
+      curvesOf = model.machine;
     } else {
       model.compute(false);
       panel.show(false);
       chips();
       drawing.label();
+      figuresOf = model.machine;
     }
+    // Whoever holds still sees all of what is drawn.
+    clearTimeout(late);
+    if (curvesOf !== model.machine || figuresOf !== model.machine) late = window.setTimeout(follow, STILL_MS);
     every = Math.max(1, Math.ceil((performance.now() - start) / FRAME_MS));
   };
 
@@ -217,12 +226,14 @@ function show(cardan, sent) {
   button("link").addEventListener("click", async () => {
     const [page] = location.href.split("#");
     const isCopied = await copy(`${page}#${model.address}`);
-    said(isCopied ? "The link is copied." : "This browser does not let a page copy; the address has it.");
+    const where = location.protocol === "file:" ? " It needs this file at its place: send that as well." : "";
+    said(isCopied ? `The link is copied.${where}` : "This browser does not let a page copy; the address has it.");
   });
   button("save").addEventListener("click", () => {
     try {
-      save(sent.source.name, model.text, "application/toml");
-      said(`${sent.source.name} has been saved.`);
+      const name = model.isDrawn ? sent.source.name : sent.source.name.replace(/(\.toml)?$/, ".changed.toml");
+      save(name, model.text, "application/toml");
+      said(`${name} has been saved.`);
     } catch (error) {
       said(/** @type {Error} */ (error).message);
     }

@@ -57,6 +57,12 @@ function listed(names) {
 }
 
 /**
+ * A name within a sentence.
+ * @param {string} name
+ */
+const lowered = (name) => name.replace(/^\p{Lu}(?=\p{Ll})/u, (letter) => letter.toLowerCase());
+
+/**
  * A change that would help, in words.
  * @param {import("./model.js").Suggestion} suggestion
  * @param {string[]} points what they are called
@@ -125,8 +131,9 @@ export class Panel {
     this.items = made("ul", "rows", body);
     for (const row of model.sorted([...model.drawnRows.values()])) this.#rows.set(row.key, this.#row(row));
     this.help = made("div", "help", body);
-    made("h3", "", this.help, "What would help");
+    this.changed = made("h3", "", this.help, "Changed");
     this.changes = made("div", "changes", this.help);
+    made("h3", "", this.help, "What would help");
     this.ways = made("div", "ways", this.help);
     this.sent = made("div", "sent", body);
     made("h3", "", this.sent, "As sent, not computed here");
@@ -201,6 +208,7 @@ export class Panel {
     this.changes.replaceChildren();
     const listed = this.model.listed();
     const names = listed.map(({ words }) => words).join("; ");
+    this.changed.hidden = !listed.length;
     say(this.printed, names ? `Changed: ${names}.` : "As sent.");
     for (const { words, without } of listed) {
       const button = made("button", "", this.changes, `${words} ✕`);
@@ -219,18 +227,19 @@ export class Panel {
   offer(found, apply) {
     this.ways.replaceChildren();
     this.ways.classList.remove("pale");
+    const isPart = this.model.sent.others.length > 0;
     for (const suggestion of found.slice(0, OFFERED)) {
       const button = made("button", "", this.ways);
       button.setAttribute("type", "button");
       made("span", "", button, inLengths(wordsOf(suggestion, this.model.sent.points)));
       const { verdict, left } = suggestion;
-      const then = verdict === "within" ? "all within" : `${left} ${verdict}`;
+      const then = verdict === "within" ? `all within${isPart ? " here" : ""}` : `${left} ${verdict}`;
       made("span", `then ${classOf(verdict)}`, button, then);
       button.addEventListener("click", () => apply(suggestion));
     }
     const isWithin = this.model.rows().every((row) => row.verdict === "within");
     if (!found.length) {
-      made("p", "", this.ways, isWithin ? "Nothing needs help." : "No single change helps.");
+      made("p", "", this.ways, isWithin ? `Nothing${isPart ? " computed here" : ""} needs help.` : "No single change helps.");
     }
   }
 
@@ -261,20 +270,23 @@ export class Panel {
     this.head.className = `head ${classOf(verdict)}`;
     this.head.dataset.verdict = verdict;
     this.mark(verdict);
-    say(this.word, HEADS[verdict]);
+    const { others } = model.sent;
+    const isPart = !model.isDrawn && others.length > 0;
+    const head = isPart && verdict === "within" ? "Within what is computed here" : HEADS[verdict];
+    say(this.word, head);
     const said =
       verdict === "within"
         ? `${count} of ${count}`
         : count
           ? `${names.length} of ${count}: ${listed(names)}`
           : "The scene gives no limit.";
-    const moved = model.sent.others.length
-      ? "Something has moved; what is listed last is not computed here."
+    const moved = isPart
+      ? `Something has moved; not computed here: ${listed(others.map(({ name }) => lowered(name)))}.`
       : "Something has moved.";
     say(this.why, model.isDrawn ? said : `${said}. ${moved}`);
     const which = model.isDrawn ? "which is the one shown." : "not to the moved one.";
     say(this.stale, `These belong to the scene as sent, ${which}`);
     this.sent.classList.toggle("stale", !model.isDrawn);
-    return `${HEADS[verdict]}: ${said}`;
+    return `${head}: ${said}`;
   }
 }
