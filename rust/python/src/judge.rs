@@ -10,7 +10,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
-use crate::convert::{Input, OrRaise, slice, vectors};
+use crate::convert::{Input, OrRaise, slice};
 use crate::lines::Lines;
 use crate::watch::threads;
 
