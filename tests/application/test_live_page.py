@@ -356,7 +356,7 @@ def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
     ]
     bad += ["point.1.x=1300&point.1.y=-22", "point.2.x=1e300", "bearing.0=1e6", "rating.0=-1"]
     bad += ["__proto__=1", "point.__proto__.y=1", "constructor=2"]
-    while len(bad) < 200:
+    while len(bad) < (200 if tiers.whole else 40):
         place, letters = int(random.integers(len(good))), "&=.#%xyz019-eN\u00e4\u2028"
         letter = letters[random.integers(len(letters))]
         bad.append(good[:place] + letter + good[place + int(random.integers(3)) :])
@@ -374,7 +374,7 @@ def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
     data = {"sent": sent(Scene.load(TRUCK)), "good": good, "bad": bad}
     refused, found = run(tmp_path, data, script)
     assert refused == ""
-    assert sum(bool(words) for words, *_ in found) > 90
+    assert sum(bool(words) for words, *_ in found) > len(bad) // 3
     for address, (words, same, then) in zip(bad, found, strict=True):
         assert bool(words) == same or not words, (address, words, then)
     for (words, same, _), address in zip(found[:14], bad, strict=False):

@@ -24,7 +24,13 @@ from pages import handle, in_browser, js, opened, settled
 
 TRUCK = example("truck-shaft.toml")
 PAGES = [example(f"{name}.toml") for name in ("truck-shaft", "test-rig", "ship-shaft")]
-EACH_PAGE = pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+EACH_PAGE = pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=[pytest.mark.long] * (path != TRUCK), id=path.stem)
+        for path in PAGES
+    ],
+)
 
 pytestmark = in_browser
 WHITE = "rgb(255, 255, 255)"

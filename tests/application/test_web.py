@@ -454,6 +454,11 @@ def test_malformed_calls_get_an_error(tmp_path: Path) -> None:
             {**STRAIGHT, "outputs": "angle", "of_shafts": 1, "orders": 2},
             'outputs holds "angle", which grows from turn to turn',
         ),
+        (
+            "suggest",
+            {**STRAIGHT, "teeth": 1e9},
+            "teeth[0] is 1000000000.0; it must be at most 1000",
+        ),
         ("tubes", {"length": "long"}, 'length holds "long", which is unknown'),
         ("tubes", {"lengths": 1.0}, "lengths is no argument of tubes"),
         ("tubes", {"length": [1.0]}, "length has 1 values; 0 drivelines need 1 each"),

@@ -364,6 +364,11 @@ def test_what_is_not_listed_does_not_suffice() -> None:
         assert (twin is not None) == ((variable, item, axis) == ("point", 2, 1))
 
 
+def test_more_teeth_than_a_spline_has_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"teeth\[1\] is 1001.0; it must be at most 1000"):
+        truck().suggest(teeth=[36, 1001])
+
+
 def test_teeth_turn_yokes_by_whole_pitches() -> None:
     limits = {"equivalent_bend": math.radians(4.24)}
     free = {c.item: c for c in truck(limits).suggest()}

@@ -8,7 +8,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::error::Result;
+use crate::error::{Error, Result, Rule};
 use crate::judge::figures::{Variable, Variant};
 use crate::judge::machine::Machine;
 use crate::judge::{Figure, Look, Rank, Stage};
@@ -20,6 +20,9 @@ const STEPS: usize = 24;
 /// Halvings of a step about the best one, and of the interval in which the boundary is.
 const HALVINGS: usize = 10;
 const BISECTIONS: usize = 24;
+
+/// The most teeth of a spline, whose turns are all tried.
+const TEETH: usize = 1000;
 
 /// What is computed of a change, as long as nothing decides against it.
 const LOOKS: [(Stage, Look); 9] = [
@@ -96,7 +99,7 @@ impl Machine {
     /// everything is within.
     ///
     /// # Errors
-    /// As for [`Machine::figures`].
+    /// As for [`Machine::searching`].
     pub fn suggest(&self, search: &Search, execution: Execution<'_>) -> Result<Vec<Change>> {
         let mut searching = self.searching(search, execution)?;
         while searching.advance(execution)? {}
@@ -106,8 +109,12 @@ impl Machine {
     /// The same search, which its caller advances.
     ///
     /// # Errors
-    /// As for [`Machine::figures`].
+    /// As for [`Machine::figures`], and splines of more than 1000 teeth.
     pub fn searching(&self, search: &Search, execution: Execution<'_>) -> Result<Searching> {
+        if let Some(place) = search.teeth.iter().position(|&teeth| teeth > TEETH) {
+            let rule = Rule::new("", "it must be at most 1000");
+            return Err(Error::of_value("teeth", &[place], search.teeth[place] as f64, rule));
+        }
         let machine = self.limited();
         let mut present = machine.unchanged();
         for stage in Stage::ALL {
