@@ -662,8 +662,7 @@ def test_keys_move_a_joint_and_the_verdict_follows(
     """Lowered by 24 mm the truck is within its limits, as the check says of the same points."""
     opened(browser, answered(TRUCK).page, tmp_path)
     joint = handle(browser, 2)
-    joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
-    joint.send_keys(4 * Keys.ARROW_DOWN)
+    joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + 4 * Keys.ARROW_DOWN)
     settled(browser)
     data = check_data(Answer(edited(TRUCK, 2, (0.0, -24.0, 0.0))))
     shown = figures(browser)
@@ -971,8 +970,7 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
         browser.find_element(By.CSS_SELECTOR, "#live-panel .rows")
         assert verdict_of(browser) == "beyond"
         joint = handle(browser, 2)
-        joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
-        joint.send_keys(4 * Keys.ARROW_DOWN)
+        joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + 4 * Keys.ARROW_DOWN)
         settled(browser)
         assert verdict_of(browser) == "within"
         assert not browser.find_element(By.ID, "live-link").is_displayed()
