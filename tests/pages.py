@@ -133,7 +133,7 @@ def first_number(text: str) -> float:
 
 
 class Drawn(NamedTuple):
-    """A chart as it stands in a browser, with its curves in the numbers of its axes."""
+    """A chart as a browser draws it; its curves are in the units of its axes."""
 
     heading: str
     spoken: str

@@ -307,6 +307,18 @@ def test_changes_are_written_in_every_form_of_a_scene(tmp_path: Path) -> None:
         np.testing.assert_allclose(at_state[4, 1], [-0.195, -0.145, -0.095][state], atol=1e-15)
 
 
+@in_node
+def test_what_a_scene_has_no_place_for_is_not_saved(tmp_path: Path) -> None:
+    """An inline section takes no further line; a file without the change would be a lie."""
+    scene = Scene.parse("driveline = {bends_deg = [5, 4]}\n[limits]\nequivalent_bend_deg = 3\n")
+    script = """const model = new Model(cardan, data);
+    model.begin();
+    model.turn([9]);
+    try { return model.text; } catch (error) { return error.message; }"""
+    found = run(tmp_path, sent(scene), script)
+    assert found == "The scene has no number for this: phase of shaft 1 +9.0\u00b0."
+
+
 TURNED = """
 [driveline]
 points_mm = [[0, 0, 0], [300, 0, 0], [1500, -60, 0], [3000, -220, 0], [3250, -210, 0]]

@@ -393,7 +393,7 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
 def dragged(
     browser: webdriver.Chrome, by: tuple[int, int], key: str = ""
 ) -> tuple[list[float], dict[str, dict[str, float]]]:
-    """Where joint 1 is, and words beside it with their lines, while it is dragged by so many px."""
+    """Drag joint 1 by some px; return where it is, and the words and lines that appear."""
     actions = ActionChains(browser, duration=10).click_and_hold(handle(browser, 2))
     if key:
         actions.key_down(key)

@@ -90,7 +90,7 @@ def bars(heading: str, items: Sequence[tuple[str, float, str]]) -> dict[str, Any
 def plain(
     values: FloatArray, beside: FloatArray, scale: float = 0.0, digits: int = 5
 ) -> list[float | None]:
-    """Return values as plain data, with so many digits of the range of those beside them.
+    """Return values as plain data, rounded to a part of the range of the values beside them.
 
     What is not a number is ``None``.
     """
