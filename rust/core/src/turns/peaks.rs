@@ -19,17 +19,32 @@ use crate::turns::Turns;
 use crate::turns::rows::each_row;
 
 /// Steps of half a turn. The quantities have at most some four periods in it, so a peak and the
-/// sample next to it differ by less than a hundredth, and no peak below [`NEAR`] is the largest.
-const STEPS: usize = 180;
+/// sample next to it differ by less than a thirtieth, and no peak below [`NEAR`] is the largest.
+const STEPS: usize = 60;
 const NEAR: f64 = 0.9;
 
-/// Shafts that never turn faster than this share of the drive's speed need no smaller steps.
+/// Where a shaft turns faster than this share of the drive's speed, steps are so many times smaller.
+const UNEVEN: f64 = 1.25;
+const FINER: usize = 3;
+
+/// Shafts that never turn faster than this share of the drive's speed need no steps of their own.
 const STEEP: f64 = 2.0;
 
-/// Each round of a search leaves an eighth of the interval: from 2 degrees to 2e-9 rad. Off the peak
-/// by that much, a magnitude is less by a part of 1e-17.
-const ROUNDS: usize = 8;
-const POINTS: usize = 17;
+/// A search tries places around the top of the parabola through a peak and its neighbours, this part
+/// of the interval apart, and leaves twice that. Near its peak every magnitude is a parabola but for
+/// a part that falls faster than the interval.
+const APART: f64 = 1.0 / 32.0;
+
+/// A round that leaves more than half of the interval is followed by one with so many equal parts.
+const PARTS: usize = 16;
+
+/// Rounds of a search at most: with equal parts alone, from 3 degrees to 3e-9 rad. Off the peak by
+/// that much, a magnitude is less by a part of 1e-17.
+const ROUNDS: usize = 9;
+
+/// A search ends where the parabola is flatter than this part of the magnitude: its top is then known
+/// to a part of 1e-16.
+const SETTLED: f64 = 1e-13;
 
 /// A place of the first samples stays if the search finds only roundings more.
 const ROUNDING: f64 = 1e-15;
@@ -86,12 +101,58 @@ struct Search<'a> {
     sought: Sought,
 }
 
-/// A peak of the samples and the interval in which it lies.
+/// A drive angle and the size there.
+type Sample = [f64; 2];
+
+/// A peak of the samples.
 struct Candidate {
     group: usize,
-    ends: [f64; 2],
-    place: f64,
-    size: f64,
+    /// The sample before it, the largest one and the sample after it.
+    around: [Sample; 3],
+    /// Where the peak is, of all that is known.
+    top: Sample,
+    /// Whether the last round has left more than half of the interval.
+    is_slow: bool,
+}
+
+impl Candidate {
+    fn new(group: usize, around: [Sample; 3]) -> Self {
+        Self { group, around, top: around[1], is_slow: false }
+    }
+
+    /// The places that the next round tries; none where nothing more is found.
+    fn trials(&self) -> Vec<f64> {
+        let [[left, before], [place, size], [right, after]] = self.around;
+        let (back, ahead) = (place - left, right - place);
+        let (rise, fall) = (size - before, size - after);
+        let curve = fall * back + rise * ahead;
+        if curve <= SETTLED * size * (right - left) {
+            return vec![];
+        }
+        if self.is_slow {
+            let part = (right - left) / PARTS as f64;
+            return (1..PARTS).map(|i| left + i as f64 * part).collect();
+        }
+        let top = place + (rise * ahead * ahead - fall * back * back) / (2.0 * curve);
+        let apart = APART * (right - left);
+        [top - apart, top, top + apart].into_iter().filter(|&x| left < x && x < right).collect()
+    }
+
+    /// Takes the sizes at the places that were tried.
+    fn narrow(&mut self, tried: impl Iterator<Item = Sample>) {
+        let [left, _, right] = self.around;
+        let mut known: Vec<Sample> = self.around.into_iter().chain(tried).collect();
+        known.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        known.dedup_by_key(|sample| sample[0]);
+        let last = known.len() - 1;
+        let best = (1..last).fold(1, |best, i| if known[i][1] > known[best][1] { i } else { best });
+        self.around = [known[best - 1], known[best], known[best + 1]];
+        if known[best][1] > (1.0 + ROUNDING) * self.top[1] {
+            self.top = known[best];
+        }
+        let [before, _, after] = self.around;
+        self.is_slow = after[0] - before[0] > 0.5 * (right[0] - left[0]);
+    }
 }
 
 impl Search<'_> {
@@ -121,9 +182,9 @@ impl Search<'_> {
             self.narrow(&mut candidates)?;
         }
         for candidates in candidates.chunk_by(|a, b| a.group == b.group) {
-            let top = candidates.iter().fold(0.0_f64, |top, one| top.max(one.size));
-            let alike = candidates.iter().filter(|one| one.size >= (1.0 - ALIKE) * top);
-            let mut places: Vec<f64> = alike.map(|one| one.place.rem_euclid(period)).collect();
+            let top = candidates.iter().fold(0.0_f64, |top, one| top.max(one.top[1]));
+            let alike = candidates.iter().filter(|one| one.top[1] >= (1.0 - ALIKE) * top);
+            let mut places: Vec<f64> = alike.map(|one| one.top[0].rem_euclid(period)).collect();
             places.sort_by(f64::total_cmp);
             places.dedup();
             found[candidates[0].group] = Peak { value: top, places };
@@ -139,19 +200,23 @@ impl Search<'_> {
     /// Drive angles of the period in order, from 0 on, between which nothing is narrow.
     fn angles(&self) -> Vec<f64> {
         let joints = self.turns.plan.joint_count;
-        let steps = (0..STEPS).map(|i| i as f64 * PI / STEPS as f64);
-        let mut angles: Vec<f64> = steps.clone().collect();
-        for shaft in 1..=joints {
+        let shafts = (1..=joints).map(|shaft| {
             let [bends, twists, phases] = self.turns.rows.chain(self.row, joints, shaft);
-            let equivalent = Equivalent::of_chain(bends, twists, phases);
-            if equivalent.joint.max_speed_ratio() > STEEP {
-                // From equal steps of this shaft to its equivalent joint's driving angle.
-                angles.extend(steps.clone().map(|step| {
-                    let (sine, cosine) = trig::sin_cos(step);
-                    let driving = atan2(equivalent.joint.cos * sine, cosine);
-                    (driving - equivalent.angle_offset()).rem_euclid(PI)
-                }));
-            }
+            Equivalent::of_chain(bends, twists, phases)
+        });
+        let shafts: Vec<Equivalent> = shafts.collect();
+        let fastest = |one: &&Equivalent| one.joint.max_speed_ratio();
+        let is_uneven = shafts.iter().any(|one| fastest(&one) > UNEVEN);
+        let count = if is_uneven { STEPS * FINER } else { STEPS };
+        let steps = (0..count).map(|i| i as f64 * PI / count as f64);
+        let mut angles: Vec<f64> = steps.clone().collect();
+        for equivalent in shafts.iter().filter(|one| fastest(one) > STEEP) {
+            // From equal steps of this shaft to its equivalent joint's driving angle.
+            angles.extend(steps.clone().map(|step| {
+                let (sine, cosine) = trig::sin_cos(step);
+                let driving = atan2(equivalent.joint.cos * sine, cosine);
+                (driving - equivalent.angle_offset()).rem_euclid(PI)
+            }));
         }
         angles.sort_by(f64::total_cmp);
         angles.dedup();
@@ -185,27 +250,19 @@ impl Search<'_> {
         Ok(values)
     }
 
-    /// Searches every candidate between its ends, which come closer.
+    /// One round of the search of every candidate.
     fn narrow(&self, candidates: &mut [Candidate]) -> Result<()> {
-        if candidates.is_empty() {
+        let trials: Vec<Vec<f64>> = candidates.iter().map(Candidate::trials).collect();
+        let angles = trials.concat();
+        if angles.is_empty() {
             return Ok(());
         }
-        let last = (POINTS - 1) as f64;
-        let between = |one: &Candidate| {
-            let [left, right] = one.ends;
-            let step = (right - left) / last;
-            (0..POINTS).map(move |i| if i + 1 == POINTS { right } else { left + i as f64 * step })
-        };
-        let angles: Vec<f64> = candidates.iter().flat_map(between).collect();
         let sizes = self.sizes(&angles)?;
-        for (i, one) in candidates.iter_mut().enumerate() {
-            let own = &sizes[one.group * angles.len()..][i * POINTS..][..POINTS];
-            let tried = &angles[i * POINTS..][..POINTS];
-            let best = (0..POINTS).fold(0, |best, j| if own[j] > own[best] { j } else { best });
-            if own[best] > (1.0 + ROUNDING) * one.size {
-                (one.place, one.size) = (tried[best], own[best]);
-            }
-            one.ends = [tried[best.saturating_sub(1)], tried[(best + 1).min(POINTS - 1)]];
+        let mut first = 0;
+        for (one, tried) in candidates.iter_mut().zip(trials) {
+            let own = &sizes[one.group * angles.len() + first..][..tried.len()];
+            first += tried.len();
+            one.narrow(tried.iter().zip(own).map(|(&angle, &size)| [angle, size]));
         }
         Ok(())
     }
@@ -233,7 +290,7 @@ fn peaks_of(
         (sizes[before] < size && sizes[after] < size).then(|| {
             let left = if before > i { angles[before] - period } else { angles[before] };
             let right = if after < i { angles[after] + period } else { angles[after] };
-            Candidate { group, ends: [left, right], place: angles[i], size }
+            Candidate::new(group, [[left, sizes[before]], [angles[i], size], [right, sizes[after]]])
         })
     })
 }
@@ -251,7 +308,8 @@ mod tests {
                 sizes[2] += rounding;
                 let found: Vec<Candidate> = peaks_of(0, &angles, &sizes, 1.0, PI).collect();
                 assert_eq!(found.len(), 1);
-                assert_eq!(found[0].ends, [-0.02, 0.02]);
+                let [before, _, after] = found[0].around;
+                assert_eq!([before[0], after[0]], [-0.02, 0.02]);
             }
         }
     }
