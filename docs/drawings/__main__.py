@@ -7,9 +7,16 @@ import draw
 import machines
 import mechanisms
 
+import cardan
+from cardan.app.answers.readings.picture import picture
+
 folder = Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
 for drawing in (*draw.DRAWINGS, *mechanisms.DRAWINGS, *machines.DRAWINGS):
     path = folder / f"{drawing.__name__.replace('_', '-')}.svg"
     path.write_text(drawing().svg(), encoding="utf-8")
     print(f"wrote {path.name}")
+measured = picture(cardan.Scene.parse(cardan.scene.STARTERS["readings"].text))
+# A file of its own has no page around it.
+measured = measured.replace("var(--page, white)", "white").replace("currentColor", draw.INK)
+(folder / "measured.svg").write_text(measured, encoding="utf-8")

@@ -21,6 +21,7 @@ from cardan.geometry.constructors import (
     from_double_joint,
     from_points,
     from_projected_bends,
+    from_readings,
     from_slopes,
 )
 from cardan.geometry.geometry import (
@@ -55,14 +56,14 @@ class Driveline:
     A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft 0 drives. Angles
     are in radians and quantities in SI units, unless a name or keyword says otherwise. Make one
     with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
-    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Drivelines
-    are immutable: their arrays are read-only, and ``with_phases`` makes a new one. Methods, and
-    those of their results, refuse values that are not real numbers and indices that are not
-    integers with a ``TypeError``, and shafts and joints that do not exist with an ``IndexError``.
-    ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are
-    what it takes besides angles, and ``cardan.optimise`` searches the best layout. Of dask arrays,
-    all constructors but the last make a ``cardan.interop.lazy.LazyDriveline``, which is evaluated
-    in pieces and anywhere.
+    ``from_projected_bends``, ``from_readings`` or ``from_double_joint``; leading dimensions are the
+    batch. Drivelines are immutable: their arrays are read-only, and ``with_phases`` makes a new
+    one. Methods, and those of their results, refuse values that are not real numbers and indices
+    that are not integers with a ``TypeError``, and shafts and joints that do not exist with an
+    ``IndexError``. ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and
+    ``cardan.Sweep`` are what it takes besides angles, and ``cardan.optimise`` searches the best
+    layout. Of dask arrays, all constructors but the last two make a
+    ``cardan.interop.lazy.LazyDriveline``, which is evaluated in pieces and anywhere.
 
     Let ``u_i`` be the unit vector along shaft ``i`` in the direction of power flow. The bend of
     joint ``j`` is the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
@@ -114,6 +115,7 @@ class Driveline:
     from_points = classmethod(from_points)
     from_slopes = classmethod(from_slopes)
     from_projected_bends = classmethod(from_projected_bends)
+    from_readings = classmethod(from_readings)
     from_double_joint = classmethod(from_double_joint)
     concatenate = classmethod(concatenate)
 

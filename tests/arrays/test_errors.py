@@ -129,6 +129,16 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
         (),
         "has 299 joints; a dr",
     ),
+    (lambda: Driveline.from_readings([0, 0.1], offsets=[0, 1, 1]), "offsets", (), "need the leng"),
+    (
+        lambda: Driveline.from_readings([0, 1.5], [1, 1], [[0, 0, 0.05], [0, 0, 0.08]]),
+        "offsets",
+        (1,),
+        "go aside by 0.08 along shaft 1, which is 1 long and at its reading goes aside by less",
+    ),
+    (lambda: Driveline.from_readings([0, 2]), "readings", (1,), "is 2.0; a reading must lie betw"),
+    (lambda: Driveline.from_readings([0, 1], gauge=0), "gauge", (), "is 0.0; it must be positive"),
+    (lambda: Driveline.from_readings([0, 1], gauge=1), "gauge", (), "is 1.0 leads past 90 deg"),
 ]
 
 TYPES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [

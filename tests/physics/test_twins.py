@@ -54,6 +54,7 @@ TWINS = {
         "from_directions": "vectors.from_directions",
         "from_points": "vectors.from_points",
         "from_slopes": "design.from_slopes",
+        "from_readings": "design.from_readings",
         "from_projected_bends": "design.from_projected_bends",
         "from_double_joint": "design.from_double_joint",
         "reversed": "design.turned_round",
@@ -411,6 +412,12 @@ def test_layouts() -> None:
     line = Driveline.from_slopes(up, right, phases)
     same_layout(line, design.from_slopes(up, right, phases))
     same_layout(line.reversed(), design.turned_round(design.from_slopes(up, right, phases)))
+    lengths, offsets = rng.uniform(0.5, 1.5, 4).tolist(), rng.uniform(-0.2, 0.2, 5).tolist()
+    line = Driveline.from_readings(up, lengths, offsets, phases)
+    same_layout(line, design.from_readings(up, lengths, offsets, phases))
+    same(line.lengths().each, lengths, 1e-15)
+    line = Driveline.from_readings(up, phases=phases)
+    same_layout(line, design.from_readings(up, lengths, [0.0] * 5, phases))
     ways: tuple[Literal["input", "common", "output"], ...] = ("input", "common", "output")
     for level, way in enumerate(ways):
         line = Driveline.from_projected_bends(up[:2], right[:2], 0.3, reference=way)
@@ -418,8 +425,7 @@ def test_layouts() -> None:
     for total, pivot in ((0.9, 0.033), (1.9, 0.025)):
         found = Driveline.from_double_joint(total, 0.06, pivot).bends
         same(found, design.from_double_joint(total, 0.06, pivot).bends, 1e-14)
-    lengths = Driveline.from_points(POINTS).lengths().each
-    same(lengths, design.lengths(POINTS), 1e-15)
+    same(Driveline.from_points(POINTS).lengths().each, design.lengths(POINTS), 1e-15)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -138,6 +138,99 @@ def from_slopes(
     return from_directions(cls, sloping(up, right), phases, degrees=degrees)
 
 
+def from_readings(
+    cls: type[Driveline],
+    readings: ArrayLike,
+    lengths: ArrayLike | None = None,
+    offsets: ArrayLike | None = None,
+    phases: ArrayLike = 0.0,
+    *,
+    gauge: float | None = None,
+    samples: int = 1000,
+    degrees: bool = False,
+) -> Driveline:
+    """Make drivelines from what an inclinometer shows on each shaft and a tape measure in plan.
+
+    A gauge along a shaft shows its true angle r with the horizontal, even where the shaft goes
+    aside in plan. With its length L and offsets o of its ends, it points along
+    ``(sqrt(1 - sin(r)**2 - (do/L)**2), sin(r), do/L)`` in right-handed axes: x from the drive to
+    the output, y up, z to the right, looking from the drive towards the output (derived here). If x
+    points rearwards, z is the vehicle's left.
+
+    Args:
+        readings: what the gauge shows on each shaft, ``(..., n + 1)``, positive if the shaft rises
+            in the direction of power flow.
+        lengths: of each shaft in m, ``(..., n + 1)``; offsets need them. With lengths the driveline
+            has lengths for forces.
+        offsets: of the driving end, the joint centres and the driven end in plan, in m towards +z,
+            ``(..., n + 2)``; by default all lie in one vertical plane.
+        phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+        gauge: how far each reading may be off. The result is then a batch with a further first
+            axis of ``samples`` drivelines: the one that was read, and others whose readings are off
+            by up to this much, spread evenly over everything that the gauge may hide.
+        samples: how many.
+        degrees: whether readings, gauge and phases are in degrees.
+
+    Raises:
+        ValueError: a reading outside (-90°, 90°), offsets without lengths, ends of a shaft that
+            are farther aside than it is long, a gauge that is not positive, a bend of 90° or more,
+            shapes that do not fit.
+
+    >>> import cardan
+    >>> line = cardan.Driveline.from_readings([-3.0, -5.5, -3.0], degrees=True)
+    >>> line.bends_deg.round(4)
+    array([2.5, 2.5])
+    """
+    up = _slopes("readings", readings, degrees, "reading")
+    if gauge is not None:
+        size = positive("gauge", gauge)
+        off = (np.radians(size) if degrees else size) * spread_evenly(samples, up.shape[-1])
+        up = up + off.reshape(samples, *(1,) * (up.ndim - 1), up.shape[-1])
+        check_elements("gauge", size, bool(np.all(np.abs(up) < np.pi / 2)), " leads past 90 deg")
+    if lengths is None:
+        if offsets is not None:
+            raise ArgumentValueError("offsets", "need the lengths of the shafts")
+        along = np.stack([np.cos(up), np.sin(up), np.zeros_like(up)], axis=-1)
+        return from_directions(cls, along, phases, degrees=degrees)
+    return from_points(cls, surveyed(up, lengths, offsets), phases, degrees=degrees)
+
+
+def surveyed(up: FloatArray, lengths: ArrayLike, offsets: ArrayLike | None = None) -> FloatArray:
+    """Return the points of ``from_readings``, ``(..., n + 2, 3)``, in the unit of the lengths."""
+    size = positive("lengths", lengths)
+    ends = np.zeros(up.shape[-1] + 1) if offsets is None else as_float64("offsets", offsets)
+    check_shape("offsets", ends, ends.ndim > 0, "it must be (..., n + 2)")
+    aside = np.diff(ends, axis=-1)
+    shape = common_shape(readings=up.shape, lengths=size.shape, offsets=aside.shape)
+    rise, long, apart = (np.broadcast_to(each, shape) for each in (np.sin(up), size, aside))
+    forward = 1.0 - rise**2 - (apart / long) ** 2
+    if np.any(forward <= 0.0):
+        *place, shaft = (int(i) for i in np.argwhere(forward <= 0.0)[0])
+        own = (*place, shaft)
+        reach = long[own] * np.sqrt(1.0 - rise[own] ** 2)
+        raise ArgumentValueError(
+            "offsets",
+            f"go aside by {abs(apart[own]):.6g} along shaft {shaft}, which is {long[own]:.6g} long "
+            f"and at its reading goes aside by less than {reach:.6g}; measure all three again",
+            tuple(place) if ends.ndim > 1 else (),
+        )
+    spans = np.stack([long * np.sqrt(forward), long * rise, apart], axis=-1)
+    return np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
+
+
+def spread_evenly(samples: int, dimensions: int) -> FloatArray:
+    """Return points of the cube [-1, 1] of some dimensions, the first its middle, spread evenly.
+
+    Multiples of the powers of a root, which fill a cube more evenly than random numbers do (the
+    sequence of Kronecker with the root of ``x**(d + 1) = x + 1``).
+    """
+    root = 1.0
+    for _ in range(60):
+        root = (1.0 + root) ** (1.0 / (dimensions + 1))
+    steps = root ** -np.arange(1.0, dimensions + 1)
+    return 2.0 * np.mod(0.5 + np.arange(samples)[:, np.newaxis] * steps, 1.0) - 1.0
+
+
 @deferring(ends=0, vertical=1, horizontal=1, phases=1)
 def from_projected_bends(
     cls: type[Driveline],

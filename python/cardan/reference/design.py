@@ -105,6 +105,29 @@ def from_slopes(
     return from_directions([(1.0, math.tan(v), math.tan(h)) for v, h in pairs], phases)
 
 
+def from_readings(
+    readings: Sequence[float],
+    lengths: Sequence[float],
+    offsets: Sequence[float],
+    phases: Sequence[float] | None = None,
+) -> Shafts:
+    """Lay out a driveline from the true inclination of each shaft and its offsets in plan.
+
+    Args:
+        readings: angle of each shaft with the horizontal plane, positive upwards.
+        lengths: of each shaft.
+        offsets: of the ends and joint centres towards +z.
+        phases: phase of each intermediate shaft; 0 by default.
+    """
+    along = []
+    for up, length, start, end in zip(readings, lengths, offsets, offsets[1:], strict=False):
+        # The heading of the shaft in plan, where it has the length L cos r.
+        heading = math.asin((end - start) / (length * math.cos(up)))
+        level = math.cos(up)
+        along.append((level * math.cos(heading), math.sin(up), level * math.sin(heading)))
+    return from_directions(along, phases)
+
+
 def from_projected_bends(
     vertical: Sequence[float],
     horizontal: Sequence[float],

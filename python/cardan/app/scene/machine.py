@@ -8,8 +8,11 @@ import numpy as np
 
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.driveline import has_lengths
 from cardan.app.scene.sections.life import DutyCycle, load_at
 from cardan.design.machine import Machine
+from cardan.driveline import Driveline
+from cardan.evaluation.load import Load
 
 
 def machine_of(scene: Scene) -> Machine | None:
@@ -18,11 +21,29 @@ def machine_of(scene: Scene) -> Machine | None:
     if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
         return None
     lines, load = scene.drivelines(), scene.load_case
-    play, column = scene.play, scene.steering
     if scene.states:
         load = scene.states.loads(load)
+    if scene.is_measured and not has_lengths(lines) and not scene.tubes:
+        # Nothing that is judged depends on them, and its ends can then be tilted.
+        lines = lines.with_bearings([], np.ones(lines.n_joints + 1))
+    return _with_duty_and_spline(scene, moving(scene, lines, load))
+
+
+def moving(scene: Scene, lines: Driveline, load: Load | None) -> Machine:
+    """Return the machine of drivelines without duty cycle and spline."""
     speed = None if load else scene.speed
     machine = Machine(lines, load, limits=_limits(scene), speed=speed, drawn=scene.line)
+    if tubes := scene.tubes:
+        # The stiffness of a tube is not judged.
+        given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
+        machine = machine.with_tubes(tubes.shafts, **given)
+    if scene.steering:
+        machine = machine.with_steering(np.radians(scene.steering.centre_deg))
+    play = scene.play
+    return machine.with_play(play.radial, play.arm) if play else machine
+
+
+def _with_duty_and_spline(scene: Scene, machine: Machine) -> Machine:
     ratings = _ratings(scene)
     if duty := scene.duty:
         place = _place_of(duty, ratings)
@@ -30,19 +51,13 @@ def machine_of(scene: Scene) -> Machine | None:
         machine = machine.with_duty(duty.line[place], steps, duty.shares)
     if ratings and duty:
         machine = machine.with_ratings(ratings)
-    if tubes := scene.tubes:
-        # The stiffness of a tube is not judged.
-        given = {name: each for name, each in tubes.given.items() if name != "shear_modulus"}
-        machine = machine.with_tubes(tubes.shafts, **given)
     if slip := scene.slip:
         drawn = {"engaged": slip.engaged, "push_in": slip.push_in}
         lengths = {name: 1e-3 * value for name, value in drawn.items() if value is not None}
         if slip.friction is not None and slip.radius is not None:
             lengths |= {"friction": slip.friction, "radius": slip.radius}
         machine = machine.with_spline(slip.shaft, **lengths)
-    if column:
-        machine = machine.with_steering(np.radians(column.centre_deg))
-    return machine.with_play(play.radial, play.arm) if play else machine
+    return machine
 
 
 def _ratings(scene: Scene) -> list[float]:

@@ -28,7 +28,7 @@ from cardan.app.scene.recording.recorded import BEND_COLUMNS, Angles, Recording
 from cardan.app.scene.recording.signals import Signal
 from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball_joint_case
 from cardan.app.scene.sections.bearing import BEARING
-from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
 from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
 from cardan.app.scene.sections.life import LIFE, DutyCycle
 from cardan.app.scene.sections.limits import LIMITS
@@ -195,6 +195,7 @@ class Scene:
         deviations: of the joints in rad, ``(n, 3)``, if any; ``line_as_built`` has them.
         tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
         tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
+        gauge_deg: how far each reading of an inclinometer may be off, if the scene says so.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
         decimal_commas: line and text of lists that may have decimal commas.
         text: what the file says.
@@ -206,6 +207,7 @@ class Scene:
     teeth: tuple[int, ...] = made_of(DRIVELINE, "teeth")
     points: FloatArray | None = made_of(DRIVELINE, "points")
     length_unit: LengthUnit = made_of(DRIVELINE, "length_unit")
+    gauge_deg: float | None = made_of(DRIVELINE, "gauge")
     line: Driveline = made_of(BEARING, "line")
     load_case: Load | None = made_of(LOAD, "load")
     angle: FloatArray | Sweep = made_of(SWEEP, "drive")
@@ -372,6 +374,11 @@ class Scene:
             load_case=self.load_case and at_samples(self.load_case, known),
             **{name: own[known] for name, own in samples.items() if own is not None},
         )
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether the driveline is as an inclinometer has shown it."""
+        return self.layout is not None and READINGS in self.layout.driveline
 
     @property
     def line_as_built(self) -> Driveline:

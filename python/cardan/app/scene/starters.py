@@ -125,6 +125,40 @@ output_torque_Nm = 4000
 """
             + _FILES,
         ),
+        "readings": Starter(
+            "what an inclinometer shows on each shaft",
+            """\
+# A driveline as a workshop measures it: an inclinometer on each shaft, a tape measure in plan.
+# "cardan check {name}.toml" says which angles the joints work at, whether that is good, how certain
+# this is, and which shim, spacer or turn of a yoke would help.
+#
+# Hold the gauge along each shaft or square to its flange, with the vehicle level and the axle at
+# ride height. From the front: output shaft of the gearbox, shafts, pinion of the axle.
+
+title = "Readings of a driveline"
+
+[driveline]
+readings_deg = ["3.0 down", "6.8 down", "1.9 down"]   # or "87.0 from vertical down", "5.2 % down"
+gauge_deg = 0.25               # how far each reading may be off
+teeth = 24                     # of the spline of the shaft; leave it out if there is none
+# From one line along the vehicle to the gearbox end, the centre of each joint and the pinion end,
+# and how long each shaft is. Both may be left out: then the driveline lies straight in plan.
+offsets_mm = [0, 0, "40 left", "40 left"]
+lengths_mm = [400, 1450, 300]
+
+[load]
+speed_rpm = 3000
+output_torque_Nm = 400
+
+[limits]
+equivalent_bend_deg = 3
+bend_difference_deg = 1
+torsional_excitation_rad_s2 = 500
+
+[output]
+"""
+            + _FILES,
+        ),
         "recorded": Starter(
             "recorded drive angles and bends from a file",
             """\

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.rows import count, figure, word
+from cardan.app.answers.rows import count, figure, optional, word
 from cardan.app.scene.machine import machine_of
 from cardan.app.scene.scene import Scene
-from cardan.design.machine import Change
+from cardan.app.scene.sections.driveline import has_lengths
+from cardan.design.machine import Change, Machine
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
@@ -31,9 +34,13 @@ class Move:
     variable: Variable = word("variable", "what changes")
     number: int = count("number", "of the point from upstream, of the shaft, bearing or joint")
     of: str = word("of", "the same in words")
-    axis: str | None = word("axis", "of a point")
+    axis: str | None = word("axis", "of a point: x, y or z, or up of readings")
     shift: float | None = figure("by", "mm", "of a point, a bearing or the engaged length")
     turn: float | None = figure("turned by", "deg", "of the output-side yoke of a shaft")
+    teeth: int | None = optional(count("teeth", "the same, where its spline has teeth"))
+    tilt: float | None = figure(
+        "tilted by", "deg", "of an end shaft as an inclinometer shows it, upwards to the output"
+    )
     rating: float | None = figure("rating", "Nm", "of a joint, in place of the one it has")
     verdict: str = word("verdict then")
     left: str | None = word("what is then worst")
@@ -54,19 +61,24 @@ def find(answer: Answer) -> tuple[Move, ...]:
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
     ]
     held = set_by_states(scene)
-    return tuple(
-        _move(change, scene.line.n_joints, ", ".join(untried))
+    moves = (
+        _move(change, scene, ", ".join(untried))
         for change in found
         if (change.variable, change.item) not in held
     )
+    if scene.is_measured:
+        moves = _in_workshop(moves, machine, of_lengths=has_lengths(scene.line))
+    return tuple(moves)
 
 
 def search(scene: Scene) -> dict[str, Any]:
     """Return how far the search goes in a scene, the arguments of ``Machine.suggest``."""
     joints = scene.sizes
+    # Its shafts then have one metre each, see machine_of.
+    unknown = scene.line.n_joints + 1.0 if scene.is_measured else 0.0
     sizes = [size.rating for size in joints.table if size.rating] if joints else []
     return {
-        "reach": _REACH * float(np.sum(scene.line._geometry.lengths)),
+        "reach": _REACH * (float(np.sum(scene.line._geometry.lengths)) or unknown),
         "teeth": scene.teeth,
         "ratings": sorted(set(sizes)),
     }
@@ -81,15 +93,38 @@ def set_by_states(scene: Scene) -> set[tuple[str, int]]:
     return found
 
 
-def _move(change: Change, joints: int, untried: str) -> Move:
-    by = change.change
+def _in_workshop(moves: Iterable[Move], machine: Machine, *, of_lengths: bool) -> Iterator[Move]:
+    """What shims and spacers can do, which are put under the parts: no move aside or along."""
+    line = machine.states[0]
+    last = line.n_joints
+    lengths, rises = line.lengths().each, np.arcsin(line.directions[:, 1])
+    for move in moves:
+        if move.variable != "point" or move.shift is None:
+            yield move
+        elif move.axis == "y" and move.number in (0, last + 1):
+            shaft = min(move.number, last)
+            shift = move.shift if shaft else -move.shift
+            rise = lengths[shaft] * np.sin(rises[shaft]) + shift
+            level = lengths[shaft] * np.cos(rises[shaft])
+            tilt = float(np.arctan2(rise, level) - rises[shaft])
+            yield replace(move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt)
+        elif move.axis == "y" and of_lengths:
+            yield replace(move, axis="up")
+
+
+def _move(change: Change, scene: Scene, untried: str) -> Move:
+    by, teeth = change.change, 0
+    if change.variable == "phase" and scene.teeth:
+        teeth = round(abs(by) / math.tau * scene.teeth[change.item - 1])
     return Move(
         change.variable,
         change.item,
-        _of(change, joints),
+        _of(change, scene.line.n_joints),
         None if change.axis is None else "xyz"[change.axis],
         by if change.variable in ("point", "bearing", "engaged") else None,
         by if change.variable == "phase" else None,
+        teeth or None,
+        None,
         change.end if change.variable == "rating" else None,
         change.verdict,
         None

@@ -242,6 +242,50 @@ class FileName(Rule):
 
 
 @dataclass(frozen=True)
+class Directed(Rule):
+    """A number with a sign, or text as a workshop notes it: ``"3.0 down"``, ``"5.2 % up"``.
+
+    ``ways`` are the words for a positive and a negative value. ``units`` say what follows the
+    number in the text, and what the value is then; those with ``True`` have no sign of their own.
+    """
+
+    within: Number
+    ways: tuple[str, str]
+    units: Mapping[str, tuple[Callable[[float], float], bool]]
+    hint: str
+    name = "number or text"
+
+    @property
+    def _pattern(self) -> str:
+        units = "|".join(re.escape(unit) for unit in self.units)
+        return rf"^\s*([-+]?\d+(?:\.\d*)?)\s*({units})?\s*({'|'.join(self.ways)})?\s*$"
+
+    def read(self, where: Location, value: object) -> float:
+        """Return the number with its sign."""
+        if not isinstance(value, str):
+            return self.within.read(where, value)
+        match = re.match(self._pattern, value)
+        if not match:
+            raise refused(where, value, f"be as {self.hint}")
+        number, unit, way = float(match[1]), match[2] or "", match[3]
+        made, is_unsigned = self.units.get(unit, (float, True))
+        if match[1][0] in "+-" and way:
+            raise where.error(f"is {shown(value)}, with a sign and {way!r}; give one of them")
+        size = made(number)
+        if way == self.ways[1]:
+            size = -size
+        elif not way and is_unsigned and match[1][0] not in "+-" and size != 0.0:
+            either = " or ".join(f'"{value.strip()} {each}"' for each in self.ways)
+            raise where.error(f"is {shown(value)} without a direction; write {either}")
+        return self.within.read(where, size)
+
+    @property
+    def schema(self) -> Schema:
+        """A number or such a string."""
+        return {"anyOf": [self.within.schema, {"type": "string", "pattern": self._pattern}]}
+
+
+@dataclass(frozen=True)
 class ListOf(Rule):
     """A list of what ``what`` says; a distinct one is not empty and has no entry twice."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,7 @@ from cardan.app.scene.language.rules import (
     POSITIVE,
     SIZE,
     TOOTH_COUNTS,
+    Directed,
     ListOf,
     Number,
     numbers,
@@ -24,7 +26,7 @@ from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
-from cardan.geometry.constructors import sloping
+from cardan.geometry.constructors import sloping, surveyed
 from cardan.geometry.geometry import in_metres
 
 TEETH = "teeth"
@@ -37,13 +39,18 @@ LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveli
 """What gives a driveline its lengths."""
 
 
+READINGS, OFFSETS, GAUGE = "readings_deg", "offsets_mm", "gauge_deg"
+"""The keys of what an inclinometer and a tape measure show, and of what the former may hide."""
+
+
 @dataclass(frozen=True)
 class Form:
     """One way to describe a driveline: keys of one length for a constructor, and optional ones.
 
     The keys have one entry per joint and ``ends`` more, or are for so many joints only. Of two
     views one suffices: in the other all is level. Of further keys the first needs none of the
-    others, which default to zeros; without it there is nothing of them.
+    others, which default to zeros; without it there is nothing of them. Of measures, each of its
+    own length, every one may be left out.
     """
 
     make: Callable[..., Driveline]
@@ -53,6 +60,7 @@ class Form:
     joints: int | None = None
     views: bool = False
     further: tuple[str, ...] = ()
+    measures: tuple[str, ...] = ()
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -60,13 +68,15 @@ class Form:
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
-        lengths_too = () if self.keys[0].startswith("points") else LENGTHS
+        lengths_too = self.measures or (() if self.keys[0].startswith("points") else LENGTHS)
         allowed = only(*self.keys, *self.optional, *self.further, TEETH, *lengths_too)
         needed: dict[str, Any] = {"required": list(self.keys)}
         if self.views:
             needed = {"anyOf": [{"required": [key]} for key in self.keys]}
         if self.further:
             needed["dependentRequired"] = {key: [self.further[0]] for key in self.further[1:]}
+        if OFFSETS in self.measures:
+            needed["dependentRequired"] = {OFFSETS: [LENGTHS[0]]}
         return {**needed, "properties": lengths, **allowed}
 
 
@@ -82,6 +92,21 @@ def _from_points_in_mm(
 ) -> Driveline:
     """A driveline from points in mm; its lengths are in metres, so that forces are in newtons."""
     return in_metres(Driveline.from_points(points, phases, degrees=degrees), 1e-3)
+
+
+def _from_readings(
+    readings: ArrayLike,
+    lengths: ArrayLike | None = None,
+    offsets: ArrayLike | None = None,
+    phases: ArrayLike = 0.0,
+    *,
+    degrees: bool = False,
+) -> Driveline:
+    """A driveline from readings, with its lengths and offsets in mm if they are known."""
+    if lengths is None:
+        return Driveline.from_readings(readings, None, offsets, phases, degrees=degrees)
+    points = surveyed(np.radians(readings), lengths, offsets)
+    return _from_points_in_mm(points, phases, degrees=degrees)
 
 
 def _from_double_joint(
@@ -128,6 +153,7 @@ FORMS = (
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
     Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
+    Form(_from_readings, (READINGS,), (_PHASES,), 1, measures=(LENGTHS[0], OFFSETS, GAUGE)),
     # Values of a double joint are lists of one entry.
     Form(_from_double_joint, _DOUBLE_JOINT, ("pivot_wear_mm",), -1, 2, further=_SINGLE),
 )
@@ -191,7 +217,9 @@ def _form_of(values: Mapping[str, Any]) -> Form:
         if key not in values:
             raise ArgumentValueError(key, f"is missing; {' and '.join(form.keys)} go together")
     for key in values:
-        if key not in form.keys + form.optional + form.further:
+        if key not in form.keys + form.optional + form.further + form.measures:
+            if key in (OFFSETS, GAUGE):
+                raise ArgumentValueError(key, f"belongs to {READINGS}, which is not given")
             raise ArgumentValueError(key, f"does not go with {form.keys[0]}, which says it already")
     return form
 
@@ -203,10 +231,11 @@ def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
         # Neither points nor directions are angles: what is in degrees is what can be.
         return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
     except ArgumentValueError as error:
-        # Slopes become directions before their bends are known.
-        names = {"directions": form.keys} | {keys[key].argument: (key,) for key in values}
+        # Slopes and readings become directions or points before their bends are known.
+        names = {"directions": form.keys, "points": form.keys}
+        names |= {keys[key].argument: (key,) for key in values}
         key, *others = names.get(error.argument, (error.argument,))
-        along = _vectors_along_shafts(values)
+        along = None if key in form.measures else _vectors_along_shafts(values)
         problem = error.problem
         # The place is that of a driveline in the batch and not of a vector in it.
         if along is not None and len(error.place) == along.ndim - 2:
@@ -215,13 +244,27 @@ def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
         raise ArgumentValueError(key, problem, error.place) from None
 
 
+def points_of(values: Mapping[str, Any]) -> FloatArray | None:
+    """Return the points that values by key give, or readings with lengths, in the unit of both."""
+    found = next((value for key, value in values.items() if key.startswith("points")), None)
+    if found is not None:
+        return np.array(found, float)
+    if READINGS in values and LENGTHS[0] in values:
+        up = np.radians(np.asarray(values[READINGS], float))
+        return surveyed(up, values[LENGTHS[0]], values.get(OFFSETS))
+    return None
+
+
 def _vectors_along_shafts(values: Mapping[str, Any]) -> FloatArray | None:
     """Vectors along the shafts that points, directions or slopes give; ``None`` for bends."""
-    for key, value in values.items():
-        if key.startswith("points"):
-            return np.diff(np.asarray(value, float), axis=-2)
-        if key == "directions":
-            return np.asarray(value, float)
+    points = points_of(values)
+    if points is not None:
+        return np.diff(points, axis=-2)
+    if "directions" in values:
+        return np.asarray(values["directions"], float)
+    if READINGS in values:
+        up = np.radians(np.asarray(values[READINGS], float))
+        return np.stack([np.cos(up), np.sin(up), np.zeros_like(up)], axis=-1)
     if "slopes_vertical_deg" in values:
         return sloping(
             *(np.radians(values[f"slopes_{view}_deg"]) for view in ("vertical", "horizontal"))
@@ -260,18 +303,25 @@ class Described:
     lengths: tuple[float, ...] | None
     points: FloatArray | None
     length_unit: LengthUnit
+    gauge: float | None  # in degrees
 
 
 def _described(values: Mapping[str, Any], scene: Reading) -> Described:
     recorded = scene[ANGLES]
-    own = {key: value for key, value in values.items() if key not in (TEETH, *LENGTHS)}
+    own = {key: value for key, value in values.items() if key not in (TEETH, GAUGE, *LENGTHS)}
+    lengths = next((key for key in LENGTHS if key in values), None)
+    if READINGS in values and lengths:
+        if lengths != LENGTHS[0]:
+            raise ArgumentValueError(lengths, f"is in m; with {READINGS} give {LENGTHS[0]}")
+        own[lengths], lengths = values[lengths], None
+    elif GAUGE in values and READINGS not in values:
+        raise ArgumentValueError(GAUGE, f"belongs to {READINGS}, which is not given")
     form, keys = filled(own, recorded.bends if recorded else None)
+    DRIVELINE.check_counts(values, len(keys[form.keys[0]]) - form.ends)
     line = make_driveline(form, keys)
     points = next((key for key in own if key.startswith("points")), None)
-    lengths = next((key for key in LENGTHS if key in values), None)
     if points and lengths:
         raise ArgumentValueError(lengths, f"does not go with {points}, which says it already")
-    DRIVELINE.check_counts(values, line.n_joints)
     teeth = values.get(TEETH, [])
     return Described(
         form,
@@ -279,8 +329,9 @@ def _described(values: Mapping[str, Any], scene: Reading) -> Described:
         line,
         tuple(teeth if isinstance(teeth, list) else [teeth] * (line.n_joints - 1)),
         tuple(DRIVELINE.keys[lengths].factor * x for x in values[lengths]) if lengths else None,
-        np.array(own[points], float) if points else None,
+        points_of(own),
         "m" if {"points_m", "lengths_m"} & values.keys() else "mm",
+        values.get(GAUGE),
     )
 
 
@@ -298,6 +349,24 @@ def _slopes(meaning: str, argument: str) -> Key:
     slope = Number(-90, 90, above=True, below=True)
     return Key(ListOf(slope, "numbers"), meaning, argument, kind="slopes")
 
+
+_READING = Directed(
+    Number(-90, 90, above=True, below=True, what="a reading", unit="deg"),
+    ("up", "down"),
+    {
+        "deg": (float, True),
+        "°": (float, True),
+        "from vertical": (lambda x: 90.0 - x, True),
+        "%": (lambda x: math.degrees(math.atan(1e-2 * x)), True),
+    },
+    '"3.0 down", "87.0 from vertical down" or "5.2 % up", towards the output',
+)
+_OFFSET = Directed(
+    Number(-1e6, 1e6, what="an offset", unit="mm"),
+    ("left", "right"),
+    {"mm": (float, True)},
+    '"45 left" or "45 right", looking as the driver does',
+)
 
 DRIVELINE: Section[Described] = Section(
     "driveline",
@@ -332,6 +401,28 @@ DRIVELINE: Section[Described] = Section(
             "bends of two joints in top view, from the common shaft, positive as "
             "slopes_horizontal_deg",
             "horizontal",
+        ),
+        READINGS: Key(
+            ListOf(_READING, "readings"),
+            'what an inclinometer shows on each shaft, from the drive on: "3.0 down" or "3.0 up" '
+            'towards the output, "87.0 from vertical down", "5.2 % up", or a number, positive '
+            "upwards",
+            "readings",
+            kind="readings",
+        ),
+        OFFSETS: Key(
+            ListOf(_OFFSET, "offsets"),
+            "with readings_deg: where the driving end, the joint centres and the driven end lie in "
+            'plan, "45 left" or "45 right" of a line along the vehicle, looking forwards with the '
+            "drive in front; a number is positive to the left; default: all on that line",
+            "offsets",
+            per="point",
+            kind="offsets",
+        ),
+        GAUGE: Key(
+            Number(0, 10, above=True, what="the accuracy of a gauge", unit="deg"),
+            "with readings_deg: how far each reading may be off; the answer then says how certain "
+            "its verdict is",
         ),
         "double_joint_deg": Key(
             numbers(Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
@@ -380,6 +471,7 @@ DRIVELINE: Section[Described] = Section(
         "lengths_mm": Key(
             ListOf(POSITIVE, "numbers"),
             "without points: length of each shaft between its joints or ends, for forces",
+            "lengths",
             factor=1e-3,
             per="shaft",
         ),

@@ -10,7 +10,7 @@ import numpy as np
 from cardan.app.scene.language.rules import TEXTS, ListOf, Number, Rule
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.sections.bearing import BEARING
-from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS, TEETH
+from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import LOAD, check_not_recorded
 from cardan.app.scene.sections.output import OUTPUT, caused, has_table
@@ -32,7 +32,9 @@ from cardan.arrays.errors import ArgumentValueError
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 
 
-def varied_keys(meaning: str, without: tuple[str, ...] = (TEETH, *LENGTHS)) -> dict[str, Key]:
+def varied_keys(
+    meaning: str, without: tuple[str, ...] = (TEETH, GAUGE, *LENGTHS)
+) -> dict[str, Key]:
     """Return the keys that a study or states may vary."""
     found = {}
     for section in (DRIVELINE, LOAD):
@@ -89,7 +91,7 @@ STUDY: Section[Study | None] = Section(
     "study",
     "keys to vary; several keys make a grid, with one driveline per row of the table",
     {
-        **varied_keys("values for", without=(TEETH,)),
+        **varied_keys("values for", without=(TEETH, GAUGE)),
         "bearing": Key(BEARING_AXES, "values for the position of a [[bearing]], by its number"),
     },
     _study,

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.sections.bearing import Mounting
-from cardan.app.scene.sections.driveline import Form, make_driveline
+from cardan.app.scene.sections.driveline import Form, make_driveline, points_of
 from cardan.app.scene.sections.load import make_load
 from cardan.app.scene.study.axes import Axis, axes_of, check_apart, put
 from cardan.app.scene.study.study import Study, StudyResult
@@ -152,7 +152,7 @@ class States:
     def points(self, state: int) -> FloatArray | None:
         """Return ends and joint centres in one state as the scene gives them, if it does."""
         values = self.layout.values(self.axes, self.count)
-        return next((value[state] for key, value in values.items() if "points" in key), None)
+        return points_of({key: value[state] for key, value in values.items()})
 
     def load(self, state: int) -> Load | None:
         """Return the load in one state, if there is one."""

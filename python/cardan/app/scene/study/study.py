@@ -230,6 +230,11 @@ class Study:
         for first in rows[::block]:
             yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 
+    def _is_mounted(self, axis: Axis) -> bool:
+        """Whether an axis places bearings or gives lengths that the layout does not need."""
+        lengths = axis.name in LENGTHS and axis.name not in self.driveline
+        return lengths or axis.section == "bearing"
+
     def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
         """The drivelines and loads of some rows of the grid."""
         columns = values_at(self.axes, rows)
@@ -237,14 +242,14 @@ class Study:
         try:
             of_axes = zip(self.axes, columns, strict=True)
             for axis, column in sorted(of_axes, key=lambda each: each[0].turn):
-                if axis.section == "bearing" or axis.name in LENGTHS:
+                if self._is_mounted(axis):
                     mounting = mounting.varied(axis, column)
                     continue
                 values = driveline if axis.section == "driveline" else load
                 put(values, axis, column)
             if not self.axes:
                 driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
-            elif all(axis.section != "driveline" or axis.name in LENGTHS for axis in self.axes):
+            elif all(axis.section != "driveline" or self._is_mounted(axis) for axis in self.axes):
                 key = self.form.keys[0]
                 driveline[key] = per_row(driveline[key], len(rows))
             line = mounting.on(make_driveline(self.form, driveline))

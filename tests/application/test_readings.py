@@ -1,0 +1,259 @@
+"""Drivelines as an inclinometer and a tape measure show them."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cardan
+from cardan.app.answers.answer import Answer
+from cardan.app.answers.moves.figures import Move
+from cardan.app.answers.moves.text import sentences as moves_in_words
+from cardan.app.answers.readings.figures import sentences
+from cardan.app.answers.readings.picture import picture
+from cardan.app.scene.starters import STARTERS
+
+LENGTHS, OFFSETS = [350, 1300, 1507, 300], [0, 0, 45, 45, 45]
+TEXT = """
+[driveline]
+readings_deg = ["3.0 down", "1.2 down", "87.0 from vertical down", "4.0 down"]
+offsets_mm = [0, 0, "45 left", "45 left", 45]
+lengths_mm = [350, 1300, 1507, 300]
+gauge_deg = 0.25
+"""
+LIMITS = "[limits]\nequivalent_bend_deg = 0.9\n"
+
+
+def parsed(changes: dict[str, str] | None = None, rest: str = "") -> cardan.Scene:
+    text = TEXT
+    for old, new in (changes or {}).items():
+        assert old in text
+        text = text.replace(old, new)
+    return cardan.Scene.parse(text + rest)
+
+
+def test_a_scene_of_readings_is_its_points() -> None:
+    scene = parsed()
+    assert scene.points is not None
+    spans = np.diff(scene.points, axis=0)
+    np.testing.assert_allclose(np.linalg.norm(spans, axis=1), LENGTHS, rtol=1e-15)
+    np.testing.assert_allclose(scene.points[:, 2], OFFSETS, atol=1e-12)
+    rise = np.degrees(np.arcsin(spans[:, 1] / LENGTHS))
+    np.testing.assert_allclose(rise, [-3.0, -1.2, -3.0, -4.0], rtol=1e-14)
+    line = cardan.Driveline.from_points(1e-3 * scene.points)
+    np.testing.assert_allclose(scene.line.bends, line.bends, rtol=1e-12)
+    np.testing.assert_allclose(scene.line.lengths().each, np.array(LENGTHS) / 1e3, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "degrees"),
+    [
+        ("-3", -3.0),
+        ("0", 0.0),
+        ('"0"', 0.0),
+        ('"3 up"', 3.0),
+        ('" 3.25° down "', -3.25),
+        ('"3.25 deg down"', -3.25),
+        ('"+3.25"', 3.25),
+        ('"90 from vertical"', 0.0),
+        ('"87.5 from vertical up"', 2.5),
+        ('"5.2 % down"', -math.degrees(math.atan(0.052))),
+        ('"-5.2 %"', -math.degrees(math.atan(0.052))),
+    ],
+)
+def test_how_a_reading_is_written(text: str, degrees: float) -> None:
+    scene = parsed({'"3.0 down"': text})
+    assert scene.layout is not None
+    assert scene.layout.driveline["readings_deg"][0] == pytest.approx(degrees, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"3.0 down"', '"3.0"', "readings_deg[0] is '3.0' without a direction; write \"3.0 up\""),
+        ('"3.0 down"', '"-3.0 down"', "readings_deg[0] is '-3.0 down', with a sign and 'down'"),
+        ('"3.0 down"', '"3,0 down"', "readings_deg[0] is '3,0 down'; it must be as \"3.0 down\""),
+        ('"3.0 down"', '"3 left"', "readings_deg[0] is '3 left'; it must be as \"3.0 down\""),
+        ('"3.0 down"', '"0 from vertical up"', "readings_deg[0] is 90.0 deg; a reading must lie"),
+        ('"3.0 down"', "true", "readings_deg[0] is true; it must be a number"),
+        ('"3.0 down"', '"89 up"', "readings_deg give joint 0 a bend of 90.2"),
+        ('"45 left"', '"45"', "offsets_mm[2] is '45' without a direction; write \"45 left\""),
+        ('0, "45 left"', '400, "45 left"', "offsets_mm go aside by 400 along shaft 0, which is 35"),
+        (", 45]", "]", "offsets_mm has length 4; it needs 5, one per point"),
+        ("lengths_mm", "#", "offsets_mm need the lengths of the shafts"),
+        ("lengths_mm = [350,", "lengths_m = [350,", "lengths_m is in m; with readings_deg give le"),
+        ("1507, 300]", "1507]", "lengths_mm has length 3; it needs 4, one per shaft"),
+        ("gauge_deg = 0.25", "gauge_deg = 0", "gauge_deg is 0 deg; the accuracy of a gauge must"),
+        ("offsets_mm", "bends_deg = [1]\noffsets_mm", "bends_deg and readings_deg are both given"),
+    ],
+)
+def test_what_is_wrong_with_a_reading(old: str, new: str, words: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(words)):
+        parsed({old: new})
+
+
+@pytest.mark.parametrize("key", ["gauge_deg = 0.1", "offsets_mm = [0, 0, 1]"])
+def test_what_belongs_to_readings_says_so(key: str) -> None:
+    own = key.partition(" ")[0]
+    with pytest.raises(ValueError, match=f"{own} belongs to readings_deg, which is not given"):
+        cardan.Scene.parse(f"[driveline]\nbends_deg = [1]\n{key}\n")
+
+
+def test_states_and_studies_vary_readings_and_lengths() -> None:
+    states = parsed(rest='[states]\n"readings_deg.3" = [-4, -2]\n"offsets_mm.4" = [45, 30]\n')
+    assert states.states is not None
+    last = states.states.points(1)
+    assert last is not None
+    assert last[4, 2] == pytest.approx(30.0)
+    np.testing.assert_allclose(states.drivelines().lengths().each[:, 3], 0.3, rtol=1e-14)
+    study = parsed(rest="[study]\nlengths_mm.1 = [1200, 1300]\n").run().study
+    assert study is not None
+    own = study.values["equivalent_bend"]
+    assert own[1] == pytest.approx(float(parsed().line.equivalent().bend), rel=1e-12)
+    assert own[0] != own[1]
+
+
+def test_a_gauge_spreads_what_it_hides_evenly() -> None:
+    read = np.radians([-3.0, -1.2, -3.0])
+    hidden = cardan.Driveline.from_readings(read, gauge=0.01, samples=4000)
+    one = cardan.Driveline.from_readings(read)
+    np.testing.assert_array_equal(hidden[0].directions, one.directions)
+    off = (np.arcsin(hidden.directions[..., 1]) - read) / 0.01
+    assert np.max(np.abs(off)) < 1.0 + 1e-9
+    # Moments of a uniform distribution, and none in common.
+    np.testing.assert_allclose(off.mean(axis=0), 0.0, atol=0.01)
+    np.testing.assert_allclose(np.cov(off.T), np.eye(3) / 3.0, atol=0.01)
+
+
+def certainty(scene: cardan.Scene) -> Any:
+    return Answer(scene)["readings"]
+
+
+@pytest.mark.parametrize("states", ["", '[states]\n"readings_deg.3" = [-4, -3.8]\n'])
+def test_the_share_is_that_of_random_readings(states: str) -> None:
+    """Of random readings within the accuracy, the points made of them by the formula."""
+    scene = parsed(rest=LIMITS + states)
+    rng = np.random.default_rng(3)
+    off = rng.uniform(-0.25, 0.25, (40000, 4))
+    worst = np.zeros(len(off))
+    for last in (-4.0, -3.8) if states else (-4.0,):
+        read = np.radians([-3.0, -1.2, -3.0, last] + off)
+        long, aside = np.array(LENGTHS), np.diff(OFFSETS)
+        heading = np.arcsin(aside / (long * np.cos(read)))
+        along = np.cos(read) * np.cos(heading), np.sin(read), np.cos(read) * np.sin(heading)
+        line = cardan.Driveline.from_directions(np.stack(along, axis=-1))
+        worst = np.maximum(worst, line.equivalent().bend_deg)
+    share = float(np.mean(worst <= 0.9))
+    found = certainty(scene)
+    assert 0.05 < share < 0.95
+    assert found.within == pytest.approx(share, abs=0.015)
+    assert found.acceptable == found.within
+    assert found.decides == "equivalent bend"
+    least = [each.least for each in found.angles]
+    assert all(0.0 <= low <= each.bend for low, each in zip(least, found.angles, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        (3.0, "Everything is within its limits, whatever the gauge may hide."),
+        (0.01, "Whatever the gauge may hide, the equivalent bend is not within its limit."),
+        (1.0, r"Everything is within its limits for \d\d\.\d% of what the gauge may hide; else"),
+    ],
+)
+def test_what_is_said_of_it(limit: float, words: str) -> None:
+    scene = parsed(rest=f"[limits]\nequivalent_bend_deg = {limit}\n")
+    text = " ".join(sentences(certainty(scene)))
+    assert re.search(words, text)
+    assert "Each reading may be off by 0.25° on its own." in text
+
+
+def test_nothing_is_said_of_a_gauge_that_is_not_given() -> None:
+    scene = parsed({"gauge_deg = 0.25": ""}, LIMITS)
+    found = certainty(scene)
+    assert [each.bend for each in found.angles] == scene.line.bends.tolist()
+    assert found.within is None
+    assert not [*sentences(found)]
+    assert certainty(cardan.Scene.parse("[driveline]\nbends_deg = [1]\n")) is None
+
+
+def test_a_gauge_coarser_than_an_angle_is_told() -> None:
+    text = " ".join(sentences(certainty(parsed({'"4.0 down"': '"3.1 down"'}, LIMITS))))
+    assert "more than the working angle of joint 2, 0.10°" in text
+    assert "read shafts 2 and 3 again" in text
+
+
+def test_what_is_judged_as_read_is_named() -> None:
+    spline = "[slip]\nshaft = 2\ntravel_mm = 40\n"
+    found = certainty(parsed(rest=spline + '[states]\n"readings_deg.3" = [-4, -3.8]\n'))
+    assert found.as_read == "spline"
+
+
+def read_after(move: Move) -> cardan.Driveline:
+    """The driveline after a shim or a spacer, made by hand."""
+    scene = parsed()
+    assert scene.points is not None
+    points = 1e-3 * scene.points
+    if move.tilt is not None:
+        shaft = int(move.of.removeprefix("shaft "))
+        span = points[shaft + 1] - points[shaft]
+        level = math.hypot(span[0], span[2])
+        up = math.atan2(span[1], level) + move.tilt
+        turned = np.array([span[0], level * math.tan(up), span[2]])
+        ends = (points[shaft + 1] - turned, points[shaft] + turned)
+        points[0 if shaft == 0 else -1] = ends[0 if shaft == 0 else 1]
+    else:
+        assert move.axis == "up"
+        assert move.shift is not None
+        points[move.number, 1] += move.shift
+    return cardan.Driveline.from_points(points)
+
+
+def test_shims_and_spacers_that_help() -> None:
+    found = Answer(parsed(rest=LIMITS))["moves"]
+    moves = [move for move in found if move.variable == "point"]
+    bends = [float(read_after(move).equivalent().bend_deg) for move in moves]
+    # Every one leads onto the limit, which is 0.1° away.
+    np.testing.assert_allclose(bends, 0.9, rtol=1e-6)
+    assert {move.of for move in moves} == {"shaft 0", "shaft 3", "joint 0", "joint 1", "joint 2"}
+    words = " ".join(moves_in_words(moves))
+    assert re.search(r"Lower joint 2 by 0\.\d+ mm with a spacer: everything", words)
+    assert re.search(r"Tilt shaft 3 up towards the output by 0\.\d+° with a shim", words)
+
+
+def test_without_lengths_no_spacer_is_advised() -> None:
+    scene = parsed({"lengths_mm": "#", "offsets_mm": "#"}, LIMITS)
+    moves = Answer(scene)["moves"]
+    assert {move.of for move in moves if move.variable == "point"} == {"shaft 0", "shaft 3"}
+    shaft = next(move for move in moves if move.of == "shaft 3")
+    after = cardan.Driveline.from_readings(
+        np.radians([-3.0, -1.2, -3.0, -4.0]) + [0, 0, 0, shaft.tilt]
+    )
+    assert float(after.equivalent().bend_deg) == pytest.approx(0.9, rel=1e-6)
+
+
+def test_yokes_turn_by_teeth() -> None:
+    scene = cardan.Scene.parse(
+        '[driveline]\nreadings_deg = ["2 down", "5 down", "2 down"]\nteeth = 36\n'
+        "phases_deg = [30]\n[limits]\nequivalent_bend_deg = 0.5\n"
+    )
+    text = " ".join(moves_in_words(Answer(scene)["moves"]))
+    assert "yoke of shaft 1 by 3 teeth (30.0° counter-clockwise" in text
+
+
+def test_the_picture_says_what_was_measured() -> None:
+    text = picture(parsed())
+    for words in ("3.00° down", "1.20° down", "4.00° down", "45 mm left", "shaft 3", "Plan:"):
+        assert words in text
+    assert text.count("45 mm left") == 3
+    assert "Plan:" not in picture(parsed({"lengths_mm": "#", "offsets_mm": "#"}))
+    assert "2.00° up" in picture(parsed({'"3.0 down"': "2"}))
+
+
+def test_the_starter_says_how_certain_it_is() -> None:
+    found = certainty(cardan.Scene.parse(STARTERS["readings"].text))
+    assert found.within == pytest.approx(0.28, abs=0.02)
