@@ -18,6 +18,8 @@ from hypothesis.internal.conjecture import providers
 import tiers
 
 if TYPE_CHECKING:
+    from selenium import webdriver
+
     from example_scenes import Answers
 
 _starts: dict[np.random.Generator, Any] = {}
@@ -76,6 +78,24 @@ def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRe
     if hasattr(request.config, "workerinput"):
         folder = folder.parent
     return lambda path: Answered(path, folder / "examples")
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[webdriver.Chrome]:
+    """One browser for all tests that need one, which xdist gives to one worker."""
+    import pages
+
+    yield from pages.started()
+
+
+@pytest.fixture
+def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
+    """The browser as wide as a desk, in light; at the end its console has said nothing."""
+    import pages
+
+    pages.at_rest(chromium)
+    yield chromium
+    assert pages.console(chromium) == []
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -31,7 +31,7 @@ from cardan.app.files.columns import write_columns
 from cardan.app.scene import Scene, load_scene
 from cardan.app.scene.scene import FORMAT
 from cardan.app.scene.starters import STARTERS
-from example_scenes import DRIVELINES, EXAMPLES, Answers, example
+from example_scenes import EXAMPLES, Answers, each_driveline, example
 from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals, size_of
 
 
@@ -49,7 +49,7 @@ def into(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_every_example_runs(path: Path, answered: Answers) -> None:
     answer, scene = answered(path), Scene.load(path)
     (status, text), into = answer.run, answer.files
@@ -223,7 +223,7 @@ def test_recording_is_not_overwritten(tmp_path: Path, into: Path) -> None:
 # What the other commands do
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_every_example_as_json(path: Path, answered: Answers) -> None:
     answer, scene = answered(path), Scene.load(path)
     data = answer.data("run")
@@ -421,7 +421,7 @@ def test_advice_follows_the_verdict() -> None:
     assert check_data(found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_the_answer_of_check_fits_its_schema(path: Path, answered: Answers) -> None:
     data = answered(path).data("check")
     jsonschema.Draft202012Validator(check_schema()).validate(data)

@@ -24,7 +24,6 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.wait import WebDriverWait
 
-import pages
 import tiers
 from cardan import __version__
 from cardan.app.answers.answer import Answer
@@ -39,7 +38,7 @@ from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
 from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
-from example_scenes import DRIVELINES, Answers, example
+from example_scenes import DRIVELINES, Answers, each_driveline, example
 from pages import (
     REQUIRED,
     Drawn,
@@ -50,6 +49,7 @@ from pages import (
     js,
     opened,
     place_of,
+    screen,
     settled,
     verdict_of,
 )
@@ -62,8 +62,6 @@ TRUCK = example("truck-shaft.toml")
 SHORT = ("truck-shaft", "test-rig", "steering-column")
 
 in_node = pytest.mark.skipif(NODE is None and not REQUIRED, reason="needs Node")
-# Fixtures.
-chromium, browser = pages.chromium, pages.browser
 
 
 def sent(scene: Scene) -> dict[str, Any]:
@@ -121,7 +119,7 @@ def test_every_kind_of_figure_is_declared_by_a_row() -> None:
         assert kinds[name]["unit"] == expected, name
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_every_scene_can_be_sent(path: Path) -> None:
     """Every figure that the core judges has its name, and no other is left out."""
     found = live(Answer(scene := Scene.load(path)))
@@ -233,7 +231,7 @@ def told_after(folder: Path, scene: Scene, moves: list[list[Move]]) -> Any:  # n
 
 
 @in_node
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_what_a_changed_page_says_is_the_check_of_what_it_saves(path: Path, tmp_path: Path) -> None:
     """To the last bit, but for torques; the address carries the same, and all else stands."""
     text = without_slow_parts(path.read_text(encoding="utf-8"))
@@ -569,7 +567,7 @@ def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
 
 
 @in_node
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_what_would_help_does(name: str, tmp_path: Path) -> None:
     """Suggestions are those of the check, and each leaves the verdict that it promises."""
     path = example(f"{name}.toml")
@@ -641,10 +639,7 @@ def texts(answer: Answer) -> dict[str, str]:
 
 
 @in_browser
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
-)
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_page_shows_what_the_check_says(
     name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
@@ -1001,8 +996,7 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
 @pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.long)])
 def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: int) -> None:
     """By a link; nothing is wider than the screen."""
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, width, 900)
     machines = [TRUCK, example("test-rig.toml")]
     page = moving_page({path.stem: Answer(Scene.load(path)) for path in machines})
     assert page is not None
@@ -1119,10 +1113,7 @@ def test_curves_over_the_turn_stand_where_the_package_says(
 
 
 @in_browser
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
-)
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_sizes_of_curves_are_those_of_a_run(
     name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:

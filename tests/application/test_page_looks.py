@@ -20,45 +20,24 @@ import pages
 from cardan.app.scene import Scene
 from cardan.app.scene.machine import machine_of
 from example_scenes import Answers, example
-from pages import handle, in_browser, js, opened, settled
+from pages import handle, in_browser, js, media, opened, screen, settled
+from tiers import few
 
 TRUCK = example("truck-shaft.toml")
 PAGES = [example(f"{name}.toml") for name in ("truck-shaft", "test-rig", "ship-shaft")]
-EACH_PAGE = pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, marks=[pytest.mark.long] * (path != TRUCK), id=path.stem)
-        for path in PAGES
-    ],
-)
+EACH_PAGE = pytest.mark.parametrize("path", few(PAGES, [TRUCK]), ids=lambda path: path.stem)
 
 pytestmark = in_browser
 WHITE = "rgb(255, 255, 255)"
-# Fixtures.
-chromium, browser = pages.chromium, pages.browser
 
 
 @pytest.fixture
 def phone(browser: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
     """The browser as narrow as a phone, and touched."""
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, 390, 844)
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
     yield browser
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-
-
-@pytest.fixture(autouse=True)
-def screen(browser: webdriver.Chrome) -> Iterator[None]:
-    """A light screen before and after every test."""
-    media(browser)
-    yield
-    media(browser)
-
-
-def media(browser: webdriver.Chrome, kind: str = "screen", scheme: str = "light") -> None:
-    feature = {"name": "prefers-color-scheme", "value": scheme}
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [feature]})
 
 
 def box(browser: webdriver.Chrome, selector: str) -> dict[str, float]:

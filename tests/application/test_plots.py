@@ -48,7 +48,7 @@ from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
 from cardan.reference import vectors
 from cardan.reference.approximations import thoma_moment_ratios, thoma_small_angle
-from example_scenes import DRIVELINES, EXAMPLES
+from example_scenes import EXAMPLES, each_driveline
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -289,9 +289,18 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
     )
 
 
-@pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in DRIVELINES), TALL])
-def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figure = plot_scene(Scene.parse(text, folder=EXAMPLES[0].parent).run())
+@each_driveline
+def test_nothing_overlaps(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    apart(Scene.load(path), monkeypatch)
+
+
+def test_nothing_overlaps_on_a_tall_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    apart(Scene.parse(TALL), monkeypatch)
+
+
+def apart(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every text of the page of a scene lies in it and covers no other."""
+    figure = plot_scene(scene.run())
     figure.set_dpi(200)
     page = figure.bbox
     found = texts(figure, monkeypatch, largest=11.0)

@@ -21,7 +21,7 @@ from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import load_scene
 from cardan.design.check import Check
-from example_scenes import EXAMPLES, Answers, example
+from example_scenes import Answers, each_example, example
 
 MOTION = """
 [driveline]
@@ -163,7 +163,7 @@ def agree(answer: Answer, printed: tuple[int, str], data: dict[str, object], pag
     assert first.split()[0].strip(",").lower() in (*verdict.split(), "everything", "nothing")
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+@each_example
 def test_examples_agree(path: Path, answered: Answers) -> None:
     found = answered(path)
     printed = found.check

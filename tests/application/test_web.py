@@ -326,7 +326,7 @@ def by_state(load: Load) -> Load:
 # --- the machines of the package ------------------------------------------------------------
 
 
-@pytest.mark.parametrize("file", MACHINES, ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", tiers.few(MACHINES, MACHINES[-3:]), ids=lambda file: file.stem)
 def test_machines_are_judged_with_the_same_bits(file: Path, tmp_path: Path) -> None:
     scene = Scene.load(file)
     machine, data = machine_of(scene), machine_data(scene)
