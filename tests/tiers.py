@@ -19,5 +19,9 @@ def part(number: int) -> int:
 def few(values: Iterable[Any], short: Collection[Any]) -> list[Any]:
     """Return the parameters of a test, of which the short tier tries few."""
     return [
-        pytest.param(value, marks=() if value in short else pytest.mark.long) for value in values
+        pytest.param(
+            *(value if isinstance(value, tuple) else (value,)),
+            marks=() if value in short else pytest.mark.long,
+        )
+        for value in values
     ]
