@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 # NumPy reads this when it is imported. Threads of its linear algebra would wait for each other ten
@@ -14,6 +15,7 @@ import hypothesis
 import numpy as np
 import pytest
 from hypothesis.internal.conjecture import providers
+from xdist.scheduler import LoadGroupScheduling
 
 import tiers
 
@@ -52,6 +54,20 @@ def pytest_configure(config: pytest.Config) -> None:
     # Long calls take several threads on any machine, also with a worker of pytest-xdist for each
     # processor: what a thread may break is tested by all of them. Only a long call makes threads.
     os.environ["RAYON_NUM_THREADS"] = "4"
+
+
+class _ByFiles(LoadGroupScheduling):
+    """Gives a worker a group, a file of many short tests, or else one test."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        scope, file = super()._split_scope(nodeid), nodeid.partition("::")[0]
+        is_short = file.startswith(("tests/arrays/", "tests/physics/"))
+        return file if scope == nodeid and is_short else scope
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadGroupScheduling | None:  # noqa: ANN401
+    return _ByFiles(config, log) if config.option.dist == "loadgroup" else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -96,6 +112,16 @@ def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
     pages.at_rest(chromium)
     yield chromium
     assert pages.console(chromium) == []
+
+
+@pytest.fixture
+def truck(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> webdriver.Chrome:
+    """The browser with the page of a truck, which can be moved."""
+    import pages
+    from example_scenes import example
+
+    pages.opened(browser, answered(example("truck-shaft.toml")).page, tmp_path)
+    return browser
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -687,65 +687,59 @@ def test_page_shows_what_the_check_says(
 
 
 @in_browser
-def test_keys_move_a_joint_and_the_verdict_follows(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_keys_move_a_joint_and_the_verdict_follows(truck: webdriver.Chrome) -> None:
     """Lowered by 24 mm the truck is within its limits, as the check says of the same points."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    joint = handle(browser, 2)
+    joint = handle(truck, 2)
     joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + 4 * Keys.ARROW_DOWN)
-    settled(browser)
+    settled(truck)
     data = check_data(Answer(edited(TRUCK, 2, (0.0, -24.0, 0.0))))
-    shown = figures(browser)
+    shown = figures(truck)
     for place, value, _ in shown:
         assert close(value, at(data, place)), place
-    assert verdict_of(browser) == "within"
-    assert "not computed here" in browser.find_element(By.CSS_SELECTOR, "#live-panel .why").text
+    assert verdict_of(truck) == "within"
+    assert "not computed here" in truck.find_element(By.CSS_SELECTOR, "#live-panel .why").text
     assert joint.get_attribute("aria-valuenow") == "-70"
     # Keys in quick succession are one step.
-    browser.find_element(By.ID, "live-undo").click()
-    assert verdict_of(browser) == "beyond"
+    truck.find_element(By.ID, "live-undo").click()
+    assert verdict_of(truck) == "beyond"
     assert joint.get_attribute("aria-valuenow") == "-46"
-    assert browser.find_element(By.ID, "live-undo").get_attribute("disabled")
-    browser.find_element(By.ID, "live-redo").click()
-    assert verdict_of(browser) == "within"
-    browser.find_element(By.ID, "live-drawn").click()
-    assert verdict_of(browser) == "beyond"
+    assert truck.find_element(By.ID, "live-undo").get_attribute("disabled")
+    truck.find_element(By.ID, "live-redo").click()
+    assert verdict_of(truck) == "within"
+    truck.find_element(By.ID, "live-drawn").click()
+    assert verdict_of(truck) == "beyond"
 
 
 @in_browser
-def test_points_are_dragged_in_both_views(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_points_are_dragged_in_both_views(truck: webdriver.Chrome) -> None:
     """The pointer moves whole millimetres along the axes of the view; Escape gives it up."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     for view, axis in ((0, 1), (1, 2)):
-        before = place_of(browser, 2)
-        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 16).perform()
-        after = place_of(browser, 2)
+        before = place_of(truck, 2)
+        ActionChains(truck).drag_and_drop_by_offset(handle(truck, 2, view), 0, 16).perform()
+        after = place_of(truck, 2)
         moved = [a - b for a, b in zip(after, before, strict=True)]
         assert moved[axis] != 0.0
         assert [x for i, x in enumerate(moved) if i != axis] == [0.0, 0.0]
         assert after[axis] == round(after[axis])
         # One scale for both views: 16 px are as many millimetres, y up and z down.
-        scale = js(browser, "return cardanPage.drawing.scale")
+        scale = js(truck, "return cardanPage.drawing.scale")
         assert abs(abs(moved[axis]) - 16.0 / scale) <= 2.0
         assert (moved[axis] < 0) == (view == 0)
-    held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
+    held = ActionChains(truck).click_and_hold(handle(truck, 2)).move_by_offset(5, 30)
     held.perform()
     # The figures of what is held still are its own.
     bend = "check:limits.equivalent_bend.value_deg"
     own = """const { model } = cardanPage;
     return model.rows().find((row) => row.path === arguments[0]).value;"""
     shown = "return Number(document.querySelector(`[data-path='${arguments[0]}']`).dataset.value)"
-    expected = js(browser, f"cardanPage.model.compute(); {own}", bend)
-    WebDriverWait(browser, 5).until(lambda browser: js(browser, shown, bend) == expected)
-    assert place_of(browser, 2) != after
-    ActionChains(browser).send_keys(Keys.ESCAPE).release().perform()
-    assert place_of(browser, 2) == after
+    expected = js(truck, f"cardanPage.model.compute(); {own}", bend)
+    WebDriverWait(truck, 5).until(lambda truck: js(truck, shown, bend) == expected)
+    assert place_of(truck, 2) != after
+    ActionChains(truck).send_keys(Keys.ESCAPE).release().perform()
+    assert place_of(truck, 2) == after
     for _ in range(2):
-        browser.find_element(By.ID, "live-undo").click()
-    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
+        truck.find_element(By.ID, "live-undo").click()
+    assert place_of(truck, 2) == [1650.0, -46.0, 0.0]
 
 
 def field(browser: webdriver.Chrome, label: str) -> WebElement:
@@ -753,35 +747,32 @@ def field(browser: webdriver.Chrome, label: str) -> WebElement:
 
 
 @in_browser
-def test_numbers_are_typed_stepped_and_dragged(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_numbers_are_typed_stepped_and_dragged(truck: webdriver.Chrome) -> None:
     """Coordinates, torque and speed; what is no number is refused and loses nothing."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.ARROW_RIGHT)
-    settled(browser)
-    y = field(browser, "y")
+    handle(truck, 2).send_keys(Keys.ARROW_RIGHT)
+    settled(truck)
+    y = field(truck, "y")
     assert y.get_attribute("value") == "\u221246.0"
     y.click()
     y.send_keys(Keys.CONTROL + "a")
     y.send_keys("-70,5" + Keys.ENTER)
-    assert place_of(browser, 2) == [1651.0, -70.5, 0.0]
+    assert place_of(truck, 2) == [1651.0, -70.5, 0.0]
     y.send_keys(Keys.ARROW_UP + Keys.SHIFT + Keys.ARROW_UP)
-    assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
+    assert place_of(truck, 2) == [1651.0, -59.5, 0.0]
     for text, words in (("12x", "is no number"), ("1e9", "must be within"), ("", "is no number")):
         y.send_keys(Keys.CONTROL + "a" + Keys.NULL)
         y.send_keys((text or Keys.BACKSPACE) + Keys.ENTER)
-        assert words in browser.find_element(By.ID, "live-refused").text
+        assert words in truck.find_element(By.ID, "live-refused").text
         assert y.get_attribute("value") == "\u221259.5"
-        assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
-    torque = field(browser, "torque")
-    browser.execute_script("document.activeElement.blur()")
-    ActionChains(browser).drag_and_drop_by_offset(torque, 30, 0).perform()
-    assert js(browser, "return cardanPage.model.loadOf('torque')") == 1600.0
-    speed = field(browser, "speed")
+        assert place_of(truck, 2) == [1651.0, -59.5, 0.0]
+    torque = field(truck, "torque")
+    truck.execute_script("document.activeElement.blur()")
+    ActionChains(truck).drag_and_drop_by_offset(torque, 30, 0).perform()
+    assert js(truck, "return cardanPage.model.loadOf('torque')") == 1600.0
+    speed = field(truck, "speed")
     speed.click()
     speed.send_keys(Keys.ARROW_DOWN)
-    settled(browser)
+    settled(truck)
     changed = {
         "[1650, -46, 0]": "[1651, -59.5, 0]",
         "speed_rpm = 2200\n": "speed_rpm = 2190\n",
@@ -792,9 +783,9 @@ def test_numbers_are_typed_stepped_and_dragged(
         assert text.count(old) == 1
         text = text.replace(old, new)
     data = check_data(Answer(Scene.parse(without_slow_parts(text))))
-    for path, value, _ in figures(browser):
+    for path, value, _ in figures(truck):
         assert value == at(data, path), path
-    assert saved(browser) == ["truck-shaft.changed.toml", text]
+    assert saved(truck) == ["truck-shaft.changed.toml", text]
 
 
 def saved(browser: webdriver.Chrome) -> list[str]:
@@ -810,89 +801,74 @@ def saved(browser: webdriver.Chrome) -> list[str]:
 
 
 @in_browser
-def test_bearings_are_moved_along_their_shafts(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    bearing = browser.find_element(By.CSS_SELECTOR, ".handle[data-bearing='2'][data-view='1']")
+def test_bearings_are_moved_along_their_shafts(truck: webdriver.Chrome) -> None:
+    bearing = truck.find_element(By.CSS_SELECTOR, ".handle[data-bearing='2'][data-view='1']")
     position = "return 1e3 * cardanPage.model.part('positions', 2)"
-    ActionChains(browser).drag_and_drop_by_offset(bearing, -30, 6).perform()
-    scale = js(browser, "return cardanPage.drawing.scale")
-    assert abs(js(browser, position) - (1150.0 - 30.0 / scale)) <= 2.0
-    browser.find_element(By.ID, "live-undo").click()
+    ActionChains(truck).drag_and_drop_by_offset(bearing, -30, 6).perform()
+    scale = js(truck, "return cardanPage.drawing.scale")
+    assert abs(js(truck, position) - (1150.0 - 30.0 / scale)) <= 2.0
+    truck.find_element(By.ID, "live-undo").click()
     bearing.send_keys(Keys.SHIFT + Keys.ARROW_LEFT)
-    settled(browser)
-    assert js(browser, position) == pytest.approx(1140.0, abs=1e-9)
-    assert field(browser, "from the upstream end of shaft 1").get_attribute("value") == "1140.0"
-    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    settled(truck)
+    assert js(truck, position) == pytest.approx(1140.0, abs=1e-9)
+    assert field(truck, "from the upstream end of shaft 1").get_attribute("value") == "1140.0"
+    (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
     assert change.text.startswith("bearing 2 \u221210.0 mm")
     text = TRUCK.read_text(encoding="utf-8").replace("position_mm = 1150", "position_mm = 1140")
-    assert saved(browser)[1] == text
+    assert saved(truck)[1] == text
 
 
 @in_browser
-def test_a_link_carries_what_was_changed(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_link_carries_what_was_changed(truck: webdriver.Chrome) -> None:
     """The address follows; opened again it shows the same; a mistake in it shows the scene."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
-    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
-    settled(browser)
-    WebDriverWait(browser, 10).until(lambda browser: "state=" in browser.current_url)
-    address = browser.current_url
+    handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
+    truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
+    settled(truck)
+    WebDriverWait(truck, 10).until(lambda truck: "state=" in truck.current_url)
+    address = truck.current_url
     assert address.endswith("#point.2.y=-21&state=%2B80+mm")
-    shown = figures(browser)
-    browser.get("about:blank")
-    browser.get(address)
-    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows li")
-    assert figures(browser) == shown
-    js(browser, "location.hash = '#point.2.y=-24'")
-    settled(browser)
-    assert place_of(browser, 2)[1] == -70.0
-    js(browser, "location.hash = '#point.7.y=-24'")
-    settled(browser)
-    assert "nothing called" in browser.find_element(By.ID, "live-refused").text
-    assert place_of(browser, 2)[1] == -70.0
+    shown = figures(truck)
+    truck.get("about:blank")
+    truck.get(address)
+    truck.find_element(By.CSS_SELECTOR, "#live-panel .rows li")
+    assert figures(truck) == shown
+    js(truck, "location.hash = '#point.2.y=-24'")
+    settled(truck)
+    assert place_of(truck, 2)[1] == -70.0
+    js(truck, "location.hash = '#point.7.y=-24'")
+    settled(truck)
+    assert "nothing called" in truck.find_element(By.ID, "live-refused").text
+    assert place_of(truck, 2)[1] == -70.0
 
 
 @in_browser
-def test_a_turn_plays_until_it_is_stopped(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    angle, play = (browser.find_element(By.ID, f"live-{name}") for name in ("angle", "play"))
-    js(browser, "arguments[0].click()", play)
+def test_a_turn_plays_until_it_is_stopped(truck: webdriver.Chrome) -> None:
+    angle, play = (truck.find_element(By.ID, f"live-{name}") for name in ("angle", "play"))
+    js(truck, "arguments[0].click()", play)
     for _ in range(5):
-        settled(browser)
+        settled(truck)
     assert play.text == "Stop"
     turned = float(str(angle.get_property("value")))
     assert turned != 40.0
-    js(browser, "arguments[0].click()", play)
-    settled(browser)
+    js(truck, "arguments[0].click()", play)
+    settled(truck)
     stopped = angle.get_property("value")
-    settled(browser)
+    settled(truck)
     assert angle.get_property("value") == stopped
 
 
 @in_browser
-def test_what_makes_no_driveline_is_refused(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
-    settled(browser)
-    assert "makes no driveline" in browser.find_element(By.ID, "live-refused").text
-    assert place_of(browser, 2)[0] > 350.0
-    assert "NaN" not in js(browser, "return document.querySelector('main').innerHTML")
+def test_what_makes_no_driveline_is_refused(truck: webdriver.Chrome) -> None:
+    handle(truck, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
+    settled(truck)
+    assert "makes no driveline" in truck.find_element(By.ID, "live-refused").text
+    assert place_of(truck, 2)[0] > 350.0
+    assert "NaN" not in js(truck, "return document.querySelector('main').innerHTML")
 
 
 @in_browser
-def test_states_are_chosen_with_their_verdict(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    chips = browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")
+def test_states_are_chosen_with_their_verdict(truck: webdriver.Chrome) -> None:
+    chips = truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")
     assert [chip.get_attribute("aria-label") for chip in chips] == [
         "-80 mm, beyond",
         "-40 mm, beyond",
@@ -902,71 +878,62 @@ def test_states_are_chosen_with_their_verdict(
     ]
     assert [chip.get_attribute("aria-checked") for chip in chips].index("true") == 2
     chips[0].click()
-    settled(browser)
-    assert any("[state=-80 mm].bends_deg[1]" in path for path, _, _ in figures(browser))
+    settled(truck)
+    assert any("[state=-80 mm].bends_deg[1]" in path for path, _, _ in figures(truck))
     data = check_data(Answer(Scene.load(TRUCK)))
-    for path, value, _ in figures(browser):
+    for path, value, _ in figures(truck):
         assert close(value, at(data, path)), path
 
 
 @in_browser
-def test_a_suggestion_is_applied_with_a_click(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_suggestion_is_applied_with_a_click(truck: webdriver.Chrome) -> None:
     """It brings the truck within its limits, as the check confirms, and can be taken back."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    offer = browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    offer = truck.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
     assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within here"]
     offer.click()
-    assert verdict_of(browser) == "within"
-    assert place_of(browser, 2) == [1650.0, -70.0, 0.0]
-    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert verdict_of(truck) == "within"
+    assert place_of(truck, 2) == [1650.0, -70.0, 0.0]
+    (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
     assert change.text.startswith("joint 1 y \u221224.0 mm")
-    browser.execute_script("arguments[0].click()", change)
-    assert verdict_of(browser) == "beyond"
-    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
+    truck.execute_script("arguments[0].click()", change)
+    assert verdict_of(truck) == "beyond"
+    assert place_of(truck, 2) == [1650.0, -46.0, 0.0]
 
 
 @in_browser
-def test_yokes_are_turned_by_keys_and_buttons(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    dial = browser.find_element(By.CSS_SELECTOR, "#live-dials [role=slider]")
+def test_yokes_are_turned_by_keys_and_buttons(truck: webdriver.Chrome) -> None:
+    dial = truck.find_element(By.CSS_SELECTOR, "#live-dials [role=slider]")
     dial.send_keys(Keys.SHIFT + Keys.ARROW_RIGHT)
     dial.send_keys(2 * Keys.ARROW_LEFT)
-    settled(browser)
+    settled(truck)
     assert dial.get_attribute("aria-valuetext") == "8.0° clockwise"
-    best, teeth = browser.find_elements(By.CSS_SELECTOR, "#live-dials button")
-    browser.execute_script("arguments[0].click()", best)
+    best, teeth = truck.find_elements(By.CSS_SELECTOR, "#live-dials button")
+    truck.execute_script("arguments[0].click()", best)
     bend = "return document.querySelector(`[data-path='check:limits.equivalent_bend.value_deg']`)"
-    least = float(js(browser, f"{bend}.dataset.value"))
-    browser.execute_script("arguments[0].click()", teeth)
-    on_teeth = float(js(browser, f"{bend}.dataset.value"))
-    phases = js(browser, "return cardanPage.model.phases")
+    least = float(js(truck, f"{bend}.dataset.value"))
+    truck.execute_script("arguments[0].click()", teeth)
+    on_teeth = float(js(truck, f"{bend}.dataset.value"))
+    phases = js(truck, "return cardanPage.model.phases")
     assert np.allclose(np.mod(np.array(phases) + 5.0, 10.0), 5.0, atol=1e-6)
     assert min(least, on_teeth) < 4.27
 
 
 @pytest.mark.long
 @in_browser
-def test_the_page_checks_itself(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_the_page_checks_itself(truck: webdriver.Chrome) -> None:
     """It says which core and which scene, and that this browser has the published results.
 
     Meanwhile it draws frames; the whole takes about a second.
     """
-    opened(browser, answered(TRUCK).page, tmp_path)
-    foot = browser.find_element(By.ID, "live-trust")
+    foot = truck.find_element(By.ID, "live-trust")
     core = (WEB / "sources.sha256").read_text()[:12]
     text = hashlib.sha256(TRUCK.read_bytes()).hexdigest()[:12]
     assert f"cardan {__version__} ({core})" in foot.text
     assert f"truck-shaft.toml ({text})" in foot.text
     # What would help has been found.
-    browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    truck.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
     js(
-        browser,
+        truck,
         """let last = performance.now();
         window.longest = 0;
         arguments[0].click();
@@ -980,7 +947,7 @@ def test_the_page_checks_itself(
     )
     result = foot.find_element(By.CSS_SELECTOR, "[role=status].within, [role=status].beyond")
     assert result.text.startswith("All 10\u2009000 evaluations have the published results")
-    assert 0.0 < float(js(browser, "return window.longest")) < 300.0
+    assert 0.0 < float(js(truck, "return window.longest")) < 300.0
 
 
 @in_browser
@@ -1111,13 +1078,10 @@ def drawn_as(scene: Scene, state: str, shown: list[Drawn], *, former: bool = Fal
 
 
 @in_browser
-def test_curves_over_the_turn_stand_where_the_package_says(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_curves_over_the_turn_stand_where_the_package_says(truck: webdriver.Chrome) -> None:
     """In the state shown, as drawn and after a move, with the scene as sent dashed behind it."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     scene, moved = Scene.load(TRUCK), edited(TRUCK, 2, (0.0, -24.0, 0.0))
-    shown = charts(browser)
+    shown = charts(truck)
     assert [chart.heading for chart in shown] == [
         "Acceleration [rad/s²]",
         "Torque [N m]",
@@ -1127,12 +1091,12 @@ def test_curves_over_the_turn_stand_where_the_package_says(
     assert all("over drive angle [deg], from" in chart.spoken for chart in shown)
     drawn_as(scene, "rest", shown)
     assert not any(len(curve) for chart in shown for curve in chart.former)
-    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN, Keys.NULL, 4 * Keys.ARROW_DOWN)
-    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[0].click()
-    settled(browser)
-    drawn_as(moved, "-80 mm", charts(browser))
-    drawn_as(scene, "-80 mm", charts(browser), former=True)
-    assert "even" in charts(browser)[1].legend[-1]
+    handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN, Keys.NULL, 4 * Keys.ARROW_DOWN)
+    truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[0].click()
+    settled(truck)
+    drawn_as(moved, "-80 mm", charts(truck))
+    drawn_as(scene, "-80 mm", charts(truck), former=True)
+    assert "even" in charts(truck)[1].legend[-1]
 
 
 @in_browser
@@ -1173,38 +1137,34 @@ def number_at(data: Any, path: str) -> Any:  # noqa: ANN401
 
 
 @in_browser
-def test_axes_grow_while_dragging_and_fit_afterwards(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    js(browser, "document.getElementById('live-curves').scrollIntoView()")
+def test_axes_grow_while_dragging_and_fit_afterwards(truck: webdriver.Chrome) -> None:
+    js(truck, "document.getElementById('live-curves').scrollIntoView()")
 
     def top(y: float) -> float:
         script = """const { model, curves } = cardanPage;
             model.begin(); model.place(2, [null, arguments[0], null]); curves.show(arguments[1]);
             const shown = document.querySelectorAll("#live-curves [data-y]");
             return Math.max(...[...shown].map((text) => Number(text.dataset.y)))"""
-        return float(js(browser, script, y, not y))
+        return float(js(truck, script, y, not y))
 
-    settled(browser)
+    settled(truck)
     heights = [top(y) for y in (-100.0, 300.0, -46.0)]
     assert heights[0] < heights[1] == heights[2]
-    assert js(browser, "cardanPage.model.cancel(); cardanPage.curves.show(true)") is None
-    assert max(chart.ticks["y"][-1] for chart in charts(browser)) < heights[1]
+    assert js(truck, "cardanPage.model.cancel(); cardanPage.curves.show(true)") is None
+    assert max(chart.ticks["y"][-1] for chart in charts(truck)) < heights[1]
 
 
 @in_browser
-def test_curves_are_copied(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> None:
+def test_curves_are_copied(truck: webdriver.Chrome) -> None:
     """As text with a line of names and units."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    button = browser.find_element(By.XPATH, "//button[.='Copy as CSV']")
+    button = truck.find_element(By.XPATH, "//button[.='Copy as CSV']")
     js(
-        browser,
+        truck,
         """Object.defineProperty(navigator, "clipboard", { configurable: true, value: {
             writeText: async (text) => { window.copiedText = text; } } })""",
     )
-    browser.execute_script("arguments[0].click()", button)
-    head, *rows = js(browser, "return copiedText").splitlines()
+    truck.execute_script("arguments[0].click()", button)
+    head, *rows = js(truck, "return copiedText").splitlines()
     names = head.split(",")
     assert names[:2] == ["drive angle [deg]", "acceleration of shaft 1 [rad/s²] (rest)"]
     values = np.array([row.split(",") for row in rows], dtype=float)
@@ -1215,5 +1175,5 @@ def test_curves_are_copied(browser: webdriver.Chrome, answered: Answers, tmp_pat
     ]
     assert values[:, 0].tolist() == list(range(0, 361, 3))
     assert np.allclose(values[:, 1:], np.concatenate(expected).T, rtol=1e-9, atol=1e-9)
-    said = browser.find_element(By.CSS_SELECTOR, "#live-curves [role=status]")
+    said = truck.find_element(By.CSS_SELECTOR, "#live-curves [role=status]")
     assert said.text == "copied"
