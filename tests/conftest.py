@@ -67,7 +67,9 @@ class _ByFiles(LoadGroupScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadGroupScheduling | None:  # noqa: ANN401
-    return _ByFiles(config, log) if config.option.dist == "loadgroup" else None
+    # In the long tier a file may take longer than all else that is left.
+    is_short = config.option.dist == "loadgroup" and not tiers.whole
+    return _ByFiles(config, log) if is_short else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
