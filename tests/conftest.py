@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 # NumPy reads this when it is imported. Threads of its linear algebra would wait for each other ten
@@ -14,10 +15,13 @@ import hypothesis
 import numpy as np
 import pytest
 from hypothesis.internal.conjecture import providers
+from xdist.scheduler import LoadGroupScheduling
 
 import tiers
 
 if TYPE_CHECKING:
+    from selenium import webdriver
+
     from example_scenes import Answers
 
 _starts: dict[np.random.Generator, Any] = {}
@@ -52,6 +56,22 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["RAYON_NUM_THREADS"] = "4"
 
 
+class _ByFiles(LoadGroupScheduling):
+    """Gives a worker a group, a file of many short tests, or else one test."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        scope, file = super()._split_scope(nodeid), nodeid.partition("::")[0]
+        is_short = file.startswith(("tests/arrays/", "tests/physics/"))
+        return file if scope == nodeid and is_short else scope
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadGroupScheduling | None:  # noqa: ANN401
+    # In the long tier a file may take longer than all else that is left.
+    is_short = config.option.dist == "loadgroup" and not tiers.whole
+    return _ByFiles(config, log) if is_short else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for module in {getattr(item, "module", None) for item in items} - {None}:
         for value in vars(module).values():
@@ -76,6 +96,34 @@ def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRe
     if hasattr(request.config, "workerinput"):
         folder = folder.parent
     return lambda path: Answered(path, folder / "examples")
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[webdriver.Chrome]:
+    """One browser for all tests that need one, which xdist gives to one worker."""
+    import pages
+
+    yield from pages.started()
+
+
+@pytest.fixture
+def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
+    """The browser as wide as a desk, in light; at the end its console has said nothing."""
+    import pages
+
+    pages.at_rest(chromium)
+    yield chromium
+    assert pages.console(chromium) == []
+
+
+@pytest.fixture
+def truck(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> webdriver.Chrome:
+    """The browser with the page of a truck, which can be moved."""
+    import pages
+    from example_scenes import example
+
+    pages.opened(browser, answered(example("truck-shaft.toml")).page, tmp_path)
+    return browser
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 import jsonschema
+import pytest
 from click.testing import CliRunner
 from filelock import FileLock
 
@@ -16,6 +17,7 @@ from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, load_scene
+from tiers import few
 
 _ROOT = Path(__file__).parents[1]
 _MACHINES = _ROOT / "python" / "cardan" / "app" / "scene" / "machines"
@@ -24,6 +26,20 @@ EXAMPLES = sorted([*(_ROOT / "examples").glob("*.toml"), *_MACHINES.glob("*.toml
 
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 """Those of a driveline; one is a ball joint alone."""
+
+LONG = (
+    *("bearings", "drive_inertia", "mill-spindle", "ride_heights", "rumble", "ship-shaft", "slip"),
+    *("spatial_shaft", "three_joints_by_points", "truck"),
+)
+"""Whose sections others have too: what is asked of every example, the long tier asks of these."""
+
+SHORT = [path for path in EXAMPLES if path.stem not in LONG]
+"""The other examples, which together have every section."""
+
+each_example, each_driveline = (
+    pytest.mark.parametrize("path", few(paths, SHORT), ids=lambda path: path.stem)
+    for paths in (EXAMPLES, DRIVELINES)
+)
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 SCENES = jsonschema.Draft202012Validator(Scene.schema())

@@ -204,8 +204,8 @@ def chart_in(browser: Any, figure: Any) -> Drawn:  # noqa: ANN401 - selenium's o
 # --- in Chromium ------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
+def started() -> Iterator[webdriver.Chrome]:
+    """A browser, until it is no longer needed."""
     browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
     if browser is None or driver is None:
         if REQUIRED:
@@ -213,6 +213,7 @@ def chromium() -> Iterator[webdriver.Chrome]:
         pytest.skip("no chromium with chromedriver")
     options = Options()
     options.binary_location = browser
+    # Containers have neither user namespaces nor room in /dev/shm.
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
@@ -222,19 +223,36 @@ def chromium() -> Iterator[webdriver.Chrome]:
     chrome.quit()
 
 
-@pytest.fixture
-def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
-    """The browser as wide as a desk; at the end its console has said nothing."""
-    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    chromium.get_log("browser")  # type: ignore[no-untyped-call]
-    yield chromium
-    assert chromium.get_log("browser") == []  # type: ignore[no-untyped-call]
+def at_rest(browser: webdriver.Chrome) -> None:
+    """As wide as a desk, in light, with nothing said on its console."""
+    screen(browser, 1280, 900)
+    media(browser)
+    console(browser)
+
+
+def console(browser: webdriver.Chrome) -> list[str]:
+    """What the browser's console has said since it was last asked."""
+    return [entry["message"] for entry in browser.get_log("browser")]  # type: ignore[no-untyped-call]
+
+
+def screen(browser: webdriver.Chrome, width: int, height: int) -> None:
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+
+def media(browser: webdriver.Chrome, kind: str = "screen", scheme: str = "light") -> None:
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [feature]})
+
+
+def show(browser: webdriver.Chrome, page: str, folder: Path) -> None:
+    (folder / "page.html").write_text(page, encoding="utf-8")
+    browser.get((folder / "page.html").as_uri())
 
 
 def opened(browser: webdriver.Chrome, page: str, folder: Path) -> None:
-    (folder / "page.html").write_text(page, encoding="utf-8")
-    browser.get((folder / "page.html").as_uri())
+    """Show a page and wait until what it shows can be moved."""
+    show(browser, page, folder)
     browser.find_element(By.CSS_SELECTOR, "#live-panel .rows, #live-panel .why")
 
 

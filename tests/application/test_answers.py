@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
 from cardan.app.scene import Scene, starters
-from example_scenes import ANSWERS, DRIVELINES, EXAMPLES, Answers
+from example_scenes import ANSWERS, EXAMPLES, SHORT, Answers, each_driveline, each_example
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = answers_schema()
@@ -51,7 +52,7 @@ def test_no_object_has_other_keys() -> None:
 
 
 @pytest.mark.parametrize("options", [[], ["--radians"]], ids=["deg", "rad"])
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@each_example
 def test_examples_answer_by_the_schema(path: Path, options: list[str], answered: Answers) -> None:
     data = answered(path).data("run", *options)
     ANSWERS.validate(data)
@@ -62,14 +63,22 @@ def test_examples_answer_by_the_schema(path: Path, options: list[str], answered:
     assert not {key for key in found if not key.endswith("per_rad")}
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_settings_of_the_examples_answer_by_the_schema(path: Path, answered: Answers) -> None:
     line = Scene.load(path).line
     if line.n_joints > 1 and not line.shape:
         ANSWERS.validate(answered(path).data("phase"))
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_short_examples_have_every_section() -> None:
+    every, short = (
+        {name for path in paths for name in tomllib.loads(path.read_text("utf-8"))}
+        for paths in (EXAMPLES, SHORT)
+    )
+    assert short == every
+
+
+@each_example
 def test_verdicts_on_the_examples_answer_by_the_schema(path: Path, answered: Answers) -> None:
     ANSWERS.validate(answered(path).data("check"))
 

@@ -25,10 +25,11 @@ from cardan.app.scene.starters import STARTERS
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
-LONG_PAGES = {"cluster.md", "rumble.md", "torsion.md"} | {
-    page.name for page in (DOCS / "machines").glob("*.md")
+LONG_PAGES = {
+    *("cluster.md", "optimise.md", "report.md", "rumble.md", "tolerances.md", "torsion.md"),
+    *(page.name for page in (DOCS / "machines").glob("*.md")),
 }
-"""Pages whose snippets compute for more than two seconds."""
+"""Pages whose snippets compute for more than a second."""
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+import tiers
 from cardan.app.answers.identification.figures import Identified
 from cardan.app.answers.rows import element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
-from example_scenes import EXAMPLES, Answers, example
+from example_scenes import EXAMPLES, SHORT, Answers, example
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -216,13 +217,14 @@ two lines.
 
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_rows_and_page_explain_what_examples_print(command: str, answered: Answers) -> None:
-    for scene in EXAMPLES:
+    for scene in EXAMPLES if tiers.whole else SHORT:
         text = getattr(answered(scene), command).text
         of_rows, others = judged(labels_of_rows(text)), judged(printed_labels(text))
         assert of_rows | others
         assert (of_rows - rows() | others) - explained() == set(), scene.stem
 
 
+@pytest.mark.long
 def test_page_explains_what_rows_do_not_and_nothing_else(tmp_path: Path, answered: Answers) -> None:
     toleranced = tmp_path / "toleranced.toml"
     toleranced.write_text(TOLERANCED, encoding="utf-8")

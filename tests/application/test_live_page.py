@@ -11,6 +11,8 @@ import shutil
 import subprocess
 import time
 import tomllib
+from collections.abc import Callable, Iterator
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -24,7 +26,6 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.wait import WebDriverWait
 
-import pages
 import tiers
 from cardan import __version__
 from cardan.app.answers.answer import Answer
@@ -39,7 +40,7 @@ from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
 from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
-from example_scenes import DRIVELINES, Answers, example
+from example_scenes import DRIVELINES, Answers, each_driveline, example
 from pages import (
     REQUIRED,
     Drawn,
@@ -50,6 +51,7 @@ from pages import (
     js,
     opened,
     place_of,
+    screen,
     settled,
     verdict_of,
 )
@@ -62,8 +64,6 @@ TRUCK = example("truck-shaft.toml")
 SHORT = ("truck-shaft", "test-rig", "steering-column")
 
 in_node = pytest.mark.skipif(NODE is None and not REQUIRED, reason="needs Node")
-# Fixtures.
-chromium, browser = pages.chromium, pages.browser
 
 
 def sent(scene: Scene) -> dict[str, Any]:
@@ -74,23 +74,52 @@ def sent(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def run(folder: Path, data: Any, script: str) -> Any:  # noqa: ANN401
-    """What a script in Node returns that has the modules and the data."""
-    (folder / "data.json").write_text(json.dumps(data))
-    (folder / "run.mjs").write_text(
-        f"""import {{ readFileSync }} from "node:fs";
-        import {{ Cardan }} from "{WEB}/cardan.js";
-        import {{ Model }} from "{WEB}/page/model.js";
-        import {{ numberText, useText }} from "{WEB}/page/numbers.js";
-        const data = JSON.parse(readFileSync("{folder}/data.json", "utf8"));
-        const cardan = await Cardan.load(readFileSync("{WEB}/cardan.wasm.gz"));
-        const answer = (() => {{ {script} }})();
-        console.log(JSON.stringify(answer));"""
-    )
+@cache
+def truck_sent() -> dict[str, Any]:
+    return sent(Scene.load(TRUCK))
+
+
+NODE_READS = f"""
+import {{ readFileSync }} from "node:fs";
+import {{ createInterface }} from "node:readline";
+import {{ Cardan }} from "{WEB}/cardan.js";
+import {{ Model }} from "{WEB}/page/model.js";
+import {{ numberText, useText }} from "{WEB}/page/numbers.js";
+const cardan = await Cardan.load(readFileSync("{WEB}/cardan.wasm.gz"));
+const known = {{ cardan, Model, numberText, useText }};
+for await (const line of createInterface({{ input: process.stdin }})) {{
+    const [data, script] = JSON.parse(line);
+    let told;
+    try {{
+        const found = new Function("data", ...Object.keys(known), script);
+        told = [found(data, ...Object.values(known)), ""];
+    }} catch (error) {{ told = [null, error.stack]; }}
+    console.log(JSON.stringify(told));
+}}"""
+
+Run = Callable[[Any, str], Any]
+"""What a script in Node returns that has the modules and the data."""
+
+
+@pytest.fixture(scope="module")
+def run() -> Iterator[Run]:
+    """One process for all scripts: that it starts takes longer than most of them."""
     assert NODE, "needs Node"
-    done = subprocess.run([NODE, folder / "run.mjs"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    pipe, command = subprocess.PIPE, [NODE, "--input-type=module", "--eval", NODE_READS]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, encoding="utf-8") as node:
+        into, out = node.stdin, node.stdout
+        assert into
+        assert out
+
+        def found(data: Any, script: str) -> Any:  # noqa: ANN401
+            into.write(json.dumps([data, script]) + "\n")
+            into.flush()
+            answer, fault = json.loads(out.readline())
+            assert not fault, fault
+            return answer
+
+        yield found
+        into.close()
 
 
 def close(a: float, b: float) -> bool:
@@ -113,7 +142,7 @@ def edited(path: Path, point: int, by: tuple[float, float, float]) -> Scene:
 def test_every_kind_of_figure_is_declared_by_a_row() -> None:
     """Names, units and digits are those of the answers: the units of both sides agree."""
     symbols = {"rad": "°", "rad/s²": "rad/s²", "rad²/s": "rpm·deg", "m": "mm", "Pa": "MPa"}
-    kinds = sent(Scene.load(TRUCK))["kinds"]
+    kinds = truck_sent()["kinds"]
     assert set(kinds) == set(KINDS)
     for name, kind in KINDS.items():
         own = symbols.get(kind.unit, "" if kind.unit == "1" else kind.unit)
@@ -121,7 +150,7 @@ def test_every_kind_of_figure_is_declared_by_a_row() -> None:
         assert kinds[name]["unit"] == expected, name
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_every_scene_can_be_sent(path: Path) -> None:
     """Every figure that the core judges has its name, and no other is left out."""
     found = live(Answer(scene := Scene.load(path)))
@@ -136,7 +165,7 @@ def test_every_scene_can_be_sent(path: Path) -> None:
 
 
 @in_node
-def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
+def test_numbers_are_written_as_in_python(run: Run) -> None:
     random = np.random.default_rng(3)
     cases: list[tuple[float, str, list[float]]] = [
         (value, kind, [])
@@ -155,7 +184,6 @@ def test_numbers_are_written_as_in_python(tmp_path: Path) -> None:
     data = [(value, DIGITS[kind]._asdict(), bounds) for value, kind, bounds in cases]
     shares = [0.5, 0.994, 0.999999, 1.0, 1.0 + 1e-12, 1.00001, 1.444, 12.0]
     found = run(
-        tmp_path,
         {"cases": data, "shares": shares},
         """const written = (each) => numberText(...each);
         return [data.cases.map(written), data.shares.map(useText)];""",
@@ -213,10 +241,9 @@ def without_slow_parts(text: str) -> str:
     return re.sub(r"(?ms)^\[(tolerances|torsion|optimise)\].*?(?=^\[|\Z)", "", text)
 
 
-def told_after(folder: Path, scene: Scene, moves: list[list[Move]]) -> Any:  # noqa: ANN401
+def told_after(run: Run, scene: Scene, moves: list[list[Move]]) -> Any:  # noqa: ANN401
     """What the page of a scene says after moves, and the scene that it saves."""
     return run(
-        folder,
         {"sent": sent(scene), "moves": moves},
         f"""const change = {CHANGE};
         return data.moves.map((moves) => {{
@@ -233,8 +260,8 @@ def told_after(folder: Path, scene: Scene, moves: list[list[Move]]) -> Any:  # n
 
 
 @in_node
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_what_a_changed_page_says_is_the_check_of_what_it_saves(path: Path, tmp_path: Path) -> None:
+@each_driveline
+def test_what_a_changed_page_says_is_the_check_of_what_it_saves(path: Path, run: Run) -> None:
     """To the last bit, but for torques; the address carries the same, and all else stands."""
     text = without_slow_parts(path.read_text(encoding="utf-8"))
     scene = Scene.parse(text, path.name, path.parent)
@@ -242,7 +269,7 @@ def test_what_a_changed_page_says_is_the_check_of_what_it_saves(path: Path, tmp_
         return
     random = np.random.default_rng(len(path.stem))
     moves = [moves_of(scene, random) for _ in range(20 if tiers.whole else 3)]
-    for each, told in zip(moves, told_after(tmp_path, scene, moves), strict=True):
+    for each, told in zip(moves, told_after(run, scene, moves), strict=True):
         assert told["same"]
         assert told["refused"] == ""
         saved = Scene.parse(told["text"], path.name, path.parent)
@@ -280,7 +307,7 @@ equivalent_bend_deg = 3
 
 
 @in_node
-def test_changes_are_written_in_every_form_of_a_scene(tmp_path: Path) -> None:
+def test_changes_are_written_in_every_form_of_a_scene(run: Run) -> None:
     """Unlisted phases, points that states set together, in metres, added to or evenly spread."""
     scene = Scene.parse(FORMS)
     moves: list[list[Move]] = [
@@ -288,7 +315,7 @@ def test_changes_are_written_in_every_form_of_a_scene(tmp_path: Path) -> None:
         [("phase", 1, [7.0, 0.0, 0.0])],
         [("bearing", 0, [3.0, 0.0, 0.0]), ("speed", 0, [-0.2, 0.0, 0.0])],
     ]
-    texts = [told["text"] for told in told_after(tmp_path, scene, moves)]
+    texts = [told["text"] for told in told_after(run, scene, moves)]
     assert texts[0] == FORMS.replace("-6e-2", "-0.0475")
     assert texts[1] == FORMS.replace("teeth = 36", "teeth = 36\nphases_deg = [0, 7]")
     assert texts[2] == FORMS.replace("= 50 #", "= 47 #").replace("1_50.0", "120")
@@ -296,7 +323,7 @@ def test_changes_are_written_in_every_form_of_a_scene(tmp_path: Path) -> None:
     model.begin();
     model.place(4, model.points(model.state)[4].map((x, i) => x + [0, 5, 0][i]));
     return model.text;"""
-    text = run(tmp_path, sent(scene), script)
+    text = run(sent(scene), script)
     assert "points_m.3.y = {from = -0.2, to = -0.1, steps = 3}\n" in text
     assert "points_m.4.y = {from = -0.195, to = -0.095, steps = 3}\n" in text
     found = Scene.parse(text)
@@ -308,14 +335,14 @@ def test_changes_are_written_in_every_form_of_a_scene(tmp_path: Path) -> None:
 
 
 @in_node
-def test_what_a_scene_has_no_place_for_is_not_saved(tmp_path: Path) -> None:
+def test_what_a_scene_has_no_place_for_is_not_saved(run: Run) -> None:
     """An inline section takes no further line; a file without the change would be a lie."""
     scene = Scene.parse("driveline = {bends_deg = [5, 4]}\n[limits]\nequivalent_bend_deg = 3\n")
     script = """const model = new Model(cardan, data);
     model.begin();
     model.turn([9]);
     try { return model.text; } catch (error) { return error.message; }"""
-    found = run(tmp_path, sent(scene), script)
+    found = run(sent(scene), script)
     assert found == "The scene has no number for this: phase of shaft 1 +9.0\u00b0."
 
 
@@ -330,7 +357,7 @@ equivalent_bend_deg = 3
 
 
 @in_node
-def test_a_point_that_states_turn_is_moved_as_they_turn_it(tmp_path: Path) -> None:
+def test_a_point_that_states_turn_is_moved_as_they_turn_it(run: Run) -> None:
     """What is dragged in a state is what moves there, and the check of the text agrees."""
     scene = Scene.parse(TURNED)
     turned = sorted(given(scene)["turned"])
@@ -343,7 +370,7 @@ def test_a_point_that_states_turn_is_moved_as_they_turn_it(tmp_path: Path) -> No
         model.place({turned[0]}, to);
         return [to, model.text];
     }});"""
-    for state, (to, text) in zip((0, -1), run(tmp_path, sent(scene), script), strict=True):
+    for state, (to, text) in zip((0, -1), run(sent(scene), script), strict=True):
         found = Scene.parse(text)
         assert found.states
         points = found.states.points(state % found.states.count)
@@ -352,7 +379,7 @@ def test_a_point_that_states_turn_is_moved_as_they_turn_it(tmp_path: Path) -> No
 
 
 @in_node
-def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
+def test_malformed_addresses_change_nothing(run: Run) -> None:
     """A sentence says why, and what was changed before stays."""
     random = np.random.default_rng(5)
     good = "point.2.y=-24&phase.1=5&torque.0=1600&state=rest"
@@ -368,7 +395,7 @@ def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
     ]
     bad += ["point.1.x=1300&point.1.y=-22", "point.2.x=1e300", "bearing.0=1e6", "rating.0=-1"]
     bad += ["__proto__=1", "point.__proto__.y=1", "constructor=2"]
-    while len(bad) < (200 if tiers.whole else 40):
+    while len(bad) < (200 if tiers.whole else 30):
         place, letters = int(random.integers(len(good))), "&=.#%xyz019-eN\u00e4\u2028"
         letter = letters[random.integers(len(letters))]
         bad.append(good[:place] + letter + good[place + int(random.integers(3)) :])
@@ -383,8 +410,8 @@ def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
         model.read(data.good);
         return told;
     })];"""
-    data = {"sent": sent(Scene.load(TRUCK)), "good": good, "bad": bad}
-    refused, found = run(tmp_path, data, script)
+    data = {"sent": truck_sent(), "good": good, "bad": bad}
+    refused, found = run(data, script)
     assert refused == ""
     assert sum(bool(words) for words, *_ in found) > len(bad) // 3
     for address, (words, same, then) in zip(bad, found, strict=True):
@@ -395,10 +422,10 @@ def test_malformed_addresses_change_nothing(tmp_path: Path) -> None:
 
 
 @in_node
-def test_states_have_the_verdict_of_the_check(tmp_path: Path) -> None:
+def test_states_have_the_verdict_of_the_check(run: Run) -> None:
     scene = Scene.load(TRUCK)
     moves: list[list[Move]] = [[("point", 2, [0.0, -24.0, 0.0])], [("point", 1, [10.0, 5.0, -7.0])]]
-    for told in told_after(tmp_path, scene, moves):
+    for told in told_after(run, scene, moves):
         data = check_data(Answer(Scene.parse(without_slow_parts(told["text"]))))
         assert len(told["rows"]) == 13
         lives = [row["place"] for row in told["rows"].values() if "life" in row["path"]]
@@ -447,7 +474,7 @@ def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
 
 
 @in_node
-def test_what_is_refused_is_said_in_the_words_of_the_page(tmp_path: Path) -> None:
+def test_what_is_refused_is_said_in_the_words_of_the_page(run: Run) -> None:
     """Which joint, end or bearing, in which state, breaks which rule; nothing changes."""
     moved = {
         "this joint where the one before is": ("place", 2, [350, -24, 0]),
@@ -466,8 +493,7 @@ def test_what_is_refused_is_said_in_the_words_of_the_page(tmp_path: Path) -> Non
         "a torque": ("torque.0", "Infinity"),
     }
     found = run(
-        tmp_path,
-        {"sent": sent(Scene.load(TRUCK)), "moved": list(moved.values())},
+        {"sent": truck_sent(), "moved": list(moved.values())},
         """const number = (x) => (typeof x === "string" ? Number(x) : x);
         return data.moved.map(([what, ...of]) => {
             const model = new Model(cardan, data.sent);
@@ -504,11 +530,10 @@ def test_what_is_refused_is_said_in_the_words_of_the_page(tmp_path: Path) -> Non
 
 
 @in_node
-def test_what_is_known_in_some_states_only_is_not_judged(tmp_path: Path) -> None:
+def test_what_is_known_in_some_states_only_is_not_judged(run: Run) -> None:
     """As in a check; it then makes the verdict, unless something is beyond its limit."""
     found = run(
-        tmp_path,
-        sent(Scene.load(TRUCK)),
+        truck_sent(),
         """const model = new Model(cardan, data);
         const of = (kind) => model.figures.find((figure) => figure.kind.name === kind);
         const told = () => [model.rows().map((row) => row.verdict), model.verdict(model.rows())];
@@ -527,11 +552,10 @@ def test_what_is_known_in_some_states_only_is_not_judged(tmp_path: Path) -> None
 
 
 @in_node
-def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
+def test_undo_and_redo_are_gestures(run: Run) -> None:
     """A drag is one step, keys in quick succession are one, and what is refused changes nothing."""
     found = run(
-        tmp_path,
-        sent(Scene.load(TRUCK)),
+        truck_sent(),
         """const model = new Model(cardan, data), told = [];
         const y = () => told.push([model.points(model.state)[2][1], model.canUndo, model.canRedo]);
         const to = (y) => model.place(2, [null, y, null]);
@@ -569,12 +593,11 @@ def test_undo_and_redo_are_gestures(tmp_path: Path) -> None:
 
 
 @in_node
-@pytest.mark.parametrize("name", MACHINES)
-def test_what_would_help_does(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
+def test_what_would_help_does(name: str, run: Run) -> None:
     """Suggestions are those of the check, and each leaves the verdict that it promises."""
     path = example(f"{name}.toml")
     found = run(
-        tmp_path,
         sent(Scene.load(path)),
         """const model = new Model(cardan, data), before = JSON.stringify(model.changes);
         const rounds = model.suggesting();
@@ -605,11 +628,10 @@ def test_what_would_help_does(name: str, tmp_path: Path) -> None:
 
 
 @in_node
-def test_phases_are_those_of_the_package(tmp_path: Path) -> None:
+def test_phases_are_those_of_the_package(run: Run) -> None:
     """The best setting of the truck's yokes, and what it leaves."""
     found = run(
-        tmp_path,
-        sent(Scene.load(TRUCK)),
+        truck_sent(),
         f"""const model = new Model(cardan, data);
         model.begin();
         model.turn([10, -25]);
@@ -641,10 +663,7 @@ def texts(answer: Answer) -> dict[str, str]:
 
 
 @in_browser
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
-)
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_page_shows_what_the_check_says(
     name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
@@ -668,65 +687,59 @@ def test_page_shows_what_the_check_says(
 
 
 @in_browser
-def test_keys_move_a_joint_and_the_verdict_follows(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_keys_move_a_joint_and_the_verdict_follows(truck: webdriver.Chrome) -> None:
     """Lowered by 24 mm the truck is within its limits, as the check says of the same points."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    joint = handle(browser, 2)
+    joint = handle(truck, 2)
     joint.send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + 4 * Keys.ARROW_DOWN)
-    settled(browser)
+    settled(truck)
     data = check_data(Answer(edited(TRUCK, 2, (0.0, -24.0, 0.0))))
-    shown = figures(browser)
+    shown = figures(truck)
     for place, value, _ in shown:
         assert close(value, at(data, place)), place
-    assert verdict_of(browser) == "within"
-    assert "not computed here" in browser.find_element(By.CSS_SELECTOR, "#live-panel .why").text
+    assert verdict_of(truck) == "within"
+    assert "not computed here" in truck.find_element(By.CSS_SELECTOR, "#live-panel .why").text
     assert joint.get_attribute("aria-valuenow") == "-70"
     # Keys in quick succession are one step.
-    browser.find_element(By.ID, "live-undo").click()
-    assert verdict_of(browser) == "beyond"
+    truck.find_element(By.ID, "live-undo").click()
+    assert verdict_of(truck) == "beyond"
     assert joint.get_attribute("aria-valuenow") == "-46"
-    assert browser.find_element(By.ID, "live-undo").get_attribute("disabled")
-    browser.find_element(By.ID, "live-redo").click()
-    assert verdict_of(browser) == "within"
-    browser.find_element(By.ID, "live-drawn").click()
-    assert verdict_of(browser) == "beyond"
+    assert truck.find_element(By.ID, "live-undo").get_attribute("disabled")
+    truck.find_element(By.ID, "live-redo").click()
+    assert verdict_of(truck) == "within"
+    truck.find_element(By.ID, "live-drawn").click()
+    assert verdict_of(truck) == "beyond"
 
 
 @in_browser
-def test_points_are_dragged_in_both_views(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_points_are_dragged_in_both_views(truck: webdriver.Chrome) -> None:
     """The pointer moves whole millimetres along the axes of the view; Escape gives it up."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     for view, axis in ((0, 1), (1, 2)):
-        before = place_of(browser, 2)
-        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 16).perform()
-        after = place_of(browser, 2)
+        before = place_of(truck, 2)
+        ActionChains(truck).drag_and_drop_by_offset(handle(truck, 2, view), 0, 16).perform()
+        after = place_of(truck, 2)
         moved = [a - b for a, b in zip(after, before, strict=True)]
         assert moved[axis] != 0.0
         assert [x for i, x in enumerate(moved) if i != axis] == [0.0, 0.0]
         assert after[axis] == round(after[axis])
         # One scale for both views: 16 px are as many millimetres, y up and z down.
-        scale = js(browser, "return cardanPage.drawing.scale")
+        scale = js(truck, "return cardanPage.drawing.scale")
         assert abs(abs(moved[axis]) - 16.0 / scale) <= 2.0
         assert (moved[axis] < 0) == (view == 0)
-    held = ActionChains(browser).click_and_hold(handle(browser, 2)).move_by_offset(5, 30)
+    held = ActionChains(truck).click_and_hold(handle(truck, 2)).move_by_offset(5, 30)
     held.perform()
     # The figures of what is held still are its own.
     bend = "check:limits.equivalent_bend.value_deg"
     own = """const { model } = cardanPage;
     return model.rows().find((row) => row.path === arguments[0]).value;"""
     shown = "return Number(document.querySelector(`[data-path='${arguments[0]}']`).dataset.value)"
-    expected = js(browser, f"cardanPage.model.compute(); {own}", bend)
-    WebDriverWait(browser, 5).until(lambda browser: js(browser, shown, bend) == expected)
-    assert place_of(browser, 2) != after
-    ActionChains(browser).send_keys(Keys.ESCAPE).release().perform()
-    assert place_of(browser, 2) == after
+    expected = js(truck, f"cardanPage.model.compute(); {own}", bend)
+    WebDriverWait(truck, 5).until(lambda truck: js(truck, shown, bend) == expected)
+    assert place_of(truck, 2) != after
+    ActionChains(truck).send_keys(Keys.ESCAPE).release().perform()
+    assert place_of(truck, 2) == after
     for _ in range(2):
-        browser.find_element(By.ID, "live-undo").click()
-    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
+        truck.find_element(By.ID, "live-undo").click()
+    assert place_of(truck, 2) == [1650.0, -46.0, 0.0]
 
 
 def field(browser: webdriver.Chrome, label: str) -> WebElement:
@@ -734,35 +747,32 @@ def field(browser: webdriver.Chrome, label: str) -> WebElement:
 
 
 @in_browser
-def test_numbers_are_typed_stepped_and_dragged(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_numbers_are_typed_stepped_and_dragged(truck: webdriver.Chrome) -> None:
     """Coordinates, torque and speed; what is no number is refused and loses nothing."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.ARROW_RIGHT)
-    settled(browser)
-    y = field(browser, "y")
+    handle(truck, 2).send_keys(Keys.ARROW_RIGHT)
+    settled(truck)
+    y = field(truck, "y")
     assert y.get_attribute("value") == "\u221246.0"
     y.click()
     y.send_keys(Keys.CONTROL + "a")
     y.send_keys("-70,5" + Keys.ENTER)
-    assert place_of(browser, 2) == [1651.0, -70.5, 0.0]
+    assert place_of(truck, 2) == [1651.0, -70.5, 0.0]
     y.send_keys(Keys.ARROW_UP + Keys.SHIFT + Keys.ARROW_UP)
-    assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
+    assert place_of(truck, 2) == [1651.0, -59.5, 0.0]
     for text, words in (("12x", "is no number"), ("1e9", "must be within"), ("", "is no number")):
         y.send_keys(Keys.CONTROL + "a" + Keys.NULL)
         y.send_keys((text or Keys.BACKSPACE) + Keys.ENTER)
-        assert words in browser.find_element(By.ID, "live-refused").text
+        assert words in truck.find_element(By.ID, "live-refused").text
         assert y.get_attribute("value") == "\u221259.5"
-        assert place_of(browser, 2) == [1651.0, -59.5, 0.0]
-    torque = field(browser, "torque")
-    browser.execute_script("document.activeElement.blur()")
-    ActionChains(browser).drag_and_drop_by_offset(torque, 30, 0).perform()
-    assert js(browser, "return cardanPage.model.loadOf('torque')") == 1600.0
-    speed = field(browser, "speed")
+        assert place_of(truck, 2) == [1651.0, -59.5, 0.0]
+    torque = field(truck, "torque")
+    truck.execute_script("document.activeElement.blur()")
+    ActionChains(truck).drag_and_drop_by_offset(torque, 30, 0).perform()
+    assert js(truck, "return cardanPage.model.loadOf('torque')") == 1600.0
+    speed = field(truck, "speed")
     speed.click()
     speed.send_keys(Keys.ARROW_DOWN)
-    settled(browser)
+    settled(truck)
     changed = {
         "[1650, -46, 0]": "[1651, -59.5, 0]",
         "speed_rpm = 2200\n": "speed_rpm = 2190\n",
@@ -773,9 +783,9 @@ def test_numbers_are_typed_stepped_and_dragged(
         assert text.count(old) == 1
         text = text.replace(old, new)
     data = check_data(Answer(Scene.parse(without_slow_parts(text))))
-    for path, value, _ in figures(browser):
+    for path, value, _ in figures(truck):
         assert value == at(data, path), path
-    assert saved(browser) == ["truck-shaft.changed.toml", text]
+    assert saved(truck) == ["truck-shaft.changed.toml", text]
 
 
 def saved(browser: webdriver.Chrome) -> list[str]:
@@ -791,89 +801,74 @@ def saved(browser: webdriver.Chrome) -> list[str]:
 
 
 @in_browser
-def test_bearings_are_moved_along_their_shafts(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    bearing = browser.find_element(By.CSS_SELECTOR, ".handle[data-bearing='2'][data-view='1']")
+def test_bearings_are_moved_along_their_shafts(truck: webdriver.Chrome) -> None:
+    bearing = truck.find_element(By.CSS_SELECTOR, ".handle[data-bearing='2'][data-view='1']")
     position = "return 1e3 * cardanPage.model.part('positions', 2)"
-    ActionChains(browser).drag_and_drop_by_offset(bearing, -30, 6).perform()
-    scale = js(browser, "return cardanPage.drawing.scale")
-    assert abs(js(browser, position) - (1150.0 - 30.0 / scale)) <= 2.0
-    browser.find_element(By.ID, "live-undo").click()
+    ActionChains(truck).drag_and_drop_by_offset(bearing, -30, 6).perform()
+    scale = js(truck, "return cardanPage.drawing.scale")
+    assert abs(js(truck, position) - (1150.0 - 30.0 / scale)) <= 2.0
+    truck.find_element(By.ID, "live-undo").click()
     bearing.send_keys(Keys.SHIFT + Keys.ARROW_LEFT)
-    settled(browser)
-    assert js(browser, position) == pytest.approx(1140.0, abs=1e-9)
-    assert field(browser, "from the upstream end of shaft 1").get_attribute("value") == "1140.0"
-    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    settled(truck)
+    assert js(truck, position) == pytest.approx(1140.0, abs=1e-9)
+    assert field(truck, "from the upstream end of shaft 1").get_attribute("value") == "1140.0"
+    (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
     assert change.text.startswith("bearing 2 \u221210.0 mm")
     text = TRUCK.read_text(encoding="utf-8").replace("position_mm = 1150", "position_mm = 1140")
-    assert saved(browser)[1] == text
+    assert saved(truck)[1] == text
 
 
 @in_browser
-def test_a_link_carries_what_was_changed(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_link_carries_what_was_changed(truck: webdriver.Chrome) -> None:
     """The address follows; opened again it shows the same; a mistake in it shows the scene."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
-    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
-    settled(browser)
-    WebDriverWait(browser, 10).until(lambda browser: "state=" in browser.current_url)
-    address = browser.current_url
+    handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN + Keys.NULL + Keys.ARROW_DOWN)
+    truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[4].click()
+    settled(truck)
+    WebDriverWait(truck, 10).until(lambda truck: "state=" in truck.current_url)
+    address = truck.current_url
     assert address.endswith("#point.2.y=-21&state=%2B80+mm")
-    shown = figures(browser)
-    browser.get("about:blank")
-    browser.get(address)
-    browser.find_element(By.CSS_SELECTOR, "#live-panel .rows li")
-    assert figures(browser) == shown
-    js(browser, "location.hash = '#point.2.y=-24'")
-    settled(browser)
-    assert place_of(browser, 2)[1] == -70.0
-    js(browser, "location.hash = '#point.7.y=-24'")
-    settled(browser)
-    assert "nothing called" in browser.find_element(By.ID, "live-refused").text
-    assert place_of(browser, 2)[1] == -70.0
+    shown = figures(truck)
+    truck.get("about:blank")
+    truck.get(address)
+    truck.find_element(By.CSS_SELECTOR, "#live-panel .rows li")
+    assert figures(truck) == shown
+    js(truck, "location.hash = '#point.2.y=-24'")
+    settled(truck)
+    assert place_of(truck, 2)[1] == -70.0
+    js(truck, "location.hash = '#point.7.y=-24'")
+    settled(truck)
+    assert "nothing called" in truck.find_element(By.ID, "live-refused").text
+    assert place_of(truck, 2)[1] == -70.0
 
 
 @in_browser
-def test_a_turn_plays_until_it_is_stopped(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    angle, play = (browser.find_element(By.ID, f"live-{name}") for name in ("angle", "play"))
-    js(browser, "arguments[0].click()", play)
+def test_a_turn_plays_until_it_is_stopped(truck: webdriver.Chrome) -> None:
+    angle, play = (truck.find_element(By.ID, f"live-{name}") for name in ("angle", "play"))
+    js(truck, "arguments[0].click()", play)
     for _ in range(5):
-        settled(browser)
+        settled(truck)
     assert play.text == "Stop"
     turned = float(str(angle.get_property("value")))
     assert turned != 40.0
-    js(browser, "arguments[0].click()", play)
-    settled(browser)
+    js(truck, "arguments[0].click()", play)
+    settled(truck)
     stopped = angle.get_property("value")
-    settled(browser)
+    settled(truck)
     assert angle.get_property("value") == stopped
 
 
 @in_browser
-def test_what_makes_no_driveline_is_refused(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    handle(browser, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
-    settled(browser)
-    assert "makes no driveline" in browser.find_element(By.ID, "live-refused").text
-    assert place_of(browser, 2)[0] > 350.0
-    assert "NaN" not in js(browser, "return document.querySelector('main').innerHTML")
+def test_what_makes_no_driveline_is_refused(truck: webdriver.Chrome) -> None:
+    handle(truck, 2).send_keys(Keys.SHIFT + 200 * Keys.ARROW_LEFT)
+    settled(truck)
+    assert "makes no driveline" in truck.find_element(By.ID, "live-refused").text
+    assert place_of(truck, 2)[0] > 350.0
+    assert "NaN" not in js(truck, "return document.querySelector('main').innerHTML")
 
 
 @in_browser
-def test_states_are_chosen_with_their_verdict(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    chips = browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")
+def test_states_are_chosen_with_their_verdict(truck: webdriver.Chrome) -> None:
+    chips = truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")
     assert [chip.get_attribute("aria-label") for chip in chips] == [
         "-80 mm, beyond",
         "-40 mm, beyond",
@@ -883,71 +878,62 @@ def test_states_are_chosen_with_their_verdict(
     ]
     assert [chip.get_attribute("aria-checked") for chip in chips].index("true") == 2
     chips[0].click()
-    settled(browser)
-    assert any("[state=-80 mm].bends_deg[1]" in path for path, _, _ in figures(browser))
+    settled(truck)
+    assert any("[state=-80 mm].bends_deg[1]" in path for path, _, _ in figures(truck))
     data = check_data(Answer(Scene.load(TRUCK)))
-    for path, value, _ in figures(browser):
+    for path, value, _ in figures(truck):
         assert close(value, at(data, path)), path
 
 
 @in_browser
-def test_a_suggestion_is_applied_with_a_click(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_suggestion_is_applied_with_a_click(truck: webdriver.Chrome) -> None:
     """It brings the truck within its limits, as the check confirms, and can be taken back."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    offer = browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    offer = truck.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
     assert offer.text.split("\n") == ["Move joint 1 by 24.0 mm along \u2212y", "all within here"]
     offer.click()
-    assert verdict_of(browser) == "within"
-    assert place_of(browser, 2) == [1650.0, -70.0, 0.0]
-    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert verdict_of(truck) == "within"
+    assert place_of(truck, 2) == [1650.0, -70.0, 0.0]
+    (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
     assert change.text.startswith("joint 1 y \u221224.0 mm")
-    browser.execute_script("arguments[0].click()", change)
-    assert verdict_of(browser) == "beyond"
-    assert place_of(browser, 2) == [1650.0, -46.0, 0.0]
+    truck.execute_script("arguments[0].click()", change)
+    assert verdict_of(truck) == "beyond"
+    assert place_of(truck, 2) == [1650.0, -46.0, 0.0]
 
 
 @in_browser
-def test_yokes_are_turned_by_keys_and_buttons(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    dial = browser.find_element(By.CSS_SELECTOR, "#live-dials [role=slider]")
+def test_yokes_are_turned_by_keys_and_buttons(truck: webdriver.Chrome) -> None:
+    dial = truck.find_element(By.CSS_SELECTOR, "#live-dials [role=slider]")
     dial.send_keys(Keys.SHIFT + Keys.ARROW_RIGHT)
     dial.send_keys(2 * Keys.ARROW_LEFT)
-    settled(browser)
+    settled(truck)
     assert dial.get_attribute("aria-valuetext") == "8.0° clockwise"
-    best, teeth = browser.find_elements(By.CSS_SELECTOR, "#live-dials button")
-    browser.execute_script("arguments[0].click()", best)
+    best, teeth = truck.find_elements(By.CSS_SELECTOR, "#live-dials button")
+    truck.execute_script("arguments[0].click()", best)
     bend = "return document.querySelector(`[data-path='check:limits.equivalent_bend.value_deg']`)"
-    least = float(js(browser, f"{bend}.dataset.value"))
-    browser.execute_script("arguments[0].click()", teeth)
-    on_teeth = float(js(browser, f"{bend}.dataset.value"))
-    phases = js(browser, "return cardanPage.model.phases")
+    least = float(js(truck, f"{bend}.dataset.value"))
+    truck.execute_script("arguments[0].click()", teeth)
+    on_teeth = float(js(truck, f"{bend}.dataset.value"))
+    phases = js(truck, "return cardanPage.model.phases")
     assert np.allclose(np.mod(np.array(phases) + 5.0, 10.0), 5.0, atol=1e-6)
     assert min(least, on_teeth) < 4.27
 
 
 @pytest.mark.long
 @in_browser
-def test_the_page_checks_itself(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_the_page_checks_itself(truck: webdriver.Chrome) -> None:
     """It says which core and which scene, and that this browser has the published results.
 
     Meanwhile it draws frames; the whole takes about a second.
     """
-    opened(browser, answered(TRUCK).page, tmp_path)
-    foot = browser.find_element(By.ID, "live-trust")
+    foot = truck.find_element(By.ID, "live-trust")
     core = (WEB / "sources.sha256").read_text()[:12]
     text = hashlib.sha256(TRUCK.read_bytes()).hexdigest()[:12]
     assert f"cardan {__version__} ({core})" in foot.text
     assert f"truck-shaft.toml ({text})" in foot.text
     # What would help has been found.
-    browser.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
+    truck.find_element(By.CSS_SELECTOR, "#live-panel .ways button")
     js(
-        browser,
+        truck,
         """let last = performance.now();
         window.longest = 0;
         arguments[0].click();
@@ -961,7 +947,7 @@ def test_the_page_checks_itself(
     )
     result = foot.find_element(By.CSS_SELECTOR, "[role=status].within, [role=status].beyond")
     assert result.text.startswith("All 10\u2009000 evaluations have the published results")
-    assert 0.0 < float(js(browser, "return window.longest")) < 300.0
+    assert 0.0 < float(js(truck, "return window.longest")) < 300.0
 
 
 @in_browser
@@ -1001,8 +987,7 @@ def test_a_notebook_shows_a_machine_that_can_be_moved(
 @pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.long)])
 def test_a_machine_is_chosen(browser: webdriver.Chrome, tmp_path: Path, width: int) -> None:
     """By a link; nothing is wider than the screen."""
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, width, 900)
     machines = [TRUCK, example("test-rig.toml")]
     page = moving_page({path.stem: Answer(Scene.load(path)) for path in machines})
     assert page is not None
@@ -1039,10 +1024,9 @@ def test_a_page_without_webassembly_is_the_report(
     assert browser.find_element(By.CSS_SELECTOR, "#tolerances .drawing figure").is_displayed()
 
 
-def test_the_module_is_in_the_page(tmp_path: Path) -> None:
+def test_the_module_is_in_the_page(tmp_path: Path, answered: Answers) -> None:
     """Nothing is fetched: the page holds the compressed module, and pays for it only with it."""
-    write_report(Scene.load(TRUCK), tmp_path / "a.html")
-    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    page = answered(TRUCK).page
     (module,) = re.findall(r'id="live-module">(.*?)</script>', page)
     assert base64.b64decode(module) == (WEB / "cardan.wasm.gz").read_bytes()
     (script,) = re.findall(r"<script>(.*?)</script>", page, re.S)
@@ -1094,13 +1078,10 @@ def drawn_as(scene: Scene, state: str, shown: list[Drawn], *, former: bool = Fal
 
 
 @in_browser
-def test_curves_over_the_turn_stand_where_the_package_says(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_curves_over_the_turn_stand_where_the_package_says(truck: webdriver.Chrome) -> None:
     """In the state shown, as drawn and after a move, with the scene as sent dashed behind it."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     scene, moved = Scene.load(TRUCK), edited(TRUCK, 2, (0.0, -24.0, 0.0))
-    shown = charts(browser)
+    shown = charts(truck)
     assert [chart.heading for chart in shown] == [
         "Acceleration [rad/s²]",
         "Torque [N m]",
@@ -1110,19 +1091,16 @@ def test_curves_over_the_turn_stand_where_the_package_says(
     assert all("over drive angle [deg], from" in chart.spoken for chart in shown)
     drawn_as(scene, "rest", shown)
     assert not any(len(curve) for chart in shown for curve in chart.former)
-    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN, Keys.NULL, 4 * Keys.ARROW_DOWN)
-    browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[0].click()
-    settled(browser)
-    drawn_as(moved, "-80 mm", charts(browser))
-    drawn_as(scene, "-80 mm", charts(browser), former=True)
-    assert "even" in charts(browser)[1].legend[-1]
+    handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN, Keys.NULL, 4 * Keys.ARROW_DOWN)
+    truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[0].click()
+    settled(truck)
+    drawn_as(moved, "-80 mm", charts(truck))
+    drawn_as(scene, "-80 mm", charts(truck), former=True)
+    assert "even" in charts(truck)[1].legend[-1]
 
 
 @in_browser
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in SHORT else pytest.mark.long) for name in MACHINES],
-)
+@pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_sizes_of_curves_are_those_of_a_run(
     name: str, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
@@ -1159,38 +1137,34 @@ def number_at(data: Any, path: str) -> Any:  # noqa: ANN401
 
 
 @in_browser
-def test_axes_grow_while_dragging_and_fit_afterwards(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    js(browser, "document.getElementById('live-curves').scrollIntoView()")
+def test_axes_grow_while_dragging_and_fit_afterwards(truck: webdriver.Chrome) -> None:
+    js(truck, "document.getElementById('live-curves').scrollIntoView()")
 
     def top(y: float) -> float:
         script = """const { model, curves } = cardanPage;
             model.begin(); model.place(2, [null, arguments[0], null]); curves.show(arguments[1]);
             const shown = document.querySelectorAll("#live-curves [data-y]");
             return Math.max(...[...shown].map((text) => Number(text.dataset.y)))"""
-        return float(js(browser, script, y, not y))
+        return float(js(truck, script, y, not y))
 
-    settled(browser)
+    settled(truck)
     heights = [top(y) for y in (-100.0, 300.0, -46.0)]
     assert heights[0] < heights[1] == heights[2]
-    assert js(browser, "cardanPage.model.cancel(); cardanPage.curves.show(true)") is None
-    assert max(chart.ticks["y"][-1] for chart in charts(browser)) < heights[1]
+    assert js(truck, "cardanPage.model.cancel(); cardanPage.curves.show(true)") is None
+    assert max(chart.ticks["y"][-1] for chart in charts(truck)) < heights[1]
 
 
 @in_browser
-def test_curves_are_copied(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> None:
+def test_curves_are_copied(truck: webdriver.Chrome) -> None:
     """As text with a line of names and units."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    button = browser.find_element(By.XPATH, "//button[.='Copy as CSV']")
+    button = truck.find_element(By.XPATH, "//button[.='Copy as CSV']")
     js(
-        browser,
+        truck,
         """Object.defineProperty(navigator, "clipboard", { configurable: true, value: {
             writeText: async (text) => { window.copiedText = text; } } })""",
     )
-    browser.execute_script("arguments[0].click()", button)
-    head, *rows = js(browser, "return copiedText").splitlines()
+    truck.execute_script("arguments[0].click()", button)
+    head, *rows = js(truck, "return copiedText").splitlines()
     names = head.split(",")
     assert names[:2] == ["drive angle [deg]", "acceleration of shaft 1 [rad/s²] (rest)"]
     values = np.array([row.split(",") for row in rows], dtype=float)
@@ -1201,5 +1175,5 @@ def test_curves_are_copied(browser: webdriver.Chrome, answered: Answers, tmp_pat
     ]
     assert values[:, 0].tolist() == list(range(0, 361, 3))
     assert np.allclose(values[:, 1:], np.concatenate(expected).T, rtol=1e-9, atol=1e-9)
-    said = browser.find_element(By.CSS_SELECTOR, "#live-curves [role=status]")
+    said = truck.find_element(By.CSS_SELECTOR, "#live-curves [role=status]")
     assert said.text == "copied"

@@ -20,45 +20,24 @@ import pages
 from cardan.app.scene import Scene
 from cardan.app.scene.machine import machine_of
 from example_scenes import Answers, example
-from pages import handle, in_browser, js, opened, settled
+from pages import handle, in_browser, js, media, opened, screen, settled
+from tiers import few
 
 TRUCK = example("truck-shaft.toml")
 PAGES = [example(f"{name}.toml") for name in ("truck-shaft", "test-rig", "ship-shaft")]
-EACH_PAGE = pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, marks=[pytest.mark.long] * (path != TRUCK), id=path.stem)
-        for path in PAGES
-    ],
-)
+EACH_PAGE = pytest.mark.parametrize("path", few(PAGES, [TRUCK]), ids=lambda path: path.stem)
 
 pytestmark = in_browser
 WHITE = "rgb(255, 255, 255)"
-# Fixtures.
-chromium, browser = pages.chromium, pages.browser
 
 
 @pytest.fixture
 def phone(browser: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
     """The browser as narrow as a phone, and touched."""
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, 390, 844)
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
     yield browser
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-
-
-@pytest.fixture(autouse=True)
-def screen(browser: webdriver.Chrome) -> Iterator[None]:
-    """A light screen before and after every test."""
-    media(browser)
-    yield
-    media(browser)
-
-
-def media(browser: webdriver.Chrome, kind: str = "screen", scheme: str = "light") -> None:
-    feature = {"name": "prefers-color-scheme", "value": scheme}
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [feature]})
 
 
 def box(browser: webdriver.Chrome, selector: str) -> dict[str, float]:
@@ -249,15 +228,12 @@ def slopes(browser: webdriver.Chrome) -> dict[str, tuple[float, str]]:
     return {path: (value, text) for path, (value, text) in found}
 
 
-def test_slopes_are_those_of_the_shafts(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_slopes_are_those_of_the_shafts(truck: webdriver.Chrome) -> None:
     """In both views, to a hundredth of a degree, also of what is moved and stretched."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     for name in ("live-true", "live-high"):
-        browser.find_element(By.ID, name).click()
-        points = [pages.place_of(browser, i) for i in range(5)]
-        shown = slopes(browser)
+        truck.find_element(By.ID, name).click()
+        points = [pages.place_of(truck, i) for i in range(5)]
+        shown = slopes(truck)
         for view, axis in ((0, 1), (1, 2)):
             for shaft in (1, 2):
                 value, text = shown[f"derived:slopes_deg[view={view},shaft={shaft}]"]
@@ -265,58 +241,52 @@ def test_slopes_are_those_of_the_shafts(
                 assert value == pytest.approx(math.degrees(math.atan(along[axis] / along[0])))
                 minus = text.removeprefix("slope ").removesuffix("°").replace("\u2212", "-")
                 assert float(minus) == round(value, 2)
-        handle(browser, 2).send_keys(Keys.SHIFT + 3 * Keys.ARROW_UP)
-        settled(browser)
+        handle(truck, 2).send_keys(Keys.SHIFT + 3 * Keys.ARROW_UP)
+        settled(truck)
     assert shown["derived:slopes_deg[view=0,shaft=1]"][1] == "slope 0.35°"
 
 
-def test_stretched_heights_are_dragged_exactly(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    high = browser.find_element(By.ID, "live-high")
-    wide = js(browser, "return cardanPage.drawing.scale")
+def test_stretched_heights_are_dragged_exactly(truck: webdriver.Chrome) -> None:
+    high = truck.find_element(By.ID, "live-high")
+    wide = js(truck, "return cardanPage.drawing.scale")
     high.click()
     assert high.get_attribute("aria-pressed") == "true"
-    assert js(browser, "return cardanPage.drawing.scale") == wide
-    knobs = [box(browser, f".handle[data-point='{i}'] .knob") for i in (1, 3)]
+    assert js(truck, "return cardanPage.drawing.scale") == wide
+    knobs = [box(truck, f".handle[data-point='{i}'] .knob") for i in (1, 3)]
     fall = (knobs[1]["top"] - knobs[0]["top"]) / wide
     assert fall == pytest.approx(4 * (180 - 24), abs=3)
     for view, axis, sign in ((0, 1, -1.0), (1, 2, 1.0)):
-        before = pages.place_of(browser, 2)
-        js(browser, "arguments[0].scrollIntoView({ block: 'center' })", handle(browser, 2, view))
-        ActionChains(browser).drag_and_drop_by_offset(handle(browser, 2, view), 0, 24).perform()
-        after = pages.place_of(browser, 2)
+        before = pages.place_of(truck, 2)
+        js(truck, "arguments[0].scrollIntoView({ block: 'center' })", handle(truck, 2, view))
+        ActionChains(truck).drag_and_drop_by_offset(handle(truck, 2, view), 0, 24).perform()
+        after = pages.place_of(truck, 2)
         assert after[axis] - before[axis] == pytest.approx(sign * 6.0 / wide, abs=0.6)
         assert after[0] == before[0]
-    browser.find_element(By.ID, "live-true").click()
+    truck.find_element(By.ID, "live-true").click()
     assert high.get_attribute("aria-pressed") == "false"
 
 
-def test_arrows_are_the_forces_of_the_bearings(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_arrows_are_the_forces_of_the_bearings(truck: webdriver.Chrome) -> None:
     """At the drive angle and in the state that are shown, in both views with one scale."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     scene = Scene.load(TRUCK)
     states = scene.states
     assert states
     for state, angle in ((2, 40.0), (0, 130.0)):
-        browser.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[state].click()
+        truck.find_elements(By.CSS_SELECTOR, "#live-states [role=radio]")[state].click()
         js(
-            browser,
+            truck,
             """const angle = document.getElementById("live-angle");
             angle.value = arguments[0];
             angle.dispatchEvent(new Event("input"));""",
             angle,
         )
-        settled(browser)
+        settled(truck)
         load = states.load(state)
         found = scene.drivelines()[state].evaluate(np.radians([angle]), "bearing_force", load=load)
         forces = found.bearing_force.reshape(5, 3)
-        scale = js(browser, "return cardanPage.drawing.push")
+        scale = js(truck, "return cardanPage.drawing.push")
         paths = js(
-            browser,
+            truck,
             "return [...document.querySelectorAll('.arrow')].map((e) => e.getAttribute('d'))",
         )
         for axis, drawn in ((1, paths[:5]), (2, paths[5:])):
@@ -336,31 +306,28 @@ const lines = document.querySelector(".ribbon .hatch").getAttribute("d");
 return [...lines.matchAll(/M\\S+ (\\S+?)l/g)].map(([, y]) => top + Number(y));"""
 
 
-def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_ribbon_shows_at_which_heights_the_verdict_holds(truck: webdriver.Chrome) -> None:
     """As the core judges the same heights; found in slices, and gone while somebody drags."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    ribbon = browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon")
+    ribbon = truck.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon")
     assert ribbon.get_attribute("visibility") == "hidden"
-    joint = handle(browser, 2)
+    joint = handle(truck, 2)
     joint.send_keys("")
-    browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
+    truck.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
     bands = js(
-        browser,
+        truck,
         """return [...document.querySelectorAll("#live-drawing .ribbon rect")].map((e) => {
             const { top, bottom } = e.getBoundingClientRect();
             return [(top + bottom) / 2, e.getAttribute("class"), top, bottom];
         })""",
     )
-    knob = box(browser, ".handle[data-point='2'] .knob")
+    knob = box(truck, ".handle[data-point='2'] .knob")
     middle, scale = (
         (knob["top"] + knob["bottom"]) / 2,
-        js(browser, "return cardanPage.drawing.scale"),
+        js(truck, "return cardanPage.drawing.scale"),
     )
     assert len(bands) > 30
     step = 0.035 * 3450.0 / 20.0
-    hatched = js(browser, HATCHED)
+    hatched = js(truck, HATCHED)
     for at, verdict, top, bottom in bands:
         place = round((middle - at) / scale / step)
         assert abs((middle - at) / scale - step * place) < 1.0
@@ -375,16 +342,16 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(
     assert {band[1] for band in bands} == {"within", "beyond"}
     words = ribbon.get_attribute("aria-label")
     assert words == "Within all limits with y from \u2212112.4 to \u221270.2 mm"
-    slices = js(browser, "return cardanPage.ribbon.slices")
+    slices = js(truck, "return cardanPage.ribbon.slices")
     assert sum(count for count, _ in slices) == len(bands)
     # One that looks at more than one height ends before 8 ms, unless the machine is busy.
     long = [took for count, took in slices if count > 1]
     assert np.median(long or [0.0]) < 9.0
-    ActionChains(browser).click_and_hold(joint).move_by_offset(0, 20).perform()
-    settled(browser)
+    ActionChains(truck).click_and_hold(joint).move_by_offset(0, 20).perform()
+    settled(truck)
     assert ribbon.get_attribute("visibility") == "hidden"
-    ActionChains(browser).release().perform()
-    browser.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
+    ActionChains(truck).release().perform()
+    truck.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
 
 
 # --- snapping ---------------------------------------------------------------------------------
@@ -413,51 +380,45 @@ def dragged(
     return at, found
 
 
-def test_a_point_snaps_to_what_it_is_near(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_point_snaps_to_what_it_is_near(truck: webdriver.Chrome) -> None:
     """To where it was drawn and to the level of its neighbours, with a line and a word."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    browser.find_element(By.ID, "live-high").click()
-    scale = js(browser, "return cardanPage.drawing.scale")
+    truck.find_element(By.ID, "live-high").click()
+    scale = js(truck, "return cardanPage.drawing.scale")
     up = 4 * scale
     # Joint 0 is 22 mm higher; the pointer stops 2 mm before it, which are fewer than 5 px.
-    level, words = dragged(browser, (0, round(-20 * up)))
+    level, words = dragged(truck, (0, round(-20 * up)))
     assert level == [1650.0, -24.0, 0.0]
     assert list(words) == ["level with joint 0"]
-    knob, line = box(browser, ".handle[data-point='2'] .knob"), words["level with joint 0"]
+    knob, line = box(truck, ".handle[data-point='2'] .knob"), words["level with joint 0"]
     assert line["top"] == pytest.approx((knob["top"] + knob["bottom"]) / 2, abs=1.0)
     assert line["width"] > 300
     # 10 mm are more than 5 px.
-    away, words = dragged(browser, (0, round(10 * up)))
+    away, words = dragged(truck, (0, round(10 * up)))
     assert away[1] == pytest.approx(-34.0, abs=1.0)
     assert away[1] == round(away[1])
     assert words == {}
-    back, words = dragged(browser, (0, round(10 * up)))
+    back, words = dragged(truck, (0, round(10 * up)))
     assert back == [1650.0, -46.0, 0.0]
     assert list(words) == ["as drawn"]
     # To the right of where it was drawn, and back: a coordinate snaps by itself.
-    assert dragged(browser, (60, round(40 * up)))[0][0] == pytest.approx(1650 + 60 / scale, abs=1)
-    at, words = dragged(browser, (-59, 0))
+    assert dragged(truck, (60, round(40 * up)))[0][0] == pytest.approx(1650 + 60 / scale, abs=1)
+    at, words = dragged(truck, (-59, 0))
     assert at[0] == 1650.0
     assert list(words) == ["as drawn"]
     assert words["as drawn"]["height"] > words["as drawn"]["width"]
 
 
-def test_keys_hold_a_drag_straight_or_make_it_fine(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    scale = js(browser, "return cardanPage.drawing.scale")
-    straight, _ = dragged(browser, (30, 40), Keys.SHIFT)
+def test_keys_hold_a_drag_straight_or_make_it_fine(truck: webdriver.Chrome) -> None:
+    scale = js(truck, "return cardanPage.drawing.scale")
+    straight, _ = dragged(truck, (30, 40), Keys.SHIFT)
     assert straight[0] == 1650.0
     assert straight[1] == pytest.approx(-46.0 - 40 / scale, abs=1.0)
-    browser.find_element(By.ID, "live-undo").click()
-    straight, _ = dragged(browser, (40, 30), Keys.SHIFT)
+    truck.find_element(By.ID, "live-undo").click()
+    straight, _ = dragged(truck, (40, 30), Keys.SHIFT)
     assert straight[1] == -46.0
     assert straight[0] == pytest.approx(1650.0 + 40 / scale, abs=1.0)
-    browser.find_element(By.ID, "live-undo").click()
-    fine, words = dragged(browser, (3, 10), Keys.ALT)
+    truck.find_element(By.ID, "live-undo").click()
+    fine, words = dragged(truck, (3, 10), Keys.ALT)
     assert fine[:2] == pytest.approx([1650.0 + 0.3 / scale, -46.0 - 1.0 / scale], abs=0.06)
     assert fine[1] != round(fine[1]) or fine[0] != round(fine[0])
     assert words == {}
@@ -496,28 +457,25 @@ def test_lengths_are_shown_in_inches(
     assert pages.figures(browser) == before
 
 
-def test_inches_are_typed_and_listed(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    browser.find_element(By.ID, "live-in").click()
-    handle(browser, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
-    settled(browser)
-    field = browser.find_element(By.CSS_SELECTOR, "input[aria-label='y, in']")
+def test_inches_are_typed_and_listed(truck: webdriver.Chrome) -> None:
+    truck.find_element(By.ID, "live-in").click()
+    handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
+    settled(truck)
+    field = truck.find_element(By.CSS_SELECTOR, "input[aria-label='y, in']")
     assert field.get_attribute("value") == "\u22122.598"
-    assert browser.find_element(By.ID, "live-moved").text == "moved y \u22120.787 in"
-    (change,) = browser.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
-    assert js(browser, "return arguments[0].textContent", change) == "joint 1 y \u22120.787 in ✕"
+    assert truck.find_element(By.ID, "live-moved").text == "moved y \u22120.787 in"
+    (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
+    assert js(truck, "return arguments[0].textContent", change) == "joint 1 y \u22120.787 in ✕"
     bound = "//li[contains(., 'ngaged length')]//*[@class='value']"
-    engaged = browser.find_element(By.XPATH, bound).get_attribute("textContent")
+    engaged = truck.find_element(By.XPATH, bound).get_attribute("textContent")
     assert "at least 2.756 in" in str(engaged)
-    js(browser, "arguments[0].focus()", field)
+    js(truck, "arguments[0].focus()", field)
     field.send_keys(Keys.CONTROL + "a" + Keys.NULL + "-2" + Keys.ENTER)
-    settled(browser)
-    assert pages.place_of(browser, 2) == [1650.0, pytest.approx(-50.8, abs=1e-9), 0.0]
+    settled(truck)
+    assert pages.place_of(truck, 2) == [1650.0, pytest.approx(-50.8, abs=1e-9), 0.0]
     field.send_keys(Keys.ARROW_UP)
-    settled(browser)
-    assert pages.place_of(browser, 2)[1] == pytest.approx(-50.8 + 0.254, abs=1e-6)
+    settled(truck)
+    assert pages.place_of(truck, 2)[1] == pytest.approx(-50.8 + 0.254, abs=1e-6)
 
 
 CONTRAST = """
@@ -580,22 +538,19 @@ def test_everything_stands_out(
         assert ratio >= (4.5 if kind == "text" else 3.0), name
 
 
-def test_a_button_chooses_the_colours(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_a_button_chooses_the_colours(truck: webdriver.Chrome) -> None:
     """As the system has them, light, dark and so on; paper is light whatever was chosen."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     ground = "return getComputedStyle(document.body).backgroundColor"
     dark = "rgb(20, 24, 29)"
-    button = browser.find_element(By.ID, "live-theme")
-    media(browser, "screen", "dark")
+    button = truck.find_element(By.ID, "live-theme")
+    media(truck, "screen", "dark")
     grounds = []
     for _ in range(4):
-        grounds.append(js(browser, ground))
+        grounds.append(js(truck, ground))
         button.click()
     assert grounds == [dark, WHITE, dark, dark]
     button.click()
     assert button.text == "Colours: dark"
-    media(browser, "print", "dark")
-    assert js(browser, ground) == WHITE
-    assert js(browser, "return getComputedStyle(document.documentElement).colorScheme") == "light"
+    media(truck, "print", "dark")
+    assert js(truck, ground) == WHITE
+    assert js(truck, "return getComputedStyle(document.documentElement).colorScheme") == "light"

@@ -48,7 +48,7 @@ from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
 from cardan.reference import vectors
 from cardan.reference.approximations import thoma_moment_ratios, thoma_small_angle
-from example_scenes import DRIVELINES, EXAMPLES
+from example_scenes import EXAMPLES, each_driveline
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -192,6 +192,9 @@ def test_shafts_share_a_panel_and_a_scale() -> None:
         names = [f"shaft {shown[0] + 1}", *(str(shaft + 1) for shaft in shown[1:])]
         named = [] if legend is None else [text.get_text() for text in legend.get_texts()]
         assert named == (names if shafts > 1 else [])
+        # They can be told apart in grey.
+        dashes = {str(line._dash_pattern) for line in panels(figure)[0].get_lines()}  # type: ignore[attr-defined]
+        assert len(dashes) == min(shafts, 6)
         capped = "6 of 64" in headings(figure)[0]
         assert capped == any("left out" in text for text in page_texts(figure)) == (shafts > 6)
     # With few joints of small bends the moment along the shafts is steady.
@@ -289,9 +292,18 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
     )
 
 
-@pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in DRIVELINES), TALL])
-def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figure = plot_scene(Scene.parse(text, folder=EXAMPLES[0].parent).run())
+@each_driveline
+def test_nothing_overlaps(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    apart(Scene.load(path), monkeypatch)
+
+
+def test_nothing_overlaps_on_a_tall_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    apart(Scene.parse(TALL), monkeypatch)
+
+
+def apart(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every text of the page of a scene lies in it and covers no other."""
+    figure = plot_scene(scene.run())
     figure.set_dpi(200)
     page = figure.bbox
     found = texts(figure, monkeypatch, largest=11.0)
@@ -305,11 +317,6 @@ def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
         low, high = axes.get_ylim()
         assert len([tick for tick in axes.get_yticks() if low <= tick <= high]) >= 2
         assert axes.yaxis.get_offset_text().get_text() == ""
-
-
-def test_curves_of_a_page_can_be_told_apart_in_grey() -> None:
-    lines = panels(drawn(many_joints(64)))[0].get_lines()
-    assert len({str(line._dash_pattern) for line in lines}) == 6  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -701,18 +708,6 @@ def curve(axes: Axes, place: int) -> tuple[Any, Any]:
 
 
 @each_picture
-def test_axes_are_taken_and_returned(name: str) -> None:
-    projection, picture = PICTURES[name]
-    axes = given_axes(projection)
-    with matplotlib.rc_context({"font.size": 11.5}):
-        before = dict(matplotlib.rcParams)
-        assert picture(ax=axes) is axes
-        assert dict(matplotlib.rcParams) == before
-    assert axes.has_data()
-    assert pyplot.get_fignums() == []
-
-
-@each_picture
 def test_texts_can_be_read_at_80_mm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     picture = PICTURES[name][1]
     before = dict(matplotlib.rcParams)
@@ -738,9 +733,15 @@ def test_texts_can_be_read_at_80_mm(name: str, monkeypatch: pytest.MonkeyPatch) 
 
 
 @each_picture
-def test_curves_can_be_told_apart_in_grey(name: str) -> None:
+def test_axes_are_taken_and_returned_with_curves_that_can_be_told_apart_in_grey(name: str) -> None:
     projection, picture = PICTURES[name]
-    axes = picture(ax=given_axes(projection))
+    axes = given_axes(projection)
+    with matplotlib.rc_context({"font.size": 11.5}):
+        before = dict(matplotlib.rcParams)
+        assert picture(ax=axes) is axes
+        assert dict(matplotlib.rcParams) == before
+    assert axes.has_data()
+    assert pyplot.get_fignums() == []
 
     def looks(line: Line2D) -> tuple[Any, ...]:
         dashes = str(line._dash_pattern)  # type: ignore[attr-defined]

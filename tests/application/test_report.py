@@ -5,13 +5,11 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import os
 import re
-import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from html.parser import HTMLParser
 from itertools import combinations, pairwise
 from pathlib import Path
@@ -23,8 +21,6 @@ import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
 from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
@@ -47,8 +43,23 @@ from cardan.app.scene import Scene
 from cardan.app.scene.study.study import Column
 from cardan.design.judged import Finding
 from cardan.design.quantities import label as label_of
-from example_scenes import DRIVELINES, EXAMPLES, Answers
-from pages import Drawn, chart_in, drawings, headed, near, tables, three
+from example_scenes import DRIVELINES, EXAMPLES, Answers, each_driveline
+from pages import (
+    Drawn,
+    chart_in,
+    console,
+    drawings,
+    headed,
+    in_browser,
+    js,
+    media,
+    near,
+    screen,
+    show,
+    tables,
+    three,
+)
+from tiers import few
 
 MACHINES = [path.stem for path in EXAMPLES if path.parent.name == "machines"]
 SMALL_PAGES = ("foeppl", "suspension", "recorded_run")
@@ -545,7 +556,7 @@ def test_a_long_recording_is_thinned(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
+@each_driveline
 def test_every_example_has_a_page_that_needs_nothing_else(path: Path, answered: Answers) -> None:
     page = answered(path).page
     assert len(page.encode()) < 700_000
@@ -560,10 +571,7 @@ def test_every_example_has_a_page_that_needs_nothing_else(path: Path, answered: 
 
 @pytest.mark.parametrize(
     "path",
-    [
-        pytest.param(path, marks=() if path.stem in SMALL_PAGES else pytest.mark.long)
-        for path in DRIVELINES
-    ],
+    few(DRIVELINES, [path for path in DRIVELINES if path.stem in SMALL_PAGES]),
     ids=lambda path: path.stem,
 )
 def test_a_page_is_the_same_every_time(path: Path, tmp_path: Path, answered: Answers) -> None:
@@ -707,72 +715,20 @@ def test_nothing_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 # --- in a browser ----------------------------------------------------------------------------
 
 
-in_browser = pytest.mark.xdist_group("browser")
+@pytest.fixture
+def page_of(tmp_path: Path, answered: Answers) -> Callable[[str], str]:
+    """The page of an example or of an odd scene, by its name."""
+    paths, texts = {path.stem: path for path in DRIVELINES}, {**ODD, "z": Z_SHAFT}
 
+    def found(name: str) -> str:
+        return (
+            answered(paths[name]).page if name in paths else written(scene(texts[name]), tmp_path)
+        )
 
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
-    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if browser is None or driver is None:
-        if os.environ.get("CARDAN_REQUIRE_BROWSER"):
-            pytest.fail("CARDAN_REQUIRE_BROWSER is set and chromium or chromedriver is missing")
-        pytest.skip("no chromium with chromedriver")
-    options = Options()
-    options.binary_location = browser
-    # Containers have neither user namespaces nor room in /dev/shm.
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    chrome = webdriver.Chrome(options, Service(driver))
-    yield chrome
-    chrome.quit()
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, answered: Answers) -> Path:
-    """A page of every example and of odd scenes."""
-    folder = tmp_path_factory.mktemp("pages")
-    for path in DRIVELINES:
-        (folder / f"{path.stem}.html").write_text(answered(path).page, encoding="utf-8")
-    for name, text in {**ODD, "z": Z_SHAFT}.items():
-        write_report(scene(text), folder / f"{name}.html")
-    return folder
+    return found
 
 
 PAGES = [*(path.stem for path in DRIVELINES), *ODD, "z"]
-
-
-@pytest.fixture
-def browser(chromium: webdriver.Chrome) -> Iterator[webdriver.Chrome]:
-    """The browser as wide as a desk, in light, and no script error at the end."""
-    screen(chromium, 1200)
-    media(chromium)
-    said(chromium)
-    yield chromium
-    assert said(chromium) == []
-
-
-def said(browser: webdriver.Chrome) -> list[str]:
-    """What the browser's console has said since it was last asked."""
-    return [entry["message"] for entry in browser.get_log("browser")]  # type: ignore[no-untyped-call]
-
-
-def screen(browser: webdriver.Chrome, width: int) -> None:
-    size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": width < 500}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-
-
-def media(browser: webdriver.Chrome, kind: str = "screen", scheme: str = "light") -> None:
-    feature = {"name": "prefers-color-scheme", "value": scheme}
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": [feature]})
-
-
-def js(browser: webdriver.Chrome, script: str, *arguments: object) -> Any:  # noqa: ANN401
-    return browser.execute_script(script, *arguments)
-
-
-def opened(browser: webdriver.Chrome, folder: Path, name: str) -> None:
-    browser.get((folder / f"{name}.html").as_uri())
 
 
 def until_live(browser: webdriver.Chrome) -> None:
@@ -783,7 +739,7 @@ def until_live(browser: webdriver.Chrome) -> None:
 def stands_where_its_data_say(browser: webdriver.Chrome) -> list[Drawn]:
     """Everything that a page draws is read back from it and compared with what Python has sent."""
     found = []
-    for place in browser.find_elements(By.CSS_SELECTOR, ".drawing"):
+    for place in js(browser, "return [...document.querySelectorAll('.drawing')]"):
         script = place.find_element(By.TAG_NAME, "script").get_attribute("textContent")
         sent, shown = json.loads(script or ""), place.find_element(By.TAG_NAME, "figure")
         {"chart": _is_chart, "map": _is_map, "bars": _is_bars}[sent["kind"]](browser, shown, sent)
@@ -866,8 +822,7 @@ def drawn(browser: webdriver.Chrome, folder: Path, *data: dict[str, Any]) -> lis
         '{% from "parts.html" import drawing %}{% for it in data %}{{ drawing(it) }}{% endfor %}'
     )
     text = f"<!DOCTYPE html><body>{blocks.render(data=data)}<script>{script()}</script></body>"
-    (folder / "drawn.html").write_text(text, encoding="utf-8")
-    browser.get((folder / "drawn.html").as_uri())
+    show(browser, text, folder)
     return stands_where_its_data_say(browser)
 
 
@@ -962,10 +917,12 @@ def test_a_map_has_each_value_in_its_band(browser: webdriver.Chrome, tmp_path: P
 
 
 @in_browser
-@pytest.mark.parametrize("name", ["states", *MACHINES])
-def test_texts_of_charts_are_apart(browser: webdriver.Chrome, folder: Path, name: str) -> None:
+@pytest.mark.parametrize("name", few(["states", *MACHINES], ["states", "truck-shaft", "test-rig"]))
+def test_texts_of_charts_are_apart(
+    browser: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path, name: str
+) -> None:
     """In the browser's own font, every text is within its chart and covers no other."""
-    opened(browser, folder, name)
+    show(browser, page_of(name), tmp_path)
     charts = js(
         browser,
         """document.getElementById("sent").open = true;
@@ -1003,20 +960,14 @@ def apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
 
 
 @in_browser
-@pytest.mark.parametrize(
-    "name",
-    [
-        # Pages of examples alike in what they show are opened in the long tier.
-        pytest.param(
-            name, marks=() if name in {*MACHINES, *SMALL_PAGES, *ODD} else pytest.mark.long
-        )
-        for name in PAGES
-    ],
-)
-def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
+# Pages of examples alike in what they show are opened in the long tier.
+@pytest.mark.parametrize("name", few(PAGES, ["truck-shaft", "test-rig", *SMALL_PAGES, *ODD]))
+def test_every_page(
+    name: str, browser: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path
+) -> None:
     """No request, no sideways scrolling on a phone, charts of their data, headings in order."""
-    screen(browser, 360)
-    opened(browser, folder, name)
+    screen(browser, 360, 800)
+    show(browser, page_of(name), tmp_path)
     assert js(browser, "return performance.getEntriesByType('resource').length") == 0
     assert js(browser, "return document.documentElement.scrollWidth") <= 360
     assert "NaN" not in js(browser, "return document.querySelector('main').innerHTML")
@@ -1038,8 +989,10 @@ def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
 
 
 @in_browser
-def test_keyboard_reaches_everything(browser: webdriver.Chrome, folder: Path) -> None:
-    opened(browser, folder, "z")
+def test_keyboard_reaches_everything(
+    browser: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path
+) -> None:
+    show(browser, page_of("z"), tmp_path)
     until_live(browser)
     body = browser.find_element(By.TAG_NAME, "body")
     body.send_keys(Keys.TAB)
@@ -1071,14 +1024,14 @@ def test_keyboard_reaches_everything(browser: webdriver.Chrome, folder: Path) ->
 
 
 @in_browser
-def test_only_its_own_script_runs(chromium: webdriver.Chrome, folder: Path, tmp_path: Path) -> None:
+def test_only_its_own_script_runs(
+    chromium: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path
+) -> None:
     """Whatever might slip into the page, the policy in its head lets nothing run or load."""
-    page = (folder / "z.html").read_text(encoding="utf-8")
     intruder = "<script>document.title = 'taken'</script><img src='data:,' onerror='alert()'>"
-    (tmp_path / "taken.html").write_text(page.replace("</main>", f"{intruder}</main>"))
-    opened(chromium, tmp_path, "taken")
+    show(chromium, page_of("z").replace("</main>", f"{intruder}</main>"), tmp_path)
     assert chromium.title == "Z shaft"
-    refused = " ".join(said(chromium))
+    refused = " ".join(console(chromium))
     assert "script-src" in refused
     until_live(chromium)
     assert chromium.find_elements(By.CSS_SELECTOR, "#live-curves path.curve")
@@ -1092,10 +1045,12 @@ def luminance(colour: str) -> float:
 
 @in_browser
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_contrast(scheme: str, browser: webdriver.Chrome, folder: Path) -> None:
+def test_contrast(
+    scheme: str, browser: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path
+) -> None:
     """Text 4.5 to 1, curves 3 to 1, by the Web Content Accessibility Guidelines."""
     media(browser, scheme=scheme)
-    opened(browser, folder, "truck")
+    show(browser, page_of("truck"), tmp_path)
     page, tint = js(
         browser,
         """return [document.body, document.querySelector(".cards section")].map((element) =>
@@ -1125,9 +1080,9 @@ def test_contrast(scheme: str, browser: webdriver.Chrome, folder: Path) -> None:
 
 
 @in_browser
-def test_print(browser: webdriver.Chrome, folder: Path) -> None:
+def test_print(browser: webdriver.Chrome, page_of: Callable[[str], str], tmp_path: Path) -> None:
     media(browser, "print", "dark")
-    opened(browser, folder, "truck")
+    show(browser, page_of("truck"), tmp_path)
     until_live(browser)
     assert not js(browser, "return document.getElementById('sent').open")
     assert luminance(js(browser, "return getComputedStyle(document.body).color")) < 0.1

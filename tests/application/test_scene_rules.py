@@ -62,7 +62,7 @@ for section in FORMAT.values():
 
 
 @pytest.mark.parametrize("name", sorted({type(rule).__name__ for rule in RULES.values()}))
-@settings(max_examples=60)
+@settings(max_examples=part(120))
 @given(data=st.data())
 def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) -> None:
     rules = [rule for rule in RULES.values() if type(rule).__name__ == name]
@@ -71,7 +71,7 @@ def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", RULES)
-@settings(max_examples=120)
+@settings(max_examples=part(240))
 @given(data=st.data())
 def test_reader_and_schema_take_the_same_values_of_every_rule(
     name: str, data: st.DataObject

@@ -12,12 +12,13 @@ import cardan
 from cardan import OUTPUTS, Driveline, Load, Sweep
 from derivative_oracle import differences, from_angles, from_points, numbers, outputs
 from oracle import Fold, mp
+from tiers import part
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 CROSS = tuple(name for name, own in OUTPUTS.items() if own.of_cross)
 SWINGS = tuple(name for name in CROSS if not OUTPUTS[name].vector)
 LOADS = tuple(name for name, own in OUTPUTS.items() if own.unit == "N m")
-ANGLES = [0.4, -2.1, 5.0]
+ANGLES = [0.4, -2.1, 5.0][: part(3)]
 
 CHAINS: dict[str, tuple[list[float], list[float], list[float]]] = {
     "one": ([0.5], [], []),

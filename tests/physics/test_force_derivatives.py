@@ -21,8 +21,9 @@ from derivative_oracle import (
     outputs,
 )
 from oracle import mp
+from tiers import part
 
-ANGLES = [0.4, -2.1]
+ANGLES = [0.4, -2.1][: part(2)]
 FORCES = ("joint_force", "bearing_force")
 LOADS: dict[str, dict[str, Any]] = {
     "drive": {"drive_torque": 120.0, "speed": 20.0, "inertias": [0.1, 0.2, 0.3, 0.4]},

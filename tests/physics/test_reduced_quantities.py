@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 import cardan
 from cardan import Driveline, Load, Sweep
 from cardan.design.quantities import ReducedQuantity, reduced_quantity
+from tiers import few
 
 Array = NDArray[np.float64]
 
@@ -53,9 +55,20 @@ def quantities(reduction: Any) -> list[ReducedQuantity]:  # noqa: ANN401
     ]
 
 
-@pytest.mark.parametrize("reduction", ["peak", "rms", "mean", "min", "max"])
-@pytest.mark.parametrize("given", [ANGLES, POINTS], ids=["angles", "points"])
-def test_derivatives_are_those_of_differences(given: dict[str, Any], reduction: str) -> None:
+# In the short tier each reduction is differentiated by one of them.
+@pytest.mark.parametrize(
+    ("way", "reduction"),
+    few(
+        itertools.product(["angles", "points"], ["peak", "rms", "mean", "min", "max"]),
+        [
+            ("angles", "peak"),
+            ("angles", "min"),
+            *(("points", each) for each in ("rms", "mean", "max")),
+        ],
+    ),
+)
+def test_derivatives_are_those_of_differences(way: str, reduction: str) -> None:
+    given = {"angles": ANGLES, "points": POINTS}[way]
     line, step = line_of(given), 1e-6
     for quantity in quantities(reduction):
         found = quantity.derivatives(line, LOAD, given.keys())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import cardan
 from cardan import reference
 from cardan.reference import torsion
+from tiers import few
 
 INF = float("inf")
 STIFFNESS, INERTIA = 8000.0, 0.05
@@ -175,7 +176,7 @@ def test_a_flywheel_on_a_spring_behind_all_joints_vibrates_freely() -> None:
         assert np.poly(multipliers) == pytest.approx(np.poly(exact), abs=1e-9)
 
 
-@pytest.mark.parametrize("drive", [110.0, 180.0, 300.0])
+@pytest.mark.parametrize("drive", few([110.0, 180.0, 300.0], [180.0]))
 def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     # Two compliant shafts, each behind a joint, and a third joint before a flywheel with a viscous
     # load: what each shaft passes on depends on the angles and on the slopes of its neighbours. The
