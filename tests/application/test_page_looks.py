@@ -75,7 +75,11 @@ def test_the_verdict_of_a_phone_is_a_sheet_that_opens(
         assert not is_open()
     words = phone.find_element(By.CSS_SELECTOR, "#live-panel .head").text.split("\n")
     assert words[0] == "Beyond its limits"
-    assert words[1].startswith("3 of 14: equivalent bend;")
+    # In the order of the list below, in which what is not computed here comes last.
+    assert words[1] == (
+        "3 of 14 beyond: L10 life of joint 1; equivalent bend; "
+        "equivalent bend, worst with tolerances"
+    )
     assert js(phone, "return document.querySelector('#live-panel .why').clientHeight") < 20
     button.click()
     assert is_open()
@@ -152,6 +156,97 @@ def test_a_finger_scrolls_the_page_by_the_drawing_and_drags_handles(
     scrolled, then = swipe(x - 70, y + 40)
     assert scrolled > 30
     assert then == height
+
+
+def test_fingers_step_numbers_by_buttons(
+    phone: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """As large as a finger needs, one undo for some of them, and none for a mouse."""
+    opened(phone, answered(TRUCK).page, tmp_path)
+    ring = box(phone, ".handle[data-point='2'] .ring")
+    touch(phone, "Start", (ring["left"] + ring["right"]) / 2, (ring["top"] + ring["bottom"]) / 2)
+    touch(phone, "End")
+    settled(phone)
+    buttons = phone.find_elements(By.CSS_SELECTOR, ".live .number button")
+    assert len(buttons) == 2 * (2 + 3)
+    for each in buttons:
+        assert each.is_displayed()
+        assert min(each.size.values()) >= 44
+    less, more = phone.find_elements(By.CSS_SELECTOR, "#live-place button[aria-label$=' y']")
+    assert less.get_attribute("aria-label") == "less y"
+    for each in (less, less, less, more):
+        js(phone, "arguments[0].click()", each)
+    settled(phone)
+    assert pages.place_of(phone, 2) == [1650.0, -48.0, 0.0]
+    js(phone, "document.querySelector('[aria-label=\"more torque\"]').click()")
+    settled(phone)
+    assert js(phone, "return cardanPage.model.loadOf('torque')") == 1510.0
+    for _ in range(2):
+        phone.find_element(By.ID, "live-undo").click()
+    assert js(phone, "return cardanPage.model.isDrawn")
+    phone.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    phone.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    assert not less.is_displayed()
+
+
+# --- wide screens -----------------------------------------------------------------------------
+
+
+@EACH_PAGE
+def test_the_panel_of_a_desk_stays_within_the_screen(
+    path: Path, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(path).page, tmp_path)
+    for y in (0, 60, 400):
+        js(browser, "scrollTo(0, arguments[0])", y)
+        panel = box(browser, "#live-panel")
+        assert 0 <= panel["top"] <= panel["bottom"] <= 900
+        assert panel["left"] > box(browser, "#live-page")["right"]
+
+
+def test_states_and_buttons_say_what_they_are(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    opened(browser, answered(TRUCK).page, tmp_path)
+    states = browser.find_element(By.ID, "live-states")
+    assert states.text.startswith("States of joint 2 and downstream end\n")
+    assert states.accessible_name == "States of joint 2 and downstream end"
+    dials = browser.find_element(By.ID, "live-dials")
+    assert [each.text for each in dials.find_elements(By.TAG_NAME, "button")] == [
+        "Best phases",
+        "Best on 36 teeth",
+    ]
+    assert "the smallest equivalent bend over all states by their weights" in dials.text
+    assert "hatched: beyond" in browser.find_element(By.CSS_SELECTOR, ".live .key").text
+
+
+def test_what_was_done_is_said_for_a_while(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Until the next change, or for some seconds."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    shared = browser.find_element(By.ID, "live-shared")
+    # Seconds pass when the test says so.
+    js(
+        browser,
+        """window.waiting = [];
+        window.setTimeout = (call, time) => time > 5000 && window.waiting.push(call);
+        document.execCommand = () => true;
+        Object.defineProperty(navigator, "clipboard", { value: { writeText: async () => {} } });""",
+    )
+    for _ in range(2):
+        js(browser, "document.getElementById('live-link').click()")
+        settled(browser)
+        assert shared.text.startswith("The link is copied.")
+    js(browser, "window.waiting.at(-1)()")
+    assert shared.text == ""
+    js(browser, "document.getElementById('live-link').click()")
+    settled(browser)
+    assert shared.text
+    handle(browser, 2).send_keys(Keys.ARROW_DOWN)
+    settled(browser)
+    assert shared.text == ""
 
 
 # --- paper ------------------------------------------------------------------------------------
@@ -354,6 +449,122 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(truck: webdriver.Chro
     truck.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
 
 
+APART = """const svg = document.getElementById("live-drawing").getBoundingClientRect();
+const texts = [...document.querySelectorAll("#live-drawing text")].filter((e) => {
+    const { visibility } = getComputedStyle(e);
+    return e.textContent && visibility !== "hidden";
+}).map((e) => [e.textContent, e.getBoundingClientRect()]);
+const isOutside = ({ left, right, top, bottom }) => left < svg.left - 1
+    || right > svg.right + 1 || top < svg.top - 1 || bottom > svg.bottom + 1;
+const found = [];
+texts.forEach(([text, a], i) => {
+    if (isOutside(a)) found.push([text, "outside"]);
+    for (const [other, b] of texts.slice(i + 1)) {
+        const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        // Boxes have some room above and below the letters.
+        if (across > 0 && down > 5) found.push([text, other]);
+    }
+});
+for (const arrow of document.querySelectorAll("#live-drawing .arrow")) {
+    const a = arrow.getBoundingClientRect();
+    if (a.width && isOutside(a)) found.push(["arrow", "outside"]);
+}
+return found;"""
+
+
+@EACH_PAGE
+@pytest.mark.parametrize("width", [1280, 390])
+def test_texts_of_the_drawing_are_apart_and_arrows_within_it(
+    path: Path, width: int, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """In every state, at some drive angles, true to scale and stretched."""
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    opened(browser, answered(path).page, tmp_path)
+    for name in ("live-high", "live-true"):
+        js(browser, f"document.getElementById('{name}').click()")
+        for state in range(js(browser, "return cardanPage.model.sent.states.length")):
+            js(browser, "document.querySelectorAll('.chip')[arguments[0]]?.click()", state)
+            for angle in (40, 90, 150):
+                js(
+                    browser,
+                    """const angle = document.getElementById("live-angle");
+                    angle.value = arguments[0];
+                    angle.dispatchEvent(new Event("input"));""",
+                    angle,
+                )
+                settled(browser)
+                assert js(browser, APART) == [], (name, state, angle)
+
+
+def test_texts_of_what_comes_near_are_apart(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Forces where bearings lie together, slopes beside them, joints above each other."""
+    size = {"width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    opened(browser, answered(TRUCK).page, tmp_path)
+    for address in ("bearing.2=-1050", "bearing.2=-900&bearing.1=80", "point.2.x=-1150"):
+        js(browser, "location.hash = arguments[0]", address)
+        settled(browser)
+        assert not js(browser, "return cardanPage.model.isDrawn")
+        assert js(browser, APART) == [], address
+
+
+def test_what_is_dragged_is_written_beside_it(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """The coordinates that the view shows, until it is let go."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    callout = browser.find_element(By.CSS_SELECTOR, "#live-drawing .callout")
+
+    def called(selector: str, by: tuple[int, int]) -> str:
+        held = browser.find_element(By.CSS_SELECTOR, selector)
+        ActionChains(browser, duration=10).click_and_hold(held).move_by_offset(*by).perform()
+        settled(browser)
+        words, own, knob = callout.text, box(browser, ".callout"), box(browser, f"{selector} .knob")
+        assert callout.get_attribute("visibility") == "visible"
+        assert abs(own["left"] + own["right"] - knob["left"] - knob["right"]) < 4
+        assert 20 < knob["top"] - own["bottom"] < 70
+        ActionChains(browser, duration=10).release().perform()
+        assert callout.get_attribute("visibility") == "hidden"
+        return words.replace("\u2212", "-")
+
+    assert callout.get_attribute("visibility") == "hidden"
+    words = called(".handle[data-point='2'][data-view='0']", (0, 20))
+    x, y, _ = pages.place_of(browser, 2)
+    assert words == f"x {x:.1f}, y {y:.1f} mm"
+    words = called(".handle[data-point='2'][data-view='1']", (10, 15))
+    x, _, z = pages.place_of(browser, 2)
+    assert words == f"x {x:.1f}, z {z:.1f} mm"
+    words = called(".handle[data-bearing='2'][data-view='0']", (-30, 0))
+    assert words == f"{1e3 * js(browser, 'return cardanPage.model.part(`positions`, 2)'):.1f} mm"
+
+
+def test_each_point_is_one_stop_of_the_tab_key(
+    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """In the order in which power flows; keys move it along all three axes."""
+    opened(browser, answered(TRUCK).page, tmp_path)
+    stops = js(
+        browser,
+        """return [...document.querySelectorAll(".handle[tabindex='0']")]
+            .map((e) => e.getAttribute("aria-label"))""",
+    )
+    assert [stop.removesuffix(", side view") for stop in stops] == [
+        *("upstream end", "bearing 0", "bearing 1", "joint 0", "bearing 2", "joint 1", "joint 2"),
+        *("bearing 3", "bearing 4", "downstream end"),
+    ]
+    joint = handle(browser, 2)
+    joint.send_keys(Keys.PAGE_UP * 3 + Keys.ARROW_UP + Keys.ARROW_RIGHT + Keys.PAGE_DOWN)
+    settled(browser)
+    assert pages.place_of(browser, 2) == [1651.0, -45.0, 2.0]
+    handle(browser, 2, view=1).send_keys(Keys.PAGE_DOWN + Keys.ARROW_DOWN)
+    settled(browser)
+    assert pages.place_of(browser, 2) == [1651.0, -46.0, 3.0]
+
+
 # --- snapping ---------------------------------------------------------------------------------
 
 
@@ -424,6 +635,31 @@ def test_keys_hold_a_drag_straight_or_make_it_fine(truck: webdriver.Chrome) -> N
     assert words == {}
 
 
+# --- curves -----------------------------------------------------------------------------------
+
+
+@EACH_PAGE
+def test_no_two_curves_of_a_chart_look_alike(
+    path: Path, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
+) -> None:
+    """Those of one colour, such as the bearings of one shaft, differ by dashes."""
+    opened(browser, answered(path).page, tmp_path)
+    charts = js(
+        browser,
+        """const look = (e) => {
+            const { stroke, strokeDasharray } = getComputedStyle(e);
+            return `${stroke} ${strokeDasharray}`;
+        };
+        return [...document.querySelectorAll("#live-curves figure")].map((figure) =>
+            ["figure > svg .curve:not(.former)", ".swatch .curve"].map((query) =>
+                [...figure.querySelectorAll(query)].map(look)))""",
+    )
+    assert charts
+    for curves, legend in charts:
+        assert curves == legend
+        assert len(set(curves)) == len(curves) > 0
+
+
 # --- units and colours ------------------------------------------------------------------------
 
 
@@ -459,13 +695,15 @@ def test_lengths_are_shown_in_inches(
 
 def test_inches_are_typed_and_listed(truck: webdriver.Chrome) -> None:
     truck.find_element(By.ID, "live-in").click()
+    steps = truck.find_element(By.ID, "live-steps")
+    assert steps.text == "0.01 in, with Shift 0.1 in, with Alt 0.001 in"
     handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
     settled(truck)
     field = truck.find_element(By.CSS_SELECTOR, "input[aria-label='y, in']")
-    assert field.get_attribute("value") == "\u22122.598"
-    assert truck.find_element(By.ID, "live-moved").text == "moved y \u22120.787 in"
+    assert field.get_attribute("value") == "\u22122.011"
+    assert truck.find_element(By.ID, "live-moved").text == "moved y \u22120.200 in"
     (change,) = truck.find_elements(By.CSS_SELECTOR, "#live-panel .changes button")
-    assert js(truck, "return arguments[0].textContent", change) == "joint 1 y \u22120.787 in ✕"
+    assert js(truck, "return arguments[0].textContent", change) == "joint 1 y \u22120.200 in ✕"
     bound = "//li[contains(., 'ngaged length')]//*[@class='value']"
     engaged = truck.find_element(By.XPATH, bound).get_attribute("textContent")
     assert "at least 2.756 in" in str(engaged)

@@ -18,6 +18,8 @@ import { asGiven, exact, folded, lengths, signed, signedLength, tidy } from "./n
 /** @typedef {import("./model.js").Sent} Sent */
 
 const AXES = "xyz";
+/** Sizes that no driveline has, by their unit. */
+const MOST = /** @type {Record<string, number>} */ ({ mm: 1e6, "N m": 1e7, rpm: 1e5, "rad/s": 1e4 });
 const DEGREE = Math.PI / 180;
 
 /**
@@ -48,6 +50,18 @@ export function changeable(sent) {
   if (given.torque) add("torque", 0, given.torque.value);
   if (given.speed) add("speed", 0, given.speed.value);
   return found;
+}
+
+/**
+ * The largest size that a change may give something, which a scene may exceed.
+ * @param {Sent} sent
+ * @param {string} variable
+ * @param {number} own what it is without a change
+ */
+export function mostOf({ given }, variable, own = 0) {
+  const { torque, speed } = given;
+  const unit = { torque: torque?.unit, speed: speed?.unit, rating: "N m", phase: "°" }[variable] ?? "mm";
+  return Math.max(MOST[unit] ?? Infinity, Math.abs(own));
 }
 
 /**
@@ -233,6 +247,9 @@ export function readAddress(sent, address) {
     const value = text.trim() ? Number(text) : NaN;
     if (!Number.isFinite(value)) throw new Error(`“${text}”, for ${key}, is no number`);
     const { variable, item, axis, own } = found;
+    if (Math.abs(value) > mostOf(sent, variable, own)) {
+      throw new Error(`“${text}”, for ${key}, is more than any driveline has`);
+    }
     const isTurn = variable === "phase";
     changes = changed(changes, variable, item, axis, isTurn ? tidy(folded(value, 360)) : value, own);
   });

@@ -7,7 +7,7 @@
 
 import { Chart } from "./charts.js";
 import { minus, numberText } from "./numbers.js";
-import { made } from "./elements.js";
+import { briefly, made } from "./elements.js";
 import { copy } from "./sharing.js";
 
 const STEP = 3; // degrees between samples
@@ -15,6 +15,8 @@ const HALF = Array.from({ length: 180 / STEP }, (_, i) => i * STEP);
 const TURN = Array.from({ length: 360 / STEP + 1 }, (_, i) => i * STEP);
 const ANGLES = HALF.map((angle) => (angle * Math.PI) / 180);
 const OVER = "drive angle [deg]";
+/** Lines of one colour, by how many there are before. */
+const DASHES = ["", " second", " third"];
 /** What varies by less than this share of its size is text. */
 const STEADY = 0.01;
 /** What joints leave of each other's motions below this is rounding, and of loads below that. */
@@ -60,7 +62,7 @@ export class Curves {
     const said = made("span", "", head);
     said.setAttribute("role", "status");
     button.addEventListener("click", async () => {
-      said.textContent = (await copy(this.csv())) ? "copied" : "the browser does not copy";
+      briefly(said, (await copy(this.csv())) ? "copied" : "the browser does not copy");
     });
     let width = 0;
     // A size that is set while sizes are observed would be observed again.
@@ -152,7 +154,9 @@ export class Curves {
       const text = numberText(sizes[i], sent.digits);
       const path = isWhole ? paths[model.state] : "derived:";
       const figure = { text: isMotion && values ? `±${text}` : text, path, value: sizes[i] };
-      return { label: values ? name : `${name}, even`, kind: `s${shaft % 4}`, mark: String(number), values, figure };
+      const alike = sent.items.slice(0, i).filter((other) => other.shaft % 4 === shaft % 4).length;
+      const kind = `s${shaft % 4}${DASHES[alike % DASHES.length]}`;
+      return { label: values ? name : `${name}, even`, kind, mark: String(number), values, figure };
     });
     const limit = model.figure(sent.bounded ?? "", null)?.limit ?? NaN;
     const ghosts = former.map((values) => (isSteady(values) ? [] : values));

@@ -43,8 +43,9 @@ export class Dials {
       this.#dial(element, i, on),
     );
     const actions = made("div", "actions", element);
+    const { teeth } = sent.search;
     const buttons = /** @type {[string, number[]][]} */ ([["Best phases", []]]);
-    if (sent.search.teeth.some(Boolean)) buttons.push(["On whole teeth", sent.search.teeth]);
+    if (teeth.some(Boolean)) buttons.push([`Best on ${[...new Set(teeth.filter(Boolean))].join(" and ")} teeth`, teeth]);
     for (const [name, teeth] of buttons) {
       const button = made("button", "", actions, name);
       button.setAttribute("type", "button");
@@ -54,7 +55,8 @@ export class Dials {
         on.done(name);
       });
     }
-    made("small", "", actions, "Seen from the drive; green: the best setting for all states together.");
+    const over = sent.states.length > 1 ? " over all states by their weights; single states may get worse" : "";
+    made("small", "", actions, `Seen from the drive. Best, in green: the smallest equivalent bend${over}.`);
     element.hidden = !this.dials.length || sent.fixed.some(([variable]) => variable === "phase");
   }
 

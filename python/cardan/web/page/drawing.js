@@ -22,6 +22,9 @@ const ARROW = 64; // px of the largest force of the drawing
 const GUIDE = 200; // px from a point to the end of the line that shows what it has come to
 const WIDEST = 0.08; // of that over the width
 const HEAD = 8; // px of the head of an arrow
+const MARGIN = 0.03; // above and below what is drawn in a view, over the length of the driveline
+const [LETTER, LINE] = [6.8, 15]; // px of a letter and of a line of text
+const AWAY = 34; // px from what is dragged to where it is written
 
 /**
  * Write a figure with its place in the answer of the check.
@@ -81,6 +84,9 @@ export class Drawing {
     this.selected = null;
     /** What the selected point has come to. */
     this.snaps = /** @type {import("./snaps.js").Snap[]} */ ([]);
+    /** Whether what is selected is dragged. */
+    this.isHeld = false;
+    this.callout = drawn("text", { class: "callout" }, svg);
     this.guides = [0, 1].map(() => ["line", "text"].map((tag) => drawn(tag, { class: "snap" }, svg)));
     this.fit();
   }
@@ -127,9 +133,19 @@ export class Drawing {
       /** Where bearings are. @type {number[][]} */
       centres: [],
       zero: [0, 0],
+      /** Where texts are wanted, and whether others push them up or down. @type {{text: Element, x: number, y: number, way: number}[]} */
+      texts: [],
     };
-    sent.given.bearings.forEach((_, i) => this.#handle("bearing", i, `bearing ${i}`, number, group));
-    if (movable) sent.points.forEach((name, i) => this.#handle("point", i, name, number, group));
+    const along = (/** @type {number} */ i) => {
+      const shaft = sent.machine.bearings[i];
+      return shaft + this.model.part("positions", i) / this.model.part("lengths", shaft);
+    };
+    /** @type {{kind: "point" | "bearing", i: number, name: string, at: number}[]} */
+    const handles = sent.given.bearings.map((_, i) => ({ kind: "bearing", i, name: `bearing ${i}`, at: along(i) }));
+    if (movable) sent.points.forEach((name, i) => handles.push({ kind: "point", i, name, at: i }));
+    // The Tab key follows the flow of power.
+    handles.sort((a, b) => a.at - b.at);
+    for (const { kind, i, name } of handles) this.#handle(kind, i, name, number, group);
     return own;
   }
 
@@ -142,7 +158,9 @@ export class Drawing {
    */
   #handle(kind, item, name, view, group) {
     const label = `${name}, ${this.model.sent.views[view].name.split(":")[0].toLowerCase()}`;
-    const element = drawn("g", { class: "handle", tabindex: "0", role: "slider", "aria-label": label }, group);
+    // One stop of the Tab key for both views.
+    const tabindex = view ? "-1" : "0";
+    const element = drawn("g", { class: "handle", tabindex, role: "slider", "aria-label": label }, group);
     const orientation = kind === "point" ? "vertical" : "horizontal";
     put(element, { "aria-orientation": orientation, [`data-${kind}`]: String(item), "data-view": String(view) });
     drawn("circle", { class: "hit", r: 20 }, element);
@@ -236,19 +254,20 @@ export class Drawing {
     this.length = Math.max(last - first, 1);
     const heights = this.views.map(({ axes }) => {
       const [low, high] = extent(axes.down);
-      return [low * this.stretch - 0.03 * this.length, high * this.stretch + 0.03 * this.length];
+      return [low * this.stretch - MARGIN * this.length, high * this.stretch + MARGIN * this.length];
     });
     const total = heights.reduce((sum, [low, high]) => sum + high - low, 0);
     this.scale = Math.min((width - 2 * LEFT) / this.length, (this.stretch > 1 ? HIGHEST : TALLEST) / total);
     const middle = (width - this.scale * (first + last)) / 2;
+    const reach = this.views[0].arrows.length ? this.#reach + HEAD - MARGIN * this.length * this.scale : 0;
     let top = 0;
     this.views.forEach((view, number) => {
       const [low, high] = heights[number];
-      const above = number ? 30 : ABOVE;
+      const above = Math.max(number ? 30 : ABOVE, reach);
       view.zero = [middle, top + above - this.scale * low];
       put(view.name, { y: top + 18 });
       put(view.edge, { x1: 0, x2: width, y1: top, y2: top });
-      top += above + this.scale * (high - low) + BELOW;
+      top += above + this.scale * (high - low) + Math.max(BELOW, reach);
     });
     put(svg, { viewBox: `0 0 ${width} ${top.toFixed(0)}`, height: top.toFixed(0) });
   }
@@ -260,6 +279,7 @@ export class Drawing {
     const { pins, forces } = model.at(this.angle);
     this.views.forEach((view, number) => {
       const at = (/** @type {number[]} */ point) => this.#at(number, point);
+      view.texts = [];
       model.sent.states.forEach((_, state) => {
         const line = state === model.state ? [] : model.points(state).map(at);
         put(view.others[state], { points: listOf(line) });
@@ -271,6 +291,7 @@ export class Drawing {
       this.#arrows(view, forces);
       this.#slopes(view, number, points, at);
       this.#names(view, points.map(at));
+      this.#spread(view);
       for (const handle of this.handles) {
         if (handle.view !== number) continue;
         handle.at = handle.kind === "point" ? at(points[handle.item]) : view.centres[handle.item];
@@ -281,6 +302,49 @@ export class Drawing {
       }
     });
     this.#guide();
+    this.#call();
+  }
+
+  /**
+   * Put the texts of a view where they are wanted, or above or below others; none is measured, which
+   * takes too long.
+   * @param {any} view
+   */
+  #spread(view) {
+    /** @type {{x: number, y: number, half: number}[]} */
+    const taken = [];
+    for (const { text, x: wanted, y: first, way } of view.texts) {
+      const half = (text.textContent.length * LETTER) / 2;
+      if (!half) continue;
+      const x = Math.max(half, Math.min(wanted, this.width - half));
+      let y = first;
+      const meets = () =>
+        taken.find((other) => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < 0.99 * LINE);
+      for (let other = meets(); other; other = meets()) y = other.y + way * LINE;
+      taken.push({ x, y, half });
+      put(text, { x, y });
+    }
+  }
+
+  /** Write beside what is dragged where it is. */
+  #call() {
+    const { callout, model, selected } = this;
+    const isShown = this.isHeld && selected;
+    put(callout, { visibility: isShown ? "visible" : "hidden" });
+    if (!isShown) return;
+    const { kind, item, view, at } = selected;
+    const point = model.points(model.state)[item];
+    const { right } = this.views[view].axes;
+    const axes = [right.findIndex(Boolean), this.across(selected)];
+    const words =
+      kind === "point"
+        ? axes.map((axis) => `${"xyz"[axis]} ${lengthText(point[axis])}`).join(", ")
+        : lengthText(1e3 * model.part("positions", item));
+    callout.textContent = `${words} ${lengths().unit}`;
+    const half = (callout.textContent.length * LETTER) / 2;
+    const away = AWAY + (kind === "point" && !view ? this.#above : 0);
+    const y = at[1] - away < LINE ? at[1] + AWAY + LINE : at[1] - away;
+    put(callout, { x: Math.max(half, Math.min(at[0], this.width - half)), y });
   }
 
   /** Show what the selected point has come to, by a line and a word. */
@@ -305,13 +369,19 @@ export class Drawing {
     const [side] = this.views;
     side.joints.forEach(([, bend], joint) => mark(bend, this.model.here("bend", joint)));
     this.#forces(side, this.model.sent.machine.bearings ?? []);
+    this.#spread(side);
   }
 
   /** Choose the length of the arrows by the largest force of all states. */
   measure() {
     const found = this.model.figures.filter(({ kind }) => kind.name === "bearing_force");
     const most = Math.max(...found.flatMap(({ values }) => Array.from(values).filter(Number.isFinite)), 0);
-    this.push = most > 0 ? Math.min(ARROW, WIDEST * this.width) / most : 0;
+    this.push = most > 0 ? this.#reach / most : 0;
+  }
+
+  /** The longest arrow in px. */
+  get #reach() {
+    return Math.min(ARROW, WIDEST * this.width);
   }
 
   /**
@@ -416,7 +486,7 @@ export class Drawing {
       });
       put(box, { d: path.join("") });
       const label = view.forces[bearing];
-      if (label) put(label, { x: centre[0], y: centre[1] + radius + 25 });
+      if (label) view.texts.push({ text: label, x: centre[0], y: centre[1] + radius + 25, way: 1 });
     });
   }
 
@@ -466,7 +536,7 @@ export class Drawing {
       // Below what rises towards either end of the words, and below a force.
       const rise = Math.min(2, Math.abs((ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0] || 1)));
       const below = this.#radius(shaft) * Math.hypot(1, rise) + 7 * words.length * (rise / 2) + 15;
-      put(text, { x, y: y + below + (share === undefined ? 20 : 0) });
+      view.texts.push({ text, x, y: y + below, way: 1 });
     });
   }
 
@@ -500,11 +570,15 @@ export class Drawing {
    * @param {number[][]} line
    */
   #names(view, line) {
-    const above = 0.62 * this.#yoke + 18;
     view.joints.forEach((/** @type {Element[]} */ [name, bend], /** @type {number} */ joint) => {
       const [x, y] = line[joint + 1];
-      put(name, { x, y: y - above - 17 });
-      put(bend, { x, y: y - above });
+      view.texts.push({ text: bend, x, y: y - this.#above, way: -1 });
+      view.texts.push({ text: name, x, y: y - this.#above - 17, way: -1 });
     });
+  }
+
+  /** px from a joint to its bend above it. */
+  get #above() {
+    return 0.62 * this.#yoke + 18;
   }
 }

@@ -5,16 +5,19 @@
  * @module editing
  */
 
-import { tidy } from "./numbers.js";
+import { lengths, tidy } from "./numbers.js";
 import { snapped } from "./snaps.js";
 
 const REACH = { mouse: 20, touch: 30 }; // px
 const FINE = 0.1; // of a drag with Alt
+/** How far a key moves: to the right, down, and along the axis that a view does not show. */
 const KEYS = /** @type {Record<string, number[]>} */ ({
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, -1],
-  ArrowDown: [0, 1],
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, -1, 0],
+  ArrowDown: [0, 1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
 });
 
 /** @typedef {import("./drawing.js").Handle} Handle */
@@ -98,6 +101,7 @@ export class Editing {
     this.#drag = { handle, from, last: at, spot: [...handle.at] };
     this.model.begin();
     drawing.svg.classList.add("dragging");
+    drawing.isHeld = true;
     this.told.moved();
   }
 
@@ -137,6 +141,7 @@ export class Editing {
   #end() {
     this.#drag = null;
     this.drawing.snaps = [];
+    this.drawing.isHeld = false;
     this.drawing.svg.classList.remove("dragging");
   }
 
@@ -162,15 +167,17 @@ export class Editing {
     if (!way || this.#drag || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     const { model } = this;
-    const step = event.shiftKey ? 10 : event.altKey ? 0.1 : 1;
+    const { mm, step: one } = lengths();
+    const step = mm * one * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
     model.begin();
     if (handle.kind === "bearing") {
-      model.slide(handle.item, tidy(1e3 * model.part("positions", handle.item) + step * (way[0] - way[1])));
+      model.slide(handle.item, tidy(1e3 * model.part("positions", handle.item) + step * (way[0] - way[1] + way[2])));
     } else {
       const { right, down } = model.sent.views[handle.view];
       const own = model.points(model.state)[handle.item];
       const to = own.map((x, axis) => {
-        const by = step * (way[0] * right[axis] + way[1] * down[axis]);
+        const depth = right[axis] || down[axis] ? 0 : way[2];
+        const by = step * (way[0] * right[axis] + way[1] * down[axis] + depth);
         return by ? tidy(x + by) : null;
       });
       model.place(handle.item, to);

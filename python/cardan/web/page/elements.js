@@ -5,6 +5,8 @@
  * @module elements
  */
 
+const SAID_MS = 10_000; // a text that is said for a while
+
 /**
  * An element at the end of another.
  * @param {string} tag
@@ -27,6 +29,20 @@ export function made(tag, kind, parent, text = "") {
  */
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
+}
+
+/** When what was said for a while goes, by its element. */
+const passing = new WeakMap();
+
+/**
+ * Give an element a text for a while.
+ * @param {Element} element
+ * @param {string} text
+ */
+export function briefly(element, text) {
+  clearTimeout(passing.get(element));
+  say(element, text);
+  if (text) passing.set(element, setTimeout(() => say(element, ""), SAID_MS));
 }
 
 /**

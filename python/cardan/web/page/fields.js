@@ -5,7 +5,7 @@
  * @module fields
  */
 
-import { exact, lengths, numberText } from "./numbers.js";
+import { exact, grouped, lengths, numberText } from "./numbers.js";
 import { made } from "./elements.js";
 
 const SCRUB = 4; // px from which a press is a drag
@@ -50,13 +50,28 @@ export class Field {
    */
   constructor(parent, shown, told) {
     this.shown = shown;
-    const whole = made("label", "number", parent);
+    const group = made("span", "number", parent);
+    const less = this.#button(group, "\u2212", `less ${shown.label}`);
+    const whole = made("label", "", group);
     made("span", "", whole, shown.label);
     this.input = /** @type {HTMLInputElement} */ (made("input", "", whole));
     Object.assign(this.input, { type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
     this.unit = made("span", "", whole);
-    this.#listen(told);
+    const more = this.#button(group, "+", `more ${shown.label}`);
+    this.#listen(told, [less, more]);
     this.show();
+  }
+
+  /**
+   * A button for fingers, which keys do not need.
+   * @param {Element} group
+   * @param {string} text
+   * @param {string} label
+   */
+  #button(group, text, label) {
+    const button = /** @type {HTMLButtonElement} */ (made("button", "", group, text));
+    Object.assign(button, { type: "button", tabIndex: -1, ariaLabel: label });
+    return button;
   }
 
   /** How it is shown: its unit, how much of its own unit that is, digits and step. */
@@ -64,6 +79,12 @@ export class Field {
     const { unit, digits, step } = this.shown;
     const { mm: size, ...form } = unit === "mm" ? lengths() : { unit, digits, step, mm: 1 };
     return { size, ...form };
+  }
+
+  /** How large it may be, in words. */
+  get #rule() {
+    const { unit, size } = this.#form;
+    return `must be within ±${grouped(Math.floor(this.shown.most / size))} ${unit}, more than any driveline has`;
   }
 
   /** Show the number as it is, unless somebody types. */
@@ -75,6 +96,7 @@ export class Field {
     if (this.unit.textContent !== unit) {
       this.unit.textContent = unit;
       this.input.setAttribute("aria-label", `${label}, ${unit}`);
+      this.input.title = `${label} ${this.#rule}`;
     }
     if (this.input.value !== text) this.input.value = text;
     this.input.style.width = `${Math.max(5, text.length + 2)}ch`;
@@ -84,15 +106,15 @@ export class Field {
   /** Whether the text has been changed and not yet been taken. */
   isTyped = false;
 
-  /** @param {Told} told */
-  #listen(told) {
+  /** @param {Told} told @param {HTMLButtonElement[]} buttons for less and for more */
+  #listen(told, buttons) {
     const { input, shown } = this;
     const { label, unit, most } = shown;
-    const sized = (/** @type {KeyboardEvent | PointerEvent} */ event) =>
+    const sized = (/** @type {KeyboardEvent | MouseEvent} */ event) =>
       this.#form.step * this.#form.size * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
     /** @param {number} value */
     const put = (value) => {
-      if (Math.abs(value) > most) told.refuse(`${label} must be within ±${most} ${unit}; the last value stays.`);
+      if (Math.abs(value) > most) told.refuse(`${label} ${this.#rule}; the last value stays.`);
       else shown.set(exact(value));
     };
     const take = () => {
@@ -105,6 +127,12 @@ export class Field {
         told.done(label);
       } else told.refuse(`“${input.value}” is no number; ${label} stays as it was.`);
       this.show();
+    };
+    const step = (/** @type {number} */ way, /** @type {KeyboardEvent | MouseEvent} */ event) => {
+      this.isTyped = false;
+      told.begin();
+      put(shown.get() + way * sized(event));
+      told.done(label, performance.now());
     };
     input.addEventListener("input", () => {
       this.isTyped = true;
@@ -120,11 +148,9 @@ export class Field {
       }
       if (!way || event.ctrlKey || event.metaKey) return;
       event.preventDefault();
-      this.isTyped = false;
-      told.begin();
-      put(shown.get() + way * sized(event));
-      told.done(label, performance.now());
+      step(way, event);
     });
+    buttons.forEach((button, i) => button.addEventListener("click", (event) => step(2 * i - 1, event)));
     /** @type {{x: number, value: number, drags: boolean} | null} */
     let press = null;
     input.addEventListener("pointerdown", (event) => {

@@ -5,7 +5,7 @@
  * @module looks
  */
 
-import { showLengthsIn } from "./numbers.js";
+import { asGiven, lengths, showLengthsIn } from "./numbers.js";
 
 const THEMES = [
   { name: "auto", scheme: "", media: "" },
@@ -57,6 +57,9 @@ export function measured(model, settle) {
   element("lengths").hidden = !areThere;
   choice(["mm", "in"], (place) => {
     showLengthsIn(place ? "in" : "mm");
+    const { step, unit } = lengths();
+    const [one, ten, tenth] = [1, 10, 0.1].map((times) => `${asGiven(times * step)} ${unit}`);
+    element("steps").textContent = `${one}, with Shift ${ten}, with Alt ${tenth}`;
     settle();
   });
 }

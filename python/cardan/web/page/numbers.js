@@ -13,6 +13,7 @@
 /** Values that differ by less than this share of their size differ by rounding only. */
 export const ROUNDING = 1e-9;
 const MINUS = "\u2212";
+const MOST_USED = 999; // percent of a limit that are told
 
 /**
  * A text with true minus signs.
@@ -93,13 +94,14 @@ export const tidy = (number) => Math.round(1e6 * number) / 1e6;
 export const exact = (number) => Number(number.toFixed(9));
 
 /**
- * How much of a limit is used, in whole percent: 100 only of one that is used exactly.
+ * How much of a limit is used, in whole percent: 100 only of one that is used exactly; far beyond
+ * it how much does not matter.
  * @param {number} share
  */
 export function useText(share) {
   let percent = Math.round(100 * share);
   if (Math.abs(share - 1) > ROUNDING) percent = share < 1 ? Math.min(percent, 99) : Math.max(percent, 101);
-  return `${percent}%`;
+  return percent > MOST_USED ? `> ${MOST_USED}%` : `${percent}%`;
 }
 
 /**
@@ -157,6 +159,12 @@ function digitsOf(number, rule, apartFrom) {
   }
   return String(number);
 }
+
+/**
+ * A whole number with its thousands apart.
+ * @param {number} number
+ */
+export const grouped = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\u2009");
 
 /**
  * All digits that someone gave.

@@ -7,10 +7,11 @@
  */
 
 import { Cardan } from "../cardan.js";
+import { mostOf } from "./changes.js";
 import { Curves } from "./curves.js";
 import { Dials } from "./dials.js";
 import { Drawing } from "./drawing.js";
-import { made } from "./elements.js";
+import { briefly, made } from "./elements.js";
 import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
 import { coloured, measured, printed, stretched } from "./looks.js";
@@ -28,7 +29,6 @@ const SEARCH_MS = 600; // after the last change, before it is looked for what wo
 const TURN_MS = 6000; // of a turn that plays
 const GIVEN = { decimals: null, digits: 4, apart: null, finest: 0 };
 const KEPT = 1000; // times of frames
-const MOST_MM = 1e6; // a coordinate, which no driveline has
 
 /** @param {string} name */
 const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`live-${name}`));
@@ -150,6 +150,7 @@ function show(cardan, sent) {
     button("redo").disabled = !model.canRedo;
     button("drawn").disabled = model.isDrawn;
     note(() => model.address);
+    said("");
     dials.show();
     dials.mark();
     curves.show(true);
@@ -218,9 +219,7 @@ function show(cardan, sent) {
     model.reset();
     settle();
   });
-  const said = (/** @type {string} */ words) => {
-    element("shared").textContent = words;
-  };
+  const said = (/** @type {string} */ words) => briefly(element("shared"), words);
   // A frame without an address has none to copy.
   button("link").hidden = location.protocol === "about:";
   button("link").addEventListener("click", async () => {
@@ -316,7 +315,7 @@ function loadsOf(model, told) {
       unit: name === "torque" ? `${own.unit} ${end}` : own.unit,
       digits: GIVEN,
       step,
-      most: 1e9,
+      most: mostOf(model.sent, name, own.value),
       get: () => model.loadOf(name),
       set: (value) => model.load(name, value),
     }, told);
@@ -336,7 +335,7 @@ function placesOf(model, told) {
   let fields = [];
   const line = element("place");
   const fieldsOf = (/** @type {import("./drawing.js").Handle} */ { kind, item }) => {
-    const common = { ...lengths(), unit: "mm", most: MOST_MM };
+    const common = { ...lengths(), unit: "mm", most: mostOf(model.sent, kind) };
     if (kind === "bearing") {
       const get = () => 1e3 * model.part("positions", item);
       const label = `from the upstream end of shaft ${model.sent.machine.bearings[item]}`;
@@ -368,6 +367,17 @@ function placesOf(model, told) {
 }
 
 /**
+ * Which points the states move, in words; nothing where these are all of them, or none.
+ * @param {Model} model
+ */
+function ofStates(model) {
+  const { points, states } = model.sent;
+  const lines = states.map((_, state) => model.points(state));
+  const moved = points.filter((_, i) => lines.some((line) => line[i].some((x, axis) => x !== lines[0][i][axis])));
+  return model.movable && moved.length && moved.length < points.length ? ` of ${moved.join(" and ")}` : "";
+}
+
+/**
  * The states as chips with their verdict.
  * @param {Model} model
  * @param {() => void} changed
@@ -376,8 +386,10 @@ function chipsOf(model, changed) {
   const { states } = model.sent;
   const group = element("states");
   group.hidden = states.length < 2;
+  element("states-of").textContent = `States${ofStates(model)}`;
+  const line = /** @type {HTMLElement} */ (group.querySelector(".chips"));
   const chips = states.map((name, state) => {
-    const chip = made("button", "chip", group);
+    const chip = made("button", "chip", line);
     chip.setAttribute("type", "button");
     chip.setAttribute("role", "radio");
     const mark = newMark(chip);

@@ -252,7 +252,8 @@ export class Panel {
     const { model } = this;
     const rows = model.rows();
     const verdict = model.verdict(rows);
-    const items = model.sorted(rows).map((row) => {
+    const sorted = model.sorted(rows);
+    const items = sorted.map((row) => {
       const fill = this.#rows.get(row.key);
       const drawn = model.drawnRows.get(row.key);
       return fill && drawn ? fill(row, drawn) : null;
@@ -262,11 +263,10 @@ export class Panel {
       for (const item of items) if (item) this.items.append(item);
       if (held instanceof HTMLElement && this.items.contains(held)) held.focus();
     }
-    const names = rows.filter((row) => row.verdict === verdict).map((row) => row.name);
-    if (model.isDrawn) {
-      names.push(...model.sent.others.filter((each) => each.verdict === verdict).map((each) => each.name));
-    }
-    const count = rows.length + (model.isDrawn ? model.sent.others.length : 0);
+    const judged = [...sorted, ...(model.isDrawn ? model.sent.others : [])];
+    const count = judged.length;
+    const names = judged.filter((each) => each.verdict === verdict).map(({ name }) => name);
+    const near = verdict === "beyond" && judged.filter((each) => each.verdict === "tolerable").length;
     this.head.className = `head ${classOf(verdict)}`;
     this.head.dataset.verdict = verdict;
     this.mark(verdict);
@@ -278,7 +278,7 @@ export class Panel {
       verdict === "within"
         ? `${count} of ${count}`
         : count
-          ? `${names.length} of ${count}: ${listed(names)}`
+          ? `${names.length} of ${count} ${verdict}: ${listed(names)}${near ? `. ${near} tolerable` : ""}`
           : "The scene gives no limit.";
     const moved = isPart
       ? `Something has moved; not computed here: ${listed(others.map(({ name }) => lowered(name)))}.`

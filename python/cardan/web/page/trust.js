@@ -11,6 +11,7 @@
  */
 
 import { made } from "./elements.js";
+import { grouped } from "./numbers.js";
 
 /** The digest of the results, as the installed package computes them. */
 export const PUBLISHED = "e2a151ba833e384b7ea3900a24440eff9b1d9420b61a512486a2aa08d6258d49";
@@ -107,11 +108,11 @@ export async function evaluated(cardan, told = () => {}, lines = list()) {
 }
 
 /**
- * What a digest of the results says of the figures of the page.
+ * What a digest of the results says of the core in this browser.
  * @param {string} digest
  */
 export function said(digest) {
-  const count = EVALUATIONS.toString().replace(/(?=(\d{3})+$)/g, "\u2009");
+  const count = grouped(EVALUATIONS);
   if (digest === PUBLISHED) {
     return `All ${count} evaluations have the published results (${short(digest)}).`;
   }
@@ -123,7 +124,7 @@ export function said(digest) {
 const short = (digest) => digest.slice(0, SHOWN);
 
 /**
- * Say below the machine what computes here and from which scene, with a button that checks it.
+ * Say below the machine what computes here and from which scene, with a button that tests the core.
  * @param {Element} element
  * @param {import("../cardan.js").Cardan} cardan
  * @param {import("./model.js").Sent} sent
@@ -132,16 +133,17 @@ export function foot(element, cardan, { core, title, source }) {
   const text = hexadecimal(sha256(new TextEncoder().encode(source.text)));
   const scene = `${title ? `“${title}”, ` : ""}${source.name} (${short(text)})`;
   made("span", "", element, `Computed in this page by cardan ${cardan.table.version} (${short(core)}) from ${scene}. `);
-  const name = "Check these figures in this browser";
+  const name = "Test the core in this browser";
   const button = /** @type {HTMLButtonElement} */ (made("button", "", element, name));
   button.type = "button";
+  button.title = "Evaluates a published list of drivelines, not this scene, and compares the results";
   const result = made("span", "", element);
   result.setAttribute("role", "status");
   button.addEventListener("click", async () => {
     button.disabled = true;
     try {
       const digest = await evaluated(cardan, (share) => {
-        button.textContent = `Checking: ${Math.floor(100 * share)}%`;
+        button.textContent = `Testing: ${Math.floor(100 * share)}%`;
       });
       result.className = digest === PUBLISHED ? "within" : "beyond";
       result.textContent = said(digest);
