@@ -392,7 +392,7 @@ export class Model {
   #named(key) {
     const { variable, item } = this.changeable.get(key) ?? { variable: key, item: 0 };
     const words = /** @type {Record<string, string>} */ ({
-      point: `a coordinate of ${this.#point(item)}`,
+      point: `a coordinate of ${this.pointName(item)}`,
       phase: `the phase of shaft ${item}`,
       bearing: `the place of bearing ${item}`,
       engaged: "the engaged length of the spline",
@@ -405,7 +405,7 @@ export class Model {
    * What a point is called in a sentence.
    * @param {number} point
    */
-  #point(point) {
+  pointName(point) {
     return this.sent.points[point].replace(/(?=.*end$)/, "the ");
   }
 
@@ -433,9 +433,9 @@ export class Model {
           return product / length(state, joint) / length(state, joint + 1);
         });
         const sharpest = cosines.indexOf(Math.min(...cosines));
-        return `${this.#point(sharpest + 1)} would be bent by 90° or more${within(state)}`;
+        return `${this.pointName(sharpest + 1)} would be bent by 90° or more${within(state)}`;
       }
-      return `${this.#point(point - 1)} and ${this.#point(point)} would lie in the same place${within(state)}`;
+      return `${this.pointName(point - 1)} and ${this.pointName(point)} would lie in the same place${within(state)}`;
     }
     if (argument === "bearings") {
       const [bearing, , state = 0] = place;

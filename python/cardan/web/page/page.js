@@ -373,7 +373,8 @@ function placesOf(model, told) {
 function ofStates(model) {
   const { points, states } = model.sent;
   const lines = states.map((_, state) => model.points(state));
-  const moved = points.filter((_, i) => lines.some((line) => line[i].some((x, axis) => x !== lines[0][i][axis])));
+  const isMoved = (/** @type {number} */ i) => lines.some((line) => line[i].some((x, axis) => x !== lines[0][i][axis]));
+  const moved = points.flatMap((_, i) => (isMoved(i) ? [model.pointName(i)] : []));
   return model.movable && moved.length && moved.length < points.length ? ` of ${moved.join(" and ")}` : "";
 }
 
