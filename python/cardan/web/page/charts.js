@@ -191,7 +191,7 @@ class Frame {
       /** @type {Record<string, string | number>} */
       const place = tilt
         ? { x: at, y: bottom + 9, dy: "4", transform: from, class: "end" }
-        : { x: at, y: bottom + 17, class: "middle" };
+        : { x: at, y: bottom + 18, class: "middle" };
       drawn("text", { ...place, "data-x": String(value) }, grid, text);
     }
     for (const [value, text] of up) {
