@@ -185,8 +185,7 @@ def test_fingers_step_numbers_by_buttons(
         phone.find_element(By.ID, "live-undo").click()
     assert js(phone, "return cardanPage.model.isDrawn")
     phone.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-    size = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    phone.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(phone, 1280, 900)
     assert not less.is_displayed()
 
 
@@ -205,64 +204,55 @@ def test_the_panel_of_a_desk_stays_within_the_screen(
         assert panel["left"] > box(browser, "#live-page")["right"]
 
 
-def test_the_head_counts_what_the_list_shows(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_the_head_counts_what_the_list_shows(truck: webdriver.Chrome) -> None:
     """In its order, and how many of each colour."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     # By the square of the speed the torsional excitation is between its limit and its maximum.
-    js(browser, "location.hash = 'speed.0=2300'")
-    settled(browser)
-    rows = browser.find_elements(By.CSS_SELECTOR, "#live-panel .rows li")
+    js(truck, "location.hash = 'speed.0=2300'")
+    settled(truck)
+    rows = truck.find_elements(By.CSS_SELECTOR, "#live-panel .rows li")
     colours = [str(row.get_attribute("class")) for row in rows]
     assert colours == ["beyond"] * 2 + ["tolerable"] + ["within"] * 10
     names = [row.find_element(By.CLASS_NAME, "name").get_property("textContent") for row in rows]
-    words = browser.find_element(By.CSS_SELECTOR, "#live-panel .why").text.replace("\u00a0", " ")
+    words = truck.find_element(By.CSS_SELECTOR, "#live-panel .why").text.replace("\u00a0", " ")
     named = "; ".join(map(str, names[:2])).replace("\u00a0", " ")
     assert words.startswith(f"2 of 13 beyond: {named}. 1 tolerable. Something has moved")
 
 
-def test_states_and_buttons_say_what_they_are(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
-    opened(browser, answered(TRUCK).page, tmp_path)
-    states = browser.find_element(By.ID, "live-states")
+def test_states_and_buttons_say_what_they_are(truck: webdriver.Chrome) -> None:
+    states = truck.find_element(By.ID, "live-states")
     assert states.text.startswith("States of joint 2 and the downstream end\n")
     assert states.accessible_name == "States of joint 2 and the downstream end"
-    dials = browser.find_element(By.ID, "live-dials")
+    dials = truck.find_element(By.ID, "live-dials")
     assert [each.text for each in dials.find_elements(By.TAG_NAME, "button")] == [
         "Best phases",
         "Best on 36 teeth",
     ]
     assert "the smallest equivalent bend over all states by their weights" in dials.text
-    assert "hatched: beyond" in browser.find_element(By.CSS_SELECTOR, ".live .key").text
+    assert "hatched: beyond" in truck.find_element(By.CSS_SELECTOR, ".live .key").text
 
 
-def test_what_was_done_is_said_for_a_while(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_what_was_done_is_said_for_a_while(truck: webdriver.Chrome) -> None:
     """Until the next change, or for some seconds."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    shared = browser.find_element(By.ID, "live-shared")
+    shared = truck.find_element(By.ID, "live-shared")
     # Seconds pass when the test says so.
     js(
-        browser,
+        truck,
         """window.waiting = [];
         window.setTimeout = (call, time) => time > 5000 && window.waiting.push(call);
         document.execCommand = () => true;
         Object.defineProperty(navigator, "clipboard", { value: { writeText: async () => {} } });""",
     )
     for _ in range(2):
-        js(browser, "document.getElementById('live-link').click()")
-        settled(browser)
+        js(truck, "document.getElementById('live-link').click()")
+        settled(truck)
         assert shared.text.startswith("The link is copied.")
-    js(browser, "window.waiting.at(-1)()")
+    js(truck, "window.waiting.at(-1)()")
     assert shared.text == ""
-    js(browser, "document.getElementById('live-link').click()")
-    settled(browser)
+    js(truck, "document.getElementById('live-link').click()")
+    settled(truck)
     assert shared.text
-    handle(browser, 2).send_keys(Keys.ARROW_DOWN)
-    settled(browser)
+    handle(truck, 2).send_keys(Keys.ARROW_DOWN)
+    settled(truck)
     assert shared.text == ""
 
 
@@ -495,14 +485,14 @@ for (const arrow of document.querySelectorAll("#live-drawing .arrow")) {
 return found;"""
 
 
-@EACH_PAGE
+@pytest.mark.long
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 @pytest.mark.parametrize("width", [1280, 390])
 def test_texts_of_the_drawing_are_apart_and_arrows_within_it(
     path: Path, width: int, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
     """In every state, at some drive angles, true to scale and stretched."""
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, width, 900)
     opened(browser, answered(path).page, tmp_path)
     for name in ("live-high", "live-true"):
         js(browser, f"document.getElementById('{name}').click()")
@@ -524,8 +514,7 @@ def test_texts_of_what_comes_near_are_apart(
     browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
     """Forces where bearings lie together, slopes beside them, joints above each other."""
-    size = {"width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    screen(browser, 390, 900)
     opened(browser, answered(TRUCK).page, tmp_path)
     for address in ("bearing.2=-1050", "bearing.2=-900&bearing.1=80", "point.2.x=-1150"):
         js(browser, "location.hash = arguments[0]", address)
@@ -534,43 +523,37 @@ def test_texts_of_what_comes_near_are_apart(
         assert js(browser, APART) == [], address
 
 
-def test_what_is_dragged_is_written_beside_it(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_what_is_dragged_is_written_beside_it(truck: webdriver.Chrome) -> None:
     """The coordinates that the view shows, until it is let go."""
-    opened(browser, answered(TRUCK).page, tmp_path)
-    callout = browser.find_element(By.CSS_SELECTOR, "#live-drawing .callout")
+    callout = truck.find_element(By.CSS_SELECTOR, "#live-drawing .callout")
 
     def called(selector: str, by: tuple[int, int]) -> str:
-        held = browser.find_element(By.CSS_SELECTOR, selector)
-        ActionChains(browser, duration=10).click_and_hold(held).move_by_offset(*by).perform()
-        settled(browser)
-        words, own, knob = callout.text, box(browser, ".callout"), box(browser, f"{selector} .knob")
+        held = truck.find_element(By.CSS_SELECTOR, selector)
+        ActionChains(truck, duration=10).click_and_hold(held).move_by_offset(*by).perform()
+        settled(truck)
+        words, own, knob = callout.text, box(truck, ".callout"), box(truck, f"{selector} .knob")
         assert callout.get_attribute("visibility") == "visible"
         assert abs(own["left"] + own["right"] - knob["left"] - knob["right"]) < 4
         assert 20 < knob["top"] - own["bottom"] < 70
-        ActionChains(browser, duration=10).release().perform()
+        ActionChains(truck, duration=10).release().perform()
         assert callout.get_attribute("visibility") == "hidden"
         return words.replace("\u2212", "-")
 
     assert callout.get_attribute("visibility") == "hidden"
     words = called(".handle[data-point='2'][data-view='0']", (0, 20))
-    x, y, _ = pages.place_of(browser, 2)
+    x, y, _ = pages.place_of(truck, 2)
     assert words == f"x {x:.1f}, y {y:.1f} mm"
     words = called(".handle[data-point='2'][data-view='1']", (10, 15))
-    x, _, z = pages.place_of(browser, 2)
+    x, _, z = pages.place_of(truck, 2)
     assert words == f"x {x:.1f}, z {z:.1f} mm"
     words = called(".handle[data-bearing='2'][data-view='0']", (-30, 0))
-    assert words == f"{1e3 * js(browser, 'return cardanPage.model.part(`positions`, 2)'):.1f} mm"
+    assert words == f"{1e3 * js(truck, 'return cardanPage.model.part(`positions`, 2)'):.1f} mm"
 
 
-def test_each_point_is_one_stop_of_the_tab_key(
-    browser: webdriver.Chrome, answered: Answers, tmp_path: Path
-) -> None:
+def test_each_point_is_one_stop_of_the_tab_key(truck: webdriver.Chrome) -> None:
     """In the order in which power flows; keys move it along all three axes."""
-    opened(browser, answered(TRUCK).page, tmp_path)
     stops = js(
-        browser,
+        truck,
         """return [...document.querySelectorAll(".handle[tabindex='0']")]
             .map((e) => e.getAttribute("aria-label"))""",
     )
@@ -578,13 +561,13 @@ def test_each_point_is_one_stop_of_the_tab_key(
         *("upstream end", "bearing 0", "bearing 1", "joint 0", "bearing 2", "joint 1", "joint 2"),
         *("bearing 3", "bearing 4", "downstream end"),
     ]
-    joint = handle(browser, 2)
+    joint = handle(truck, 2)
     joint.send_keys(Keys.PAGE_UP * 3 + Keys.ARROW_UP + Keys.ARROW_RIGHT + Keys.PAGE_DOWN)
-    settled(browser)
-    assert pages.place_of(browser, 2) == [1651.0, -45.0, 2.0]
-    handle(browser, 2, view=1).send_keys(Keys.PAGE_DOWN + Keys.ARROW_DOWN)
-    settled(browser)
-    assert pages.place_of(browser, 2) == [1651.0, -46.0, 3.0]
+    settled(truck)
+    assert pages.place_of(truck, 2) == [1651.0, -45.0, 2.0]
+    handle(truck, 2, view=1).send_keys(Keys.PAGE_DOWN + Keys.ARROW_DOWN)
+    settled(truck)
+    assert pages.place_of(truck, 2) == [1651.0, -46.0, 3.0]
 
 
 # --- snapping ---------------------------------------------------------------------------------
