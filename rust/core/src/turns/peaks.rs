@@ -208,7 +208,8 @@ impl Search<'_> {
         let fastest = |one: &&Equivalent| one.joint.max_speed_ratio();
         let is_uneven = shafts.iter().any(|one| fastest(&one) > UNEVEN);
         let count = if is_uneven { STEPS * FINER } else { STEPS };
-        let steps = (0..count).map(|i| i as f64 * PI / count as f64);
+        // Halves and quarters of the half turn are exact.
+        let steps = (0..count).map(|i| i as f64 / count as f64 * PI);
         let mut angles: Vec<f64> = steps.clone().collect();
         for equivalent in shafts.iter().filter(|one| fastest(one) > STEEP) {
             // From equal steps of this shaft to its equivalent joint's driving angle.
