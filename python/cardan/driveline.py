@@ -35,6 +35,7 @@ from cardan.geometry.geometry import (
     with_bearings,
     with_phases,
 )
+from cardan.geometry.wound_up import wound_up
 from cardan.motion.equivalent import equivalent, steering, transmission
 from cardan.motion.free_running import free_running
 from cardan.motion.phases import arrangement, bend_ranges, optimal_phases
@@ -123,6 +124,7 @@ class Driveline:
     with_bearings = with_bearings
     with_deviations = with_deviations
     with_play = with_play
+    wound_up = wound_up
     reversed = reversed
 
     evaluate = evaluate

@@ -729,8 +729,8 @@ def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> 
     failed(
         run("new", "jiont", "c.toml"),
         "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'multi-joint', "
-        "'recorded', 'ball-joint', 'truck-shaft', 'steering-column', 'pto-shaft', 'mill-spindle', "
-        "'test-rig', 'ship-shaft'.",
+        "'readings', 'recorded', 'ball-joint', 'truck-shaft', 'steering-column', 'pto-shaft', "
+        "'mill-spindle', 'test-rig', 'ship-shaft'.",
     )
     assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
         "a.toml": "mine",

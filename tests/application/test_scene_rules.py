@@ -121,8 +121,10 @@ ACROSS_KEYS = (
     r"\[study\] \S+ varies \S+, which varies already$",
     r"\[study\] at ",
     # Points, directions and slopes that make no driveline.
-    r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_)\w*( and \w+)? "
+    r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_|readings_)\w*( and \w+)? "
     r"?(give|are|\[)",
+    r"\[driveline\] offsets_mm go aside by \S+ along shaft \d",
+    r"\[driveline\] \w+ has length \d+; it needs \d+, one per point$",
     r"\[driveline\] pivot_wear_mm puts the pivot beyond the joints, ",
     r"\[driveline\] double_joint_deg is \S+ deg, which bends joint \d ",
     # A spline, a ball joint.

@@ -56,6 +56,7 @@ TWINS = {
         "from_slopes": "design.from_slopes",
         "from_readings": "design.from_readings",
         "from_projected_bends": "design.from_projected_bends",
+        "wound_up": "design.under_torque",
         "from_double_joint": "design.from_double_joint",
         "reversed": "design.turned_round",
         "bends": "vectors.Shafts.bends",

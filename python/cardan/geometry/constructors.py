@@ -186,7 +186,7 @@ def from_readings(
         size = positive("gauge", gauge)
         off = (np.radians(size) if degrees else size) * spread_evenly(samples, up.shape[-1])
         up = up + off.reshape(samples, *(1,) * (up.ndim - 1), up.shape[-1])
-        check_elements("gauge", size, bool(np.all(np.abs(up) < np.pi / 2)), " leads past 90 deg")
+        check_elements("gauge", size, np.all(np.abs(up) < np.pi / 2), " leads past 90 deg")
     if lengths is None:
         if offsets is not None:
             raise ArgumentValueError("offsets", "need the lengths of the shafts")

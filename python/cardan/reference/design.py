@@ -7,6 +7,7 @@ body at once, and what is round or bends is divided into rings and short beams. 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -21,10 +22,14 @@ from cardan.reference.evaluation import falling, harmonics, largest, slopes
 from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
+    Vector,
     _cross,
+    _dot,
     _joints,
     _lead,
+    _plus,
     _scaled,
+    _unit,
     from_bends,
     from_directions,
     motion,
@@ -126,6 +131,41 @@ def from_readings(
         level = math.cos(up)
         along.append((level * math.cos(heading), math.sin(up), level * math.sin(heading)))
     return from_directions(along, phases)
+
+
+def under_torque(
+    points: Sequence[Vector],
+    moved: Sequence[int],
+    angle: float,
+    about: Vector,
+    axis: Vector,
+    shift: Vector,
+) -> list[Vector]:
+    """Return points of which some have turned about an axis and moved.
+
+    Args:
+        points: ends and joint centres.
+        moved: the numbers of those that turn and move.
+        angle: by which they turn, right-handed about the axis.
+        about: a point of the axis.
+        axis: its direction, of length 1.
+        shift: by which they move.
+    """
+    # Two directions across the axis, in whose plane a turn is a complex factor.
+    least = min(range(3), key=lambda i: abs(axis[i]))
+    first = _unit(_cross(axis, (float(least == 0), float(least == 1), float(least == 2))))
+    second = _cross(axis, first)
+    factor = cmath.exp(1j * angle)
+    found = []
+    for number, place in enumerate(points):
+        if number in moved:
+            arm = _plus(place, _scaled(-1.0, about))
+            turned = complex(_dot(arm, first), _dot(arm, second)) * factor
+            along = _plus(_scaled(_dot(arm, axis), axis), shift)
+            across = _plus(_scaled(turned.real, first), _scaled(turned.imag, second))
+            place = _plus(about, _plus(along, across))
+        found.append(place)
+    return found
 
 
 def from_projected_bends(

@@ -43,6 +43,7 @@ from cardan.app.scene.sections.sweep import ANGLES, DRIVE_ANGLES, SWEEP
 from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
 from cardan.app.scene.sections.tubes import TUBES, Tubes
+from cardan.app.scene.sections.wind_up import WIND_UP, WindUp
 from cardan.app.scene.study.states import SceneLayout, States, states_result
 from cardan.app.scene.study.study import Study, StudyResult
 from cardan.arrays import FloatArray
@@ -182,6 +183,7 @@ class Scene:
         signals: the extents of what was recorded besides angles and bends.
         layout: the keys that describe the driveline; ``None`` if its bends were recorded.
         states: the states that the scene lists, if any; ``line`` need not be one of them.
+        wind_ups: what turns or moves with the torque of the states.
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
         tolerances: how manufacturing errors affect the driveline in its states, if any are given.
@@ -233,6 +235,7 @@ class Scene:
     ball_joint: BallJointCase | None = made_of(BALL_JOINT)
     study: Study | None = made_of(STUDY)
     states: States | None = made_of(STATES)
+    wind_ups: tuple[WindUp, ...] = made_of(WIND_UP)
     optimisation: Optimisation | None = made_of(OPTIMISE)
     quantities: tuple[str, ...] = made_of(OUTPUT, "quantities")
     shafts: tuple[int, ...] | None = made_of(OUTPUT, "shafts")

@@ -61,7 +61,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
     ]
     held = set_by_states(scene)
-    moves = (
+    moves: Iterator[Move] = (
         _move(change, scene, ", ".join(untried))
         for change in found
         if (change.variable, change.item) not in held

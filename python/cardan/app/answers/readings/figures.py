@@ -76,15 +76,17 @@ def find(answer: Answer) -> ReadingFigures | None:
     hidden = [*_hidden(scene, off)]
     least, largest = hidden[0].bends.min(axis=0), hidden[0].bends.max(axis=0)
     ends = zip(bends.tolist(), least.tolist(), largest.tolist(), strict=True)
-    worst, decides = _judged(scene, hidden)
-    shares = [None, None]
-    if worst is not None:
-        shares = [float(np.mean(worst <= RANKS.index(rank))) for rank in ("within", "tolerable")]
+    ranks, decides = _judged(scene, hidden)
+    within, acceptable = (
+        None if ranks is None else float(np.mean(ranks <= RANKS.index(rank)))
+        for rank in ("within", "tolerable")
+    )
     return ReadingFigures(
         tuple(read.tolist()),
         tuple(WorkingAngle(joint, *each) for joint, each in enumerate(ends)),
-        np.radians(scene.gauge_deg),
-        *shares,
+        float(np.radians(scene.gauge_deg)),
+        within,
+        acceptable,
         decides,
         ", ".join(name for part, name in _AS_READ.items() if getattr(scene, part) is not None),
     )

@@ -192,7 +192,8 @@ def _tubes(scene: Scene) -> Iterator[Remark]:
 
 def _states(scene: Scene) -> Iterator[Remark]:
     states, layout = scene.states, scene.layout
-    if states is None or layout is None:
+    # A drawing without torque is seldom one of the states that follow the torque.
+    if states is None or layout is None or scene.wind_ups:
         return
     drawn, own = layout.values(), layout.values(states.axes, states.count)
     is_drawn = [

@@ -12,9 +12,10 @@ from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
-from cardan.app.scene.sections.load import LOAD, check_not_recorded
+from cardan.app.scene.sections.load import LOAD, TORQUES, check_not_recorded
 from cardan.app.scene.sections.output import OUTPUT, caused, has_table
 from cardan.app.scene.sections.sweep import ANGLES, SWEEP
+from cardan.app.scene.sections.wind_up import WIND_UP
 from cardan.app.scene.study.axes import (
     BEARING_AXES,
     LIST_AXES,
@@ -23,10 +24,12 @@ from cardan.app.scene.study.axes import (
     Axis,
     Varied,
     axes_of,
+    check_apart,
     grid_of,
 )
 from cardan.app.scene.study.states import States
 from cardan.app.scene.study.study import Study
+from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
@@ -135,11 +138,29 @@ def _states(values: Mapping[str, Any], scene: Reading) -> States:
     weights = np.array(values.get("weights", [1.0] * count))
     if not np.any(weights > 0.0):
         raise ArgumentValueError("weights", "has only zeros; at least one state must count")
-    states = States(tuple(values.get("names") or _names(axes)), weights, axes, layout)
+    names = tuple(values.get("names") or _names(axes))
+    if wind_ups := scene[WIND_UP]:
+        torque = _torques(axes, layout.load or {}, count)
+        axes += tuple(axis for each in wind_ups for axis in each.axes(torque))
+        check_apart(axes, {**layout.driveline, **(layout.load or {})})
+    states = States(names, weights, axes, layout)
     states.drivelines()
     for i in range(count):
         states.load(i)
     return states
+
+
+def _torques(axes: tuple[Axis, ...], load: Mapping[str, Any], count: int) -> FloatArray:
+    """The torque in every state, as [states] or else [load] gives it."""
+    for axis in axes:
+        if axis.name in TORQUES:
+            return axis.values
+    given = [load[key] for key in TORQUES if key in load]
+    if not given:
+        raise ValueError(
+            "no torque for [[wind_up]] to follow; give each state one: output_torque_Nm = [0, 1500]"
+        )
+    return np.full(count, given[0])
 
 
 def _names(axes: tuple[Axis, ...]) -> list[str]:

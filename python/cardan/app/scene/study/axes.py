@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import (
     COUNT,
+    INDEX,
     SPREAD,
     ListOf,
     Number,
@@ -31,6 +32,7 @@ from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import LOAD
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
+from cardan.geometry.wound_up import turned
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
@@ -75,7 +77,32 @@ _ADD = "add"
 _TURN, _ABOUT, _AXIS = "turn_deg", ("about_mm", "about_m"), "axis"
 _OF_TURN = (_TURN, *_ABOUT, _AXIS)
 _AXES = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
-_ABOUT_AXIS: Schema = {"oneOf": [{"enum": list(_AXES)}, _VECTOR.schema]}
+
+
+@dataclass(frozen=True)
+class Direction(Rule):
+    """The direction of an axis: its name or a vector of any length."""
+
+    name = "axis"
+
+    def read(self, where: Location, value: object) -> list[float]:
+        """Return the vector."""
+        if isinstance(value, str):
+            if value not in _AXES:
+                raise where.error(f'is {shown(value)}; it is "x", "y", "z" or three numbers')
+            return _AXES[value]
+        axis = _VECTOR.read(where, value)
+        if not any(axis):
+            raise where.error("is [0, 0, 0]; an axis needs a direction")
+        return axis
+
+    @property
+    def schema(self) -> Schema:
+        """A name or three numbers."""
+        return {"oneOf": [{"enum": list(_AXES)}, _VECTOR.schema]}
+
+
+DIRECTION = Direction()
 
 
 @dataclass(frozen=True)
@@ -132,14 +159,7 @@ def _turned(where: Location, value: Mapping[str, object]) -> Turned:
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
         raise where.error(f"must have {_TURN}, {' or '.join(_ABOUT)}, and {_AXIS}")
-    axis = value[_AXIS]
-    if isinstance(axis, str):
-        if axis not in _AXES:
-            raise where.at(_AXIS).error(f'is {shown(axis)}; it is "x", "y", "z" or three numbers')
-        axis = _AXES[axis]
-    axis = _VECTOR.read(where.at(_AXIS), axis)
-    if not any(axis):
-        raise where.at(_AXIS).error("is [0, 0, 0]; an axis needs a direction")
+    axis = DIRECTION.read(where.at(_AXIS), value[_AXIS])
     steps = _values(where.at(_TURN), value[_TURN])
     point = _VECTOR.read(where.at(about[0]), value[about[0]])
     return Turned(steps, point, axis, about[0].rpartition("_")[2])
@@ -239,7 +259,12 @@ class NestedAxes(Rule):
         turns = [
             {
                 **parts,
-                "properties": {**values, _TURN: _VALUES, about: _VECTOR.schema, _AXIS: _ABOUT_AXIS},
+                "properties": {
+                    **values,
+                    _TURN: _VALUES,
+                    about: _VECTOR.schema,
+                    _AXIS: DIRECTION.schema,
+                },
                 "required": [_TURN, about, _AXIS],
             }
             for about in _ABOUT
@@ -251,6 +276,26 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
     return isinstance(value, dict) and bool(value)
 
 
+@dataclass(frozen=True)
+class Entry(Rule):
+    """Which entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
+
+    name = "text"
+
+    def read(self, where: Location, value: object) -> str:
+        """Return it as text."""
+        index = str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+        if not isinstance(index, str) or not re.search(f"^{ENTRIES}$", index):
+            raise where.error(f'is {shown(value)}; it must be as 2 or "2-3", counted from 0')
+        return index
+
+    @property
+    def schema(self) -> Schema:
+        """A number or such a string."""
+        return {"anyOf": [INDEX.schema, {"type": "string", "pattern": f"^{ENTRIES}$"}]}
+
+
+ENTRY = Entry()
 NUMBER_AXIS = AxisValues()
 LIST_AXES = ListAxes()
 VECTOR_AXES = NestedAxes(("place and axis", "2.y"), ENTRIES, _NO_ENTRY, ("x", "y", "z"), True)
@@ -269,11 +314,8 @@ class Rotation(NamedTuple):
     axis: FloatArray
 
     def of(self, points: FloatArray, angle: FloatArray) -> FloatArray:
-        """Return points ``(rows, ..., 3)`` turned by angles ``(rows, ...)`` in rad (Rodrigues)."""
-        arms, (sine, cosine) = points - self.about, (np.sin(angle), np.cos(angle))
-        along = (arms @ self.axis)[..., np.newaxis] * self.axis
-        turned = cosine * (arms - along) + sine * np.cross(self.axis, arms)
-        return np.asarray(self.about + along + turned)
+        """Return points ``(rows, ..., 3)`` turned by angles ``(rows, ..., 1)`` in rad."""
+        return turned(points, self.about, self.axis, angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -415,8 +457,12 @@ def _rotation(name: str, place: str, values: Turned) -> Rotation:
         raise location.error(f"turns; only points can turn, and {name} are none")
     if name != f"points_{values.unit}":
         raise location.error(f"has about_{values.unit}; the point is in the unit of {name}")
-    axis = np.array(values.axis)
-    return Rotation(np.array(values.about), axis / np.linalg.norm(axis))
+    return Rotation(np.array(values.about), unit_vector(values.axis))
+
+
+def unit_vector(direction: list[float]) -> FloatArray:
+    """Return a vector of length 1 along a direction."""
+    return np.asarray(np.array(direction) / np.linalg.norm(direction))
 
 
 def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]) -> Axis:
@@ -461,12 +507,15 @@ def _base(
 def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:
     if base is None:
         return None
-    if not index:
-        return slice(None)
+    return entries_of(key, index, len(base)) if index else slice(None)
+
+
+def entries_of(key: Location, index: str, count: int) -> slice:
+    """Return which of so many entries ``"2"`` or ``"2-3"`` names."""
     ends = [int(end) for end in index.split("-")]
     first, last = ends[0], ends[-1]
-    if not first <= last < len(base):
-        raise key.error(f"does not exist; there are {len(base)}, counted from 0")
+    if not first <= last < count:
+        raise key.error(f"does not exist; there are {count}, counted from 0")
     return slice(first, last + 1)
 
 

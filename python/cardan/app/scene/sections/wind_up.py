@@ -1,0 +1,125 @@
+"""The sections [[wind_up]]: points and shafts that turn or move in proportion to the torque."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cardan.app.scene.language.errors import Location
+from cardan.app.scene.language.rules import ListOf, Number
+from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
+from cardan.app.scene.study.axes import DIRECTION, ENTRY, Axis, Rotation, entries_of, unit_vector
+from cardan.arrays import FloatArray
+from cardan.arrays.errors import ArgumentValueError
+
+_VECTOR = ListOf(Number(), "three numbers", count=3)
+_SLOPES = "slopes_vertical_deg"
+
+
+@dataclass(frozen=True)
+class WindUp:
+    """What turns or moves entries of a key, as axes of states whose values follow the torque.
+
+    Rates are in the unit of the key, or in degrees, per kN m.
+    """
+
+    name: str
+    place: str
+    entries: slice
+    rate: float | None = None
+    rotation: Rotation | None = None
+    shift: tuple[float, ...] = ()
+
+    def axes(self, torque: FloatArray) -> Iterator[Axis]:
+        """Yield the axes of states with these mean torques in N m."""
+        by, key = 1e-3 * torque, f"{self.name}.{self.place}"
+
+        def axis(ending: str, component: int | None, rate: float, *, is_added: bool = True) -> Axis:
+            rotation = None if is_added else self.rotation
+            own = (self.name, self.entries, component, rate * by, is_added, rotation)
+            return Axis(f"{key}.{ending}", "driveline", *own)
+
+        if self.rate is not None and self.rotation is None:
+            yield axis("add", None, self.rate)
+        elif self.rate is not None:
+            yield axis("turn_deg", None, self.rate, is_added=False)
+        for component, rate in enumerate(self.shift):
+            if rate:
+                yield axis(f"{'xyz'[component]}.add", component, rate)
+
+
+def _wind_ups(_: Mapping[str, Any], scene: Reading) -> tuple[WindUp, ...]:
+    tables = scene.document.tables.get(WIND_UP.name, ())
+    if tables and "states" not in scene.given:
+        raise ValueError(
+            "needs the torques that it follows: give [states] output_torque_Nm = [-300, 200, 1500]"
+        )
+    found = []
+    for i, values in enumerate(tables):
+        with scene.document.within(f"{WIND_UP.name}.{i}"):
+            found.append(_wind_up(values, scene))
+    return tuple(found)
+
+
+def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
+    keys = scene[DRIVELINE].keys
+    rate, shift = values.get("deg_per_kNm"), values.get("mm_per_kNm")
+    if "shafts" in values:
+        name = next((key for key in (READINGS, _SLOPES) if key in keys), None)
+        if name is None:
+            raise ArgumentValueError(
+                "shafts", f"need {READINGS} or {_SLOPES} in [driveline]; of points give points"
+            )
+        for key in ("mm_per_kNm", "about_mm", "axis"):
+            if key in values:
+                raise ArgumentValueError(key, "does not go with shafts, which tilt by deg_per_kNm")
+        place = values["shafts"]
+        return WindUp(name, place, entries_of(Location("shafts"), place, len(keys[name])), rate)
+    name = next((key for key in keys if key.startswith("points")), None)
+    if name is None:
+        raise ArgumentValueError("points", "need points_mm or points_m in [driveline]")
+    # Rates and places are in mm; the axes are in the unit of the key.
+    unit = 1.0 if name.endswith("_mm") else 1e-3
+    place, rotation = values["points"], None
+    if rate is not None:
+        if "about_mm" not in values:
+            raise ArgumentValueError("deg_per_kNm", "needs about_mm, a point of the axis")
+        about = unit * np.array(values["about_mm"])
+        rotation = Rotation(about, unit_vector(values.get("axis", [0.0, 0.0, 1.0])))
+    moves = tuple(unit * each for each in shift or ())
+    return WindUp(
+        name, place, entries_of(Location("points"), place, len(keys[name])), rate, rotation, moves
+    )
+
+
+WIND_UP: Section[tuple[WindUp, ...]] = Section(
+    "wind_up",
+    "what turns or moves with the torque: an axle on its springs, an engine on its mounts; give "
+    "one section for each, and the torques in [states]",
+    {
+        "points": Key(ENTRY, 'the points that move, counted from 0: "3-4"'),
+        "shafts": Key(
+            ENTRY,
+            f"or, with {READINGS} or {_SLOPES}: the shafts that tilt, counted from 0: "
+            '"2", upwards to the output',
+        ),
+        "about_mm": Key(_VECTOR, "of points: a point of the axis about which they turn"),
+        "axis": Key(
+            DIRECTION, 'its direction: "x", "y", "z" or three numbers', default="z", kind="axis"
+        ),
+        "deg_per_kNm": Key(
+            Number(), "angle per kN m of mean torque, right-handed about the axis or upwards"
+        ),
+        "mm_per_kNm": Key(_VECTOR, "or, or besides: by how much the points move per kN m"),
+    },
+    _wind_ups,
+    together=(("points", "shafts"),),
+    needed=(("points", "shafts"), ("deg_per_kNm", "mm_per_kNm")),
+    with_key=(("about_mm", "deg_per_kNm"), ("axis", "about_mm")),
+    repeated=True,
+    always=True,
+)
