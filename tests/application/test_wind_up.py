@@ -96,7 +96,10 @@ def test_the_page_moves_what_turns() -> None:
     np.testing.assert_array_equal(data["points"][1], eval(POINTS))
     angle = np.radians(2.25)
     turn = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    np.testing.assert_allclose(np.array(turned[3])[2][:2, :2], turn, atol=1e-15)
+    assert [len(each["turns"]) for each in turned[3]] == [1, 0, 1]
+    assert turned[3][2]["before"] == [3150, -180, 45]
+    found = np.array(turned[3][2]["turns"][0]["matrix"])
+    np.testing.assert_allclose(found[:2, :2], turn, atol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -86,13 +86,20 @@ def turned(
 ) -> FloatArray:
     """Return points ``(..., 3)`` turned about a point and a unit vector.
 
-    Angles in rad have the shape of the points, or one number in place of a vector. Those of 0 leave
-    points as they are (Rodrigues).
+    Angles in rad have the shape of the points, with one number in place of a vector. Those of 0
+    leave points as they are.
     """
-    arms, (sine, cosine) = points - about, (np.sin(angle), np.cos(angle))
-    along = (arms @ axis)[..., np.newaxis] * axis
-    found = about + along + cosine * (arms - along) + sine * np.cross(axis, arms)
-    return np.where(angle == 0.0, points, found)
+    matrix, arms = rotation(axis, angle[..., 0]), points - about
+    first, second, third = (matrix[..., i] * arms[..., i : i + 1] for i in range(3))
+    return np.where(angle == 0.0, points, about + (first + second + third))
+
+
+def rotation(axis: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return matrices ``(..., 3, 3)`` of turns about a unit vector by angles in rad (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    sine, cosine = (np.asarray(of(angle))[..., np.newaxis, np.newaxis] for of in (np.sin, np.cos))
+    return np.asarray(cosine * np.eye(3) + (1.0 - cosine) * np.outer(axis, axis) + sine * cross)
 
 
 def _vector(name: str, value: ArrayLike) -> FloatArray:

@@ -18,10 +18,11 @@ from cardan.app.scene.language.units import ENDINGS, split
 from cardan.app.scene.machine import states_of_steps
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.bearing import Bearing
+from cardan.app.scene.sections.driveline import points_of
 from cardan.app.scene.sections.life import gives
 from cardan.app.scene.sections.load import LOAD, TORQUES
 from cardan.app.scene.study.axes import Axis
-from cardan.arrays import FloatArray
+from cardan.geometry.wound_up import rotation
 
 _SPEEDS = ("speed_rpm", "speed_rad_s")
 
@@ -32,7 +33,8 @@ Changed = tuple[str, int, int | None]
 def given(scene: Scene) -> dict[str, Any]:
     """Return what the scene gives of what a page can change, in the units of its file.
 
-    ``turned`` has matrices for points that states turn, and ``steps`` the state of every step.
+    ``turned`` says of points that states turn where each is ``before`` and which ``turns`` follow;
+    ``steps`` has the state of every step.
     ``factor`` brings a value to SI. By ``per`` it changes when a bearing moves downstream by one
     millimetre. ``columns`` are those of the machine's data that it sets.
     """
@@ -49,20 +51,30 @@ def given(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _turned(scene: Scene) -> dict[int, list[list[list[float]]]]:
-    """How every state turns what is added to a point, for points that states turn."""
-    found: dict[int, FloatArray] = {}
-    for axis in scene.states.axes if scene.states else ():
-        if not axis.rotation:
-            continue
-        turn = axis.rotation._replace(about=np.zeros(3))
-        angles = np.radians(axis.values)
+def _turned(scene: Scene) -> dict[int, list[dict[str, Any]]]:
+    """Of points that states turn, where each is before and what turns it, in every state."""
+    states = scene.states
+    axes = [axis for axis in states.axes if axis.rotation] if states else []
+    if states is None or not axes:
+        return {}
+    others = [axis for axis in states.axes if not axis.rotation]
+    before = points_of(states.layout.values(others, states.count))
+    assert before is not None
+    found: dict[int, list[dict[str, Any]]] = {}
+    for axis in axes:
+        assert axis.rotation is not None
+        about, angles = axis.rotation.about.tolist(), np.radians(axis.values)
+        turns = [
+            {"about": about, "matrix": matrix.tolist()}
+            for matrix in rotation(axis.rotation.axis, angles)
+        ]
         for point, _ in axis.entries(scene.line.n_joints + 2):
-            before = found.get(point, np.broadcast_to(np.eye(3), (len(angles), 3, 3)))
-            # Rotation.of turns rows; columns are what the unit vectors become.
-            rows = turn.of(np.swapaxes(before, 1, 2), angles[:, np.newaxis, np.newaxis])
-            found[point] = np.swapaxes(rows, 1, 2)
-    return {point: turn.tolist() for point, turn in found.items()}
+            each = found.setdefault(
+                point, [{"before": line[point].tolist(), "turns": []} for line in before]
+            )
+            for state, turn, angle in zip(each, turns, angles, strict=True):
+                state["turns"] += [turn] if angle else []
+    return found
 
 
 def _per_mm(bearing: Bearing) -> float:

@@ -15,16 +15,20 @@ from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
 
-def machine_of(scene: Scene) -> Machine | None:
-    """Return a scene as a machine; ``None`` where a study or a recording has no states."""
+def machine_of(scene: Scene, *, can_tilt: bool = False) -> Machine | None:
+    """Return a scene as a machine; ``None`` where a study or a recording has no states.
+
+    Where ``can_tilt``, the shafts of readings without lengths have one metre each, so that the ends
+    can move.
+    """
     recorded = scene.line.shape or scene.speed_recorded or scene.recording is not None
     if recorded or scene.deviations is not None or (scene.study is not None and scene.study.axes):
         return None
     lines, load = scene.drivelines(), scene.load_case
     if scene.states:
         load = scene.states.loads(load)
-    if scene.is_measured and not has_lengths(lines) and not scene.tubes:
-        # Nothing that is judged depends on them, and its ends can then be tilted.
+    # Without tubes nothing that is judged depends on lengths that are not known.
+    if can_tilt and scene.is_measured and not has_lengths(lines) and not scene.tubes:
         lines = lines.with_bearings([], np.ones(lines.n_joints + 1))
     return _with_duty_and_spline(scene, moving(scene, lines, load))
 

@@ -16,6 +16,7 @@ import { asGiven, exact, folded, lengths, signed, signedLength, tidy } from "./n
  */
 
 /** @typedef {import("./model.js").Sent} Sent */
+/** @typedef {import("./model.js").Turn} Turn */
 
 const AXES = "xyz";
 /** Sizes that no driveline has, by their unit. */
@@ -99,12 +100,26 @@ export const byOf = (changes, variable, item, axis = null) => changes[keyOf(vari
  */
 export function moved(sent, changes, point, state) {
   const by = [0, 1, 2].map((axis) => byOf(changes, "point", point, axis));
-  const turn = state === undefined ? undefined : sent.given.turned[point]?.[state];
-  return turn ? turn.map((row) => row.reduce((sum, x, axis) => sum + x * by[axis], 0)) : by;
+  return (turnsOf(sent, point, state) ?? []).reduce((arm, { matrix }) => product(matrix, arm), by);
 }
 
 /**
- * A point of a scene, in the unit of the scene, moved.
+ * What turns a point in a state, one after another.
+ * @param {Sent} sent
+ * @param {number} point
+ * @param {number} [state]
+ */
+export const turnsOf = (sent, point, state) =>
+  state === undefined ? undefined : sent.given.turned[point]?.[state].turns;
+
+/**
+ * @param {number[][]} matrix
+ * @param {number[]} vector
+ */
+const product = (matrix, [x, y, z]) => matrix.map((row) => row[0] * x + row[1] * y + row[2] * z);
+
+/**
+ * The points of a scene, in the unit of the scene, moved. What a state turns is moved before.
  * @param {Sent} sent
  * @param {Changes} changes
  * @param {number[][]} line
@@ -113,8 +128,13 @@ export function moved(sent, changes, point, state) {
 export function movedLine(sent, changes, line, state) {
   const millimetres = 1e3 * sent.machine.unit;
   return line.map((p, i) => {
-    const by = moved(sent, changes, i, state);
-    return p.map((x, axis) => (by[axis] ? exact(x + by[axis] / millimetres) : x));
+    const by = moved(sent, changes, i);
+    const add = (/** @type {number[]} */ to) => to.map((x, axis) => (by[axis] ? exact(x + by[axis] / millimetres) : x));
+    const turns = turnsOf(sent, i, state);
+    if (!turns?.length || !by.some(Boolean)) return add(p);
+    const turn = (/** @type {number[]} */ at, /** @type {Turn} */ { about, matrix }) =>
+      product(matrix, at.map((x, axis) => x - about[axis])).map((x, axis) => about[axis] + x);
+    return turns.reduce(turn, add(sent.given.turned[i][state ?? 0].before));
   });
 }
 

@@ -6,7 +6,7 @@
  */
 
 import { CardanError } from "../cardan.js";
-import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf } from "./changes.js";
+import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf, turnsOf } from "./changes.js";
 import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantityText, settled, tidy } from "./numbers.js";
 
 /** @typedef {import("./numbers.js").Digits} Digits */
@@ -50,11 +50,14 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  * @typedef {object} Given
  * @property {boolean} points whether the scene gives points
  * @property {{value: number, factor: number, per: number}[]} bearings
- * @property {Record<string, number[][][]>} turned by point, how every state turns it
+ * @property {Record<string, {before: number[], turns: Turn[]}[]>} turned by point, where it is in every
+ *   state before that turns it, and what turns it
  * @property {(number | null)[]} steps the state of every step of the duty cycle
  * @property {GivenLoad | null} speed
  * @property {GivenLoad | null} torque
  */
+
+/** @typedef {{about: number[], matrix: number[][]}} Turn */
 
 /** @typedef {{value: number, key: string, unit: string, factor: number, columns: string[]}} GivenLoad */
 
@@ -208,12 +211,13 @@ export class Model {
   place(point, to) {
     const now = this.points(this.state)[point];
     const off = to.map((end, axis) => (end === null ? 0 : end - now[axis]));
-    const turn = this.sent.given.turned[point]?.[this.state];
+    // The transpose of a turn takes it back.
+    const back = (/** @type {number[]} */ arm, /** @type {Turn} */ { matrix }) =>
+      [0, 1, 2].map((axis) => arm.reduce((sum, x, k) => sum + matrix[k][axis] * x, 0));
+    const by = (turnsOf(this.sent, point, this.state) ?? []).reduceRight(back, off);
     let { changes } = this;
-    [0, 1, 2].forEach((axis) => {
-      // The transpose of a turn takes it back.
-      const by = turn ? off.reduce((sum, x, k) => sum + turn[k][axis] * x, 0) : off[axis];
-      changes = changed(changes, "point", point, axis, tidy(byOf(changes, "point", point, axis) + by));
+    by.forEach((own, axis) => {
+      changes = changed(changes, "point", point, axis, tidy(byOf(changes, "point", point, axis) + own));
     });
     this.#take(changes);
   }

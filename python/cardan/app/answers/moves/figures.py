@@ -49,7 +49,7 @@ class Move:
 
 def find(answer: Answer) -> tuple[Move, ...]:
     """Return the changes, smallest first; none where everything is within its limits."""
-    machine = machine_of(answer.scene)
+    machine = machine_of(answer.scene, can_tilt=True)
     if machine is None:
         return ()
     scene = answer.scene
