@@ -13,8 +13,8 @@ from cardan.app.answers.readings.figures import ReadingFigures
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import OFFSETS, READINGS
 
-# Pixels: width, height of each view, margin, and radius of a gauge.
-_WIDTH, _HEIGHT, _MARGIN, _GAUGE = 760.0, 190.0, 50.0, 13.0
+# Pixels: width, height of each view, margin, radius of a gauge, and what is shorter than a label.
+_WIDTH, _HEIGHT, _MARGIN, _GAUGE, _SHORT = 760.0, 190.0, 50.0, 13.0, 100.0
 
 
 def drawn(answer: Answer, _: ReadingFigures) -> dict[str, Any]:
@@ -82,8 +82,8 @@ def _side(points: Any, read: Any) -> list[str]:  # noqa: ANN401 - arrays
         parts += [
             f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{_GAUGE}" stroke-width="1.5"/>',
             f'<path d="M{x - dx:.1f} {y - dy:.1f}L{x + dx:.1f} {y + dy:.1f}" stroke-width="1.5"/>',
-            # Short shafts have their labels on two heights.
-            _text(x, y - _GAUGE - (6.0 if i % 2 else 22.0), words),
+            # Short shafts that follow each other have their labels on two heights.
+            _text(x, y - _GAUGE - (22.0 if i % 2 and x1 - x0 < _SHORT else 6.0), words),
             _text(x, max(y0, y1) + 24.0, f"shaft {i}"),
         ]
     return parts
