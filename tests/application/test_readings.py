@@ -151,7 +151,7 @@ def test_the_share_is_that_of_random_readings(states: str) -> None:
     found = certainty(scene)
     assert 0.05 < share < 0.95
     assert found.within == pytest.approx(share, abs=0.015)
-    assert found.acceptable == found.within
+    assert found.acceptable is None
     assert found.decides == "equivalent bend"
     for each in found.angles:
         assert each.least is not None
@@ -172,6 +172,13 @@ def test_what_is_said_of_it(limit: float, words: str) -> None:
     text = " ".join(sentences(certainty(scene)))
     assert re.search(words, text)
     assert "Each reading may be off by 0.25° on its own." in text
+
+
+def test_what_is_tolerable_has_a_share_of_its_own() -> None:
+    found = certainty(parsed(rest="[limits]\nequivalent_bend_deg = [0.9, 1.2]\n"))
+    strict = certainty(parsed(rest="[limits]\nequivalent_bend_deg = 1.2\n"))
+    assert found.within == certainty(parsed(rest=LIMITS)).within
+    assert found.acceptable == strict.within
 
 
 def test_nothing_is_said_of_a_gauge_that_is_not_given() -> None:

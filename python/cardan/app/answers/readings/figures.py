@@ -55,7 +55,10 @@ class ReadingFigures:
         digits="share",
     )
     acceptable: float | None = figure(
-        "within or tolerable", "percent", "the same with what is tolerable", digits="share"
+        "within or tolerable",
+        "percent",
+        "the same with what is tolerable, where that is more",
+        digits="share",
     )
     decides: str | None = word("decided by", "what is most often not within its limits")
     as_read: str = word("judged as read", "what has a limit and is not part of these shares")
@@ -86,7 +89,7 @@ def find(answer: Answer) -> ReadingFigures | None:
         tuple(WorkingAngle(joint, *each) for joint, each in enumerate(ends)),
         float(np.radians(scene.gauge_deg)),
         within,
-        acceptable,
+        None if acceptable == within else acceptable,
         decides,
         ", ".join(name for part, name in _AS_READ.items() if getattr(scene, part) is not None),
     )
