@@ -595,6 +595,21 @@ def test_undo_and_redo_are_gestures(run: Run) -> None:
 
 
 @in_node
+def test_steps_that_can_be_undone_are_not_kept_without_end(run: Run) -> None:
+    left = run(
+        truck_sent(),
+        """const model = new Model(cardan, data);
+        for (let i = 1; i <= 600; i++) {
+            model.begin(); model.place(2, [null, -46 - i / 100, null]); model.commit("drag");
+        }
+        let steps = 0;
+        for (; model.canUndo; steps++) model.undo();
+        return [steps, model.points(model.state)[2][1]];""",
+    )
+    assert left == [500, -47]
+
+
+@in_node
 @pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_what_would_help_does(name: str, run: Run) -> None:
     """Suggestions are those of the check, and each leaves the verdict that it promises."""

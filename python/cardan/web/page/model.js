@@ -91,6 +91,7 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  */
 
 const JOINED_MS = 900;
+const STEPS = 500; // that can be undone
 const DEGREE = Math.PI / 180;
 
 /** A machine that can be changed, with what was done to it. */
@@ -500,7 +501,7 @@ export class Model {
     if (!before || alike(before, this.changes)) return;
     const last = this.#past[this.#past.length - 1];
     if (last && last.what === what && time - last.time < JOINED_MS) last.time = time;
-    else this.#past.push({ changes: before, what, time });
+    else if (this.#past.push({ changes: before, what, time }) > STEPS) this.#past.shift();
     this.#future = [];
   }
 
