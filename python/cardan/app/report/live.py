@@ -99,7 +99,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
             {
                 "name": each.name,
                 "verdict": each.value.verdict,
-                "words": judged_text(each.value, each.entry.row),
+                "words": f"{judged_text(each.value, each.entry.row)} ({each.value.source})",
             }
             for each in judged.values()
             if each.value.limit is not None
