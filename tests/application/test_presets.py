@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
+import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -245,6 +248,35 @@ def test_the_page_lists_what_it_does_not_compute() -> None:
     words = f"3.43°, 0.43° above the limit of 3° ({source})"
     assert ("bend of joint 0", "tolerable", words) in others
     assert len(others) == 10
+
+
+def test_the_documentation_has_every_rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    converter = ModuleType("latex2mathml.converter")
+    converter.convert = str  # type: ignore[attr-defined] - formulas need an extra
+    monkeypatch.setitem(sys.modules, "latex2mathml", ModuleType("latex2mathml"))
+    monkeypatch.setitem(sys.modules, "latex2mathml.converter", converter)
+    spec = importlib.util.spec_from_file_location("hooks", docs / "hooks.py")
+    assert spec
+    assert spec.loader
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+    assert "\n{{ presets }}\n" in (docs / "howto" / "limits.md").read_text("utf-8")
+    _, _, *rows = hooks.included("presets").splitlines()
+    rules = [(name, rule) for name, own in PRESETS.items() for rule in own.rules]
+    assert len(rows) == len(rules)
+    for row, (name, rule) in zip(rows, rules, strict=True):
+        cells = [cell.strip() for cell in row.strip("|").split(" | ")]
+        source = rule.source
+        assert cells[0] == f"`{name}`"
+        assert cells[1].endswith(rule.own.replace("|", "&#124;"))
+        assert cells[2].startswith(source.title)
+        assert cells[3:] == [source.pages, source.year, source.edition, rule.exact]
+
+
+def test_readings_name_what_is_judged_as_read() -> None:
+    text = "[driveline]\nreadings_deg = [0, 2, 0]\ngauge_deg = 0.1\n[limits]\npreset = 'gm'\n"
+    assert cardan.Answer(cardan.Scene.parse(text))["readings"].as_read == "published limits"
 
 
 def test_names_of_presets() -> None:

@@ -91,8 +91,15 @@ def find(answer: Answer) -> ReadingFigures | None:
         within,
         None if acceptable == within else acceptable,
         decides,
-        ", ".join(name for part, name in _AS_READ.items() if getattr(scene, part) is not None),
+        ", ".join(_as_read(answer)),
     )
+
+
+def _as_read(answer: Answer) -> Iterator[str]:
+    """What has a limit that no driveline of those that the gauge may hide is judged by."""
+    if answer.check.published.findings:
+        yield "published limits"
+    yield from (name for part, name in _AS_READ.items() if getattr(answer.scene, part) is not None)
 
 
 def _hidden(scene: Scene, off: FloatArray) -> Iterator[Driveline]:
