@@ -114,6 +114,12 @@ class Rule:
     is_exact: bool = False
 
     @property
+    def holds_always(self) -> bool:
+        """Whether it is one number for each joint, or for two, which no speed or length changes."""
+        plain = self.figure in ("bend_deg", "difference_deg")
+        return plain and not self.over_speed and not self.is_exact
+
+    @property
     def cited(self) -> str:
         """The source as it is printed beside a figure."""
         return f"{self.source}{self.more}"
