@@ -239,6 +239,26 @@ def test_states_and_studies_have_the_worst() -> None:
     assert math.degrees(least.value) == pytest.approx(0.3)
 
 
+def test_one_state_that_cannot_be_judged_is_said() -> None:
+    """It counts more than others that are within, and less than one that is beyond."""
+    text = "[driveline]\nbends_deg = [3, 3]\ntwists_deg = [180]\n[limits]\npreset = '{}'\n"
+    text += "[load]\nspeed_rpm = 2000\n"
+    states = "[states]\nnames = ['level', 'tilted', 'fast']\n{}\n"
+    for preset, keys, verdict, state in (
+        ("john_deere", "bends_deg.0 = [3, 2.9, 3]", "not judged", "tilted"),
+        ("parker", "speed_rpm = [2000, 2900, 3100]", "not judged", "fast"),
+        ("parker", "speed_rpm = [2000, 2900, 3100]\nbends_deg.0 = [9, 4, 4]", "beyond", "level"),
+    ):
+        answer = cardan.Answer(cardan.Scene.parse(text.format(preset) + states.format(keys)))
+        (found,) = answer["presets"]
+        worst = found.differences[0].difference if found.differences else found.joints[0].bend
+        assert (found.verdict, worst.verdict, worst.state) == (verdict, verdict, state)
+        assert answer.verdict == verdict
+    study = "[study]\nbends_deg.0 = [3, 2.9]\n"
+    answer = cardan.Answer(cardan.Scene.parse(text.format("john_deere") + study))
+    assert answer.verdict == "not judged"
+
+
 def test_the_page_computes_what_holds_at_every_speed() -> None:
     """The strictest of each kind; of the rest it says that it does not."""
     answer = cardan.Answer(cardan.Scene.parse(SEVERAL.format(height=-60)))
