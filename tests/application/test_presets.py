@@ -152,6 +152,18 @@ def test_what_the_table_says_of_the_exact() -> None:
             apart.append(math.degrees(high) - angle)
         assert f"{-min(apart):.2f}°" in said[name]
         assert f"{abs(max(apart)):.2f}°" in said[name]
+    maker = Driveline.from_bends([5, 4, 3, 2], [0, 0, 0], [90, 0, 0], degrees=True)
+    exact = float(maker.equivalent().max_acceleration_ratio)
+    by_rule = float(maker.catalogue_bend([1, 1, -1, 1])) ** 2
+    assert f"{100 * (exact / by_rule - 1):.1f} % more at an equivalent bend of 6°" in said["truck"]
+    for side, plan in ((4, 3), (15, 10)):
+        bend = float(Driveline.from_slopes([0, side], [0, plan], degrees=True).bends_deg[0])
+        assert f"{side}° and {plan}° give {bend:.{3 if side == 4 else 2}f}°" in said["meritor"]
+    turn = math.radians(15)
+    ends = [[-48, 0, 0], [-14, 0, 0]]
+    behind = [[r * math.cos(turn), r * math.sin(turn), 0] for r in (24, 48)]
+    hitch = Driveline.from_points(ends + behind)
+    assert f"15° leaves {float(hitch.equivalent().bend_deg):.2f}°" in said["john_deere"]
 
 
 def test_publications() -> None:

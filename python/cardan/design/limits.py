@@ -172,7 +172,7 @@ _CAMARO = Publication("Chevrolet Camaro of 2000, two-piece shaft; publication un
 _HOMBRE = Publication("Isuzu Hombre, two-piece shaft; publication unknown")
 _DRIVETRAIN = Publication("drivetrain.com")
 
-_ANY_SPEED = "it holds at every speed, while the exact excitation grows with (bend speed)²"
+_ANY_SPEED = "at every speed the same, while the exact excitation grows with (bend times speed)²"
 _NEEDLES = "needles that never roll wear; the motion has no such limit"
 _NEVER = Rule(
     "least_bend_deg",
@@ -199,8 +199,8 @@ def _two_piece(source: Publication) -> tuple[Rule, ...]:
             "two_piece_deg",
             0.5,
             source,
-            "the odd joint of a two-piece shaft at most 0.5°, the bends of the other two equal; "
-            "within what is unknown",
+            "the odd joint of a two-piece shaft at most 0.5°, the bends of the other two equal, "
+            "with an unknown tolerance",
             "0.5° alone leave an equivalent bend of 0.5°, and equal bends cancel each other only "
             "with the yokes set for it",
             is_exact=True,
@@ -218,7 +218,7 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                     TORSIONAL_LIMIT,
                     _DANA_AXLES,
                     "ω² |Σ ± bend²|",
-                    "judged is the exact peak, which is 1.1 % more at an equivalent bend of 9.9°",
+                    "judged is the exact peak, which is 0.1 % more at an equivalent bend of 6°",
                     TORSIONAL_MAXIMUM,
                     _US_MAKERS,
                 ),
@@ -324,7 +324,7 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                     0.0,
                     _DEERE,
                     "as far from shaft end to hitch pin as from there to the implement, so that "
-                    "the bends are equal; within what is unknown",
+                    "the bends are equal, with an unknown tolerance",
                     "exact: the equivalent bend is 0 in every turn; with 14 and 24 in a turn of "
                     "15° leaves 7.73°",
                     is_exact=True,
@@ -341,8 +341,8 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                     5.0,
                     _DRIVETRAIN,
                     "angle at most length/5 with parallel axes, length/10 with intersecting ones; "
-                    "units unknown, read as degrees of inches between the joints",
-                    f"no figure of the motion depends on the length; {_ANY_SPEED}",
+                    "units unknown, read as degrees for inches between the joints",
+                    f"the motion does not depend on the length; {_ANY_SPEED}",
                     10.0,
                 ),
             ),
