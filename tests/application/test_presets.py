@@ -20,6 +20,7 @@ from cardan import Driveline, Limits
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands
 from cardan.app.report.live import live
+from cardan.app.report.page import page
 from cardan.design.limits import FIGURES, PRESETS, UNKNOWN, Publication
 
 RPM = math.tau / 60.0
@@ -287,6 +288,8 @@ def test_the_page_computes_what_holds_at_every_speed() -> None:
     words = f"3.43°, 0.43° above the limit of 3° ({source})"
     assert ("bend of joint 0", "tolerable", words) in others
     assert len(others) == 7
+    shown = " ".join(page(answer.scene).split())
+    assert "Allowed by General Motors, truck and Spicer (tolerable)." in shown
 
 
 def test_the_documentation_has_every_rule(monkeypatch: pytest.MonkeyPatch) -> None:
