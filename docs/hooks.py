@@ -57,6 +57,7 @@ def included(name: str) -> str:
         "outputs": outputs,
         "limits": limits,
         "limits-as-built": limits_as_built,
+        "presets": presets,
         "commands": command_help,
         "cases-answer": cases.answer,
         "cases": cases.book,
@@ -101,6 +102,24 @@ def limits() -> str:
             "single": "single precision, relative to the largest value",
         },
     )
+
+
+def presets() -> str:
+    """Return a table of the presets: every rule with its source and what is exact."""
+    from cardan.design.limits import PRESETS
+
+    head = "preset | rule of the source | source | page | year | edition | beside what is exact"
+    rows = [head, "|".join(["---"] * len(head.split("|")))]
+    for name, preset in PRESETS.items():
+        for rule in preset.rules:
+            source = rule.source
+            published = (f"{source.title}{rule.more}", source.pages, source.year, source.edition)
+            own = rule.own
+            if limit := preset.figures.get(rule.figure):
+                own = f"`{rule.figure}` {limit.limit:g}, at most {limit.maximum:g}: {own}"
+            cells = (f"`{name}`", own, *published, rule.exact)
+            rows.append(" | ".join(cell.replace("|", "&#124;") for cell in cells))
+    return "\n".join(f"| {row} |" for row in rows)
 
 
 def limits_as_built() -> str:

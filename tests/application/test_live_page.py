@@ -475,6 +475,28 @@ def compared(rows: Any, data: Any) -> None:  # noqa: ANN401
             assert any(name in row["place"].replace("\u2212", "-") for name in each), path
 
 
+PUBLISHED = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1300, -60, 0], [1600, -60, 0]]
+
+[limits]
+preset = ["spicer", "meritor", "gm"]
+"""
+
+
+@in_node
+def test_published_limits_that_hold_at_every_speed_follow(run: Run) -> None:
+    """The strictest of each kind has the value and the verdict of the check."""
+    moves: list[list[Move]] = [[("point", 1, [0.0, -30.0, 0.0])], [("point", 2, [0.0, 12.0, 4.0])]]
+    for told in told_after(run, Scene.parse(PUBLISHED), moves):
+        assert told["moved"]
+        data = check_data(Answer(Scene.parse(told["text"])))
+        compared(told["rows"], data)
+        paths = {path for path in told["rows"] if "presets[preset=gm]" in path}
+        assert len(paths) == 3
+        assert {told["rows"][path]["verdict"] for path in paths} >= {"beyond"}
+
+
 @in_node
 def test_what_is_refused_is_said_in_the_words_of_the_page(run: Run) -> None:
     """Which joint, end or bearing, in which state, breaks which rule; nothing changes."""

@@ -454,8 +454,9 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("limits") + "preset = 'steering'",
         4,
-        "[limits] preset is 'steering'; limits with a known source exist for 'truck' and "
-        "'industrial'; for other machines give your own figures: equivalent_bend_deg, "
+        "[limits] preset is 'steering'; limits with a known source exist for 'truck', "
+        "'industrial', 'spicer', 'tremec', 'gm', 'meritor', 'parker', 'john_deere', 'camaro', "
+        "'hombre' and 'drivetrain'; for other machines give your own figures: equivalent_bend_deg, "
         "bend_difference_deg, torsional_excitation_rad_s2, inertia_excitation_rad_s2",
     ),
     (

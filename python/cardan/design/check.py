@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core, approximations
 from cardan.arrays import FloatArray, as_float64, common_shape, html_table, threads
 from cardan.design.judged import VERDICTS, Finding, counted
-from cardan.design.limits import CATALOGUE, PRESETS, Limits, limits_of
+from cardan.design.limits import CATALOGUE, PRESETS, Limiting, Limits, limits_of
+from cardan.design.published import published
 from cardan.design.quantities import MOTION_QUANTITIES
 from cardan.design.wrapping import wrap
 
@@ -55,6 +56,26 @@ class Check:
         return Check(tuple(f for f in self.findings if f.group == "practice"), self.limits)
 
     @property
+    def motion(self) -> Check:
+        """The part on the motion: the catalogues' and that of practice."""
+        return Check(tuple(f for f in self.findings if f.group != "published"), self.limits)
+
+    @property
+    def published(self) -> Check:
+        """The part that makers judge who publish how far joints may be bent."""
+        return Check(tuple(f for f in self.findings if f.group == "published"), self.limits)
+
+    @property
+    def of_presets(self) -> dict[str, Check]:
+        """What each preset judges by itself, by its name."""
+        found = {}
+        for name in self.limits.presets:
+            own = set(PRESETS[name].figures.values())
+            by_it = (f for f in self.findings if f.preset == name or f.limit in own)
+            found[name] = Check(tuple(by_it), self.limits)
+        return found
+
+    @property
     def ranks(self) -> NDArray[np.int_]:
         """Worst verdict of all figures, as ``Finding.ranks``, in the shape of batch and speed."""
         ranks = np.broadcast_arrays(0, *(finding.ranks for finding in self.findings))
@@ -94,7 +115,7 @@ class Check:
     def __str__(self) -> str:
         """Return the verdict, the figures of catalogue and practice, and the sources as text."""
         lines = [self.heading]
-        for group in (self.catalogue, self.practice):
+        for group in (self.catalogue, self.practice, self.published):
             lines += ["", *group._lines()] if group.findings else []
         sources: dict[str, list[str]] = {}
         for finding in self.findings:
@@ -107,10 +128,16 @@ class Check:
         return "\n".join(lines)
 
     def _lines(self) -> list[str]:
-        group, preset = self.findings[0].group, self.limits.preset
-        known = {CATALOGUE, *PRESETS.get(preset or "", {}).values()}
-        own = {found.limit for found in self.findings if found.limit} - known
-        whose = [preset] if preset and group == "practice" else []
+        group, presets = self.findings[0].group, self.limits.presets
+        known = {CATALOGUE}.union(*(PRESETS[name].figures.values() for name in presets))
+        own = {f.limit for f in self.findings if f.limit and not f.preset} - known
+        # Presets of the motion are named with it, and others with the bends.
+        whose = [
+            name
+            for name in presets
+            if (group == "practice" and PRESETS[name].figures)
+            or (group == "published" and PRESETS[name].on_bends)
+        ]
         whose += ["own limit" if len(own) == 1 else "own limits"] if own else []
         verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
         limits = f" ({', '.join(whose)})" if whose else ""
@@ -133,9 +160,7 @@ class Check:
         return html_table.table(self.heading, heads, rows)
 
 
-def check(
-    line: Driveline, speed: ArrayLike | None = None, limits: str | Limits | None = None
-) -> Check:
+def check(line: Driveline, speed: ArrayLike | None = None, limits: Limiting | None = None) -> Check:
     """Compare the driveline with limits: those of the catalogues and, if you wish, of practice.
 
     The equivalent bend should not exceed 3° (catalogue, double joint, 6.4); the non-uniformity
@@ -146,7 +171,8 @@ def check(
 
     Args:
         speed: drive speed in rad/s; broadcasts against the batch.
-        limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your own.
+        limits: a preset such as ``"truck"`` or ``"spicer"``, several of them, or a
+            ``cardan.Limits`` with figures of your own.
 
     Raises:
         TypeError: a speed that is not a real number, limits of another type.
@@ -185,6 +211,9 @@ def check(
         value = np.full(line.shape, np.nan) if squared is None else np.asarray(squared * ratio)
         one = Finding(figure, name, "practice", value, "rad/s²", limit, ratio, unknown)
         findings.append(one)
+    findings += published(
+        line, None if speed is None else as_float64("speed", speed), allowed.presets
+    )
     return Check(tuple(findings), allowed)
 
 

@@ -28,6 +28,9 @@ _OF_RANK = np.array(
 # Less than this is what rounding leaves of joints that cancel each other.
 _NEGLIGIBLE = {"deg": 3e-6, "rad/s²": 3e-4}
 
+# Among ranks: of several places one that is not decided counts more than a tolerable one.
+_UNDECIDED = 2.5
+
 _RPM = math.tau / 60.0
 
 
@@ -57,6 +60,11 @@ def is_within(value: float, limit: float, *, most: bool = True, size: float = 0.
     return bool(ranked(value, limit, most=most, size=size) == VERDICTS.index("within"))
 
 
+def settled(values: FloatArray, unit: str) -> FloatArray:
+    """Return figures in a unit of findings, with 0 for what rounding leaves."""
+    return np.where(np.abs(values) < _NEGLIGIBLE[unit], 0.0, values)
+
+
 def worst_of(verdicts: Iterable[LimitVerdict]) -> LimitVerdict:
     """Return the worst of some verdicts, of which there is at least one."""
     return max(verdicts, key=VERDICTS.index)
@@ -75,8 +83,8 @@ class Finding:
     Attributes:
         figure: what it is, for programs: ``"torsional_excitation"``.
         name: what it is, in words.
-        group: who sets the limit: the catalogues of driveshafts, or the practice with a kind of
-            machine.
+        group: who sets the limit: the catalogues of driveshafts, the practice with a kind of
+            machine, or a maker that publishes how far joints may be bent.
         value: the figure, batch-shaped, in ``unit``; NaN where it needs a speed and has none.
         unit: of figure and limits.
         limit: its limit, if there is one.
@@ -84,11 +92,19 @@ class Finding:
         needs_speed: whether the speed that it needs is missing.
         worst_at: in a study, the keys on which the largest value depends and their values there.
         worst_in: over states, the name of the state with the largest value.
+        most: whether the limit is the most that the value may be, or the least.
+        limits: the limit of each value, where they are not the same for all; NaN where the rule is
+            not about it. ``limit`` then has the source alone.
+        maxima: the maximum likewise.
+        undecided: where it is not known whether the limit is kept, in the shape of the value.
+        why: why that is so.
+        preset: of which preset the limit is, if the figure is judged for that alone.
+        item: the joints that the figure is of.
     """
 
     figure: str
     name: str
-    group: Literal["catalogue", "practice"]
+    group: Literal["catalogue", "practice", "published"]
     value: FloatArray
     unit: str
     limit: Limit | None = None
@@ -96,6 +112,44 @@ class Finding:
     needs_speed: bool = False
     worst_at: Mapping[str, float] = field(default_factory=dict)
     worst_in: str = ""
+    most: bool = True
+    limits: FloatArray | None = None
+    maxima: FloatArray | None = None
+    undecided: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((), bool))
+    why: str = ""
+    preset: str = ""
+    item: str = ""
+
+    @property
+    def there(self) -> Limit | None:
+        """The limit where the figure is worst."""
+        if self.limit is None or self.limits is None or self.maxima is None:
+            return self.limit
+        place = self.worst_place
+        limit, maximum = (float(np.ravel(each)[place]) for each in (self.limits, self.maxima))
+        return Limit(limit, maximum, self.limit.source)
+
+    @property
+    def worst_place(self) -> int:
+        """The place in the flat value of the one with the worst verdict, by which it is largest."""
+        value = np.ravel(self.value)
+        if self.maxima is None:
+            return int(np.argmax(value))
+        order = np.ravel(self.ranks).astype(float)
+        order[np.ravel(self.undecided)] = _UNDECIDED
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = value / np.ravel(self.maxima) if self.most else -value
+        return int(np.argmax(np.where(order == order.max(), np.nan_to_num(share), -math.inf)))
+
+    @property
+    def applies(self) -> bool:
+        """Whether its limit is about any of the values, or could be."""
+        return self.limits is None or not (np.isnan(self.limits) & ~self.undecided).all()
+
+    @property
+    def is_undecided(self) -> bool:
+        """Whether it is not known, where the figure is worst, whether the limit is kept."""
+        return bool(self.undecided.any() and np.ravel(self.undecided)[self.worst_place])
 
     @property
     def ranks(self) -> NDArray[np.int_]:
@@ -103,7 +157,11 @@ class Finding:
         value = np.asarray(self.value)
         if self.limit is None or self.needs_speed:
             return np.zeros(value.shape, dtype=int)
-        return ranked(value, self.limit.limit, self.limit.maximum)
+        if self.limits is None:
+            return ranked(value, self.limit.limit, self.limit.maximum)
+        found = ranked(value, self.limits, self.maxima, most=self.most)
+        found[self.undecided] = VERDICTS.index("not judged")
+        return found
 
     @property
     def verdict(self) -> NDArray[np.str_]:
@@ -125,7 +183,8 @@ class Finding:
         It is negative above the limit, and NaN without one.
         """
         bound = math.nan if self.limit is None else self.limit.limit
-        return np.asarray(bound - self.value)
+        left = (bound if self.limits is None else self.limits) - self.value
+        return np.asarray(left if self.most else -left)
 
     @property
     def within_up_to(self) -> FloatArray:
@@ -149,14 +208,14 @@ class Finding:
 
     @property
     def worst(self) -> float:
-        """The largest value; 0 for what rounding leaves."""
-        largest = float(np.max(self.value)) if np.size(self.value) else 0.0
+        """The largest value, or that with the worst verdict; 0 for what rounding leaves."""
+        largest = float(np.ravel(self.value)[self.worst_place]) if np.size(self.value) else 0.0
         return 0.0 if largest < _NEGLIGIBLE[self.unit] else largest
 
     @property
     def value_text(self) -> str:
         """The value with its unit, or the largest of several."""
-        if self.needs_speed:
+        if self.needs_speed or (self.is_undecided and math.isnan(self.worst)):
             return "unknown"
         return f"{'up to ' if np.ndim(self.value) else ''}{self._text(self.worst)}"
 
@@ -164,14 +223,14 @@ class Finding:
     def place(self) -> str:
         """In a study, the keys and values at which the largest value occurs, else ``""``."""
         # Rounding is as large here as there.
-        found = self.worst_at if self.worst else {}
+        found = self.worst_at if self.worst or not self.most else {}
         return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
 
     @property
     def largest_text(self) -> str:
         """Where the largest value occurs, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
         if self.worst_in:
-            return f"in {self.worst_in}" if self.worst else ""
+            return f"in {self.worst_in}" if self.worst or not self.most else ""
         return f"at {self.place}" if self.place else ""
 
     @property
@@ -186,23 +245,31 @@ class Finding:
         return tuple(parts)
 
     def _verdict_words(self) -> list[str]:
-        if self.limit is None:
+        found = self.there
+        if found is None:
             return ["not judged, no limit given"]
         if self.needs_speed:
             return ["not judged, no speed given"]
-        worst, limit, maximum = self.worst, self.limit.limit, self.limit.maximum
+        limit, maximum = found.limit, found.maximum
+        worst, side, other = self.worst, *(("above", "below") if self.most else ("below", "above"))
+        if self.is_undecided:
+            return [f"not judged, {self.why}"]
         if math.isnan(worst):
             return ["not a number"]
         verdict = VERDICTS[int(np.max(self.ranks))] if np.size(self.value) else "within"
-        past, left = self._text(worst - limit), self._text(max(limit - worst, 0.0))
-        below, most = self._text(max(maximum - worst, 0.0)), self._text(maximum)
+        sign = 1.0 if self.most else -1.0
+        past, left = (
+            self._text(sign * (worst - limit)),
+            self._text(max(sign * (limit - worst), 0.0)),
+        )
+        below, most = self._text(max(sign * (maximum - worst), 0.0)), self._text(maximum)
         if verdict == "within":
             return [f"within the {self._text(limit)} limit by {left}"]
         if verdict == "tolerable":
-            above = f"{past} above the {self._text(limit)} limit"
-            return [f"tolerable, {above} and {below} below the {most} maximum"]
-        bound = "maximum" if maximum > limit else "limit"
-        return [f"beyond the {most} {bound} by {self._text(worst - maximum)}"]
+            above = f"{past} {side} the {self._text(limit)} limit"
+            return [f"tolerable, {above} and {below} {other} the {most} maximum"]
+        bound = "maximum" if maximum != limit else "limit"
+        return [f"beyond the {most} {bound} by {self._text(sign * (worst - maximum))}"]
 
     def _speed_words(self) -> list[str]:
         if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):

@@ -131,6 +131,7 @@ _PARTS = (
     Part("moves", "What would help", "", (), ()),
     Part("remarks", "Worth a look", "", (), _ALL),
     Part("limits", "Motion", "", ("load", "limits"), ("check",)),
+    Part("presets", "Published limits", "", ("limits",), ("check", "report")),
     Part("readings", "As read", "", ("driveline",), ("check", "report")),
     Part("states", "Motion in each state", "the state", ("states",), ("check",)),
     Part("drive_speed", "Speed of the drive", "the drive", ("load",), ("check",)),

@@ -26,9 +26,9 @@ def check(scene: Path, as_json: bool) -> int:
     """Compare a scene with the limits of driveshaft catalogues and of practice.
 
     By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
-    [limits] of the scene adds the limits of a kind of machine (preset = "truck" or "industrial") or
-    your own figures, and each limit is printed with its source. With a speed given, the excitation
-    by the last shaft and by the shafts between two joints is printed as well.
+    [limits] of the scene adds the limits of kinds of machines or of makers (preset = "truck", or
+    ["spicer", "gm"]) or your own figures, and each limit is printed with its source. With a speed
+    given, the excitation by the last shaft and by the shafts between two joints is printed as well.
 
     A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond.
     The first line is the verdict on everything together, and the exit status is 0 for within and

@@ -20,7 +20,7 @@ from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.pictures.space import right_and_up
 from cardan.app.scene.changes import given, pieces, sizes
-from cardan.app.scene.machine import machine_data, machine_of
+from cardan.app.scene.machine import machine_data, machine_of, rules_of
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
@@ -47,6 +47,12 @@ _PLACES = {
 """Where an answer has the figures of a machine, by their kind; others are of the part ``limits``.
 """
 
+_OF_PRESETS = {
+    "bend": "joints[joint={}].bend",
+    "bend_difference": "differences[joints=joints 0-1].difference",
+}
+"""Where a preset has the figures of a machine that it limits."""
+
 _OVER = {"life": "over the duty cycle"}
 """Over what a kind of figure is, where that is neither a state nor a step."""
 
@@ -64,7 +70,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
     judged = {each.entry.path: each for each in answer.judged}
     figures = []
     for each in limited:
-        own = judged.pop(_path(each.kind.name, each.item))
+        own = judged.pop(_path(each.kind.name, each.item, scene))
         figures.append(
             {
                 "kind": each.kind.name,
@@ -93,13 +99,13 @@ def live(answer: Answer) -> dict[str, Any] | None:
             {"name": name, "right": axes[0].tolist(), "down": axes[1].tolist()}
             for name, axes in views(directions).items()
         ],
-        "kinds": {name: _kind(name) for name in KINDS},
+        "kinds": {name: _kind(name, scene) for name in KINDS},
         "figures": figures,
         "others": [
             {
                 "name": each.name,
                 "verdict": each.value.verdict,
-                "words": judged_text(each.value, each.entry.row),
+                "words": f"{judged_text(each.value, each.entry.row)} ({each.value.source})",
             }
             for each in judged.values()
             if each.value.limit is not None
@@ -144,18 +150,21 @@ def views(directions: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def _place(kind: str) -> str:
+def _place(kind: str, scene: Scene) -> str:
+    if rule := rules_of(scene).get(kind):
+        return f"presets[preset={rule[0]}].{_OF_PRESETS[kind]}"
     return _PLACES.get(kind, f"limits.{kind}")
 
 
-def _path(kind: str, item: int | None) -> str:
+def _path(kind: str, item: int | None, scene: Scene) -> str:
     """The path of a figure in the rows of an answer: ``"tubes.1.margin"``."""
-    return re.sub(r"\[\w+=(.*?)\]", r".\1", _place(kind)).replace("{}", str(item))
+    place = re.sub(r"\[\w+=(?:\w+ )?(.*?)\]", r".\1", _place(kind, scene))
+    return place.replace("{}", str(item))
 
 
-def _kind(name: str) -> dict[str, Any]:
+def _kind(name: str, scene: Scene) -> dict[str, Any]:
     """What a kind of figure is called, its unit and digits, from the row that declares it."""
-    row = _row(name)
+    row = _row(name, scene)
     return {
         "label": row.label,
         "unit": UNITS[row.unit].symbol,
@@ -163,13 +172,13 @@ def _kind(name: str) -> dict[str, Any]:
         "digits": DIGITS[row.digits or row.unit]._asdict(),
         "meaning": row.meaning,
         "source": row.source,
-        "path": _place(name),
+        "path": _place(name, scene),
         "ending": row.ending(),
     }
 
 
-def _row(kind: str) -> Row:
-    part, *names = re.sub(r"\[.*?\]", "", _place(kind)).split(".")
+def _row(kind: str, scene: Scene) -> Row:
+    part, *names = re.sub(r"\[.*?\]", "", _place(kind, scene)).split(".")
     of = PARTS[part].figures()
     *outer, last = names
     for name in outer:

@@ -10,6 +10,7 @@ from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
 from cardan.app.scene.sections.life import DutyCycle, load_at
+from cardan.design.limits import PRESETS, Rule
 from cardan.design.machine import Machine
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -81,6 +82,27 @@ def _place_of(duty: DutyCycle, ratings: list[float]) -> int:
 _METRES = {"mm": 1e-3, "m": 1.0}
 
 
+def rules_of(scene: Scene) -> dict[str, tuple[str, Rule]]:
+    """Return the rules of presets on bends that a machine has, with their preset, by its figures.
+
+    They are the strictest of those that hold at every speed, where nothing else limits the figure.
+    """
+    kinds = {"bend_deg": "bend", "difference_deg": "bend_difference"}
+    if scene.sizes and any(size.max_bend_deg is not None for size in scene.sizes.each):
+        del kinds["bend_deg"]
+    if scene.line.n_joints != 2 or "bend_difference_deg" in scene.limits.figures:
+        del kinds["difference_deg"]
+    found: dict[str, tuple[str, Rule]] = {}
+    for preset in scene.limits.presets:
+        for rule in PRESETS[preset].on_bends:
+            kind = kinds.get(rule.figure)
+            if kind is None or not rule.holds_always:
+                continue
+            if kind not in found or rule.limit < found[kind][1].limit:
+                found[kind] = (preset, rule)
+    return found
+
+
 def _limits(scene: Scene) -> dict[str, Any]:
     """The limits that the scene gives, in SI, by the names of the machine's figures."""
     limits: dict[str, Any] = {}
@@ -91,6 +113,9 @@ def _limits(scene: Scene) -> dict[str, Any]:
         pair = (factor * bound.limit, factor * bound.maximum)
         for ending in ("_driving", "_coasting") if name == "inertia_excitation" else ("",):
             limits[f"{name}{ending}"] = pair
+    for kind, (_, rule) in rules_of(scene).items():
+        most = np.radians(rule.limit)
+        limits[kind] = dict.fromkeys(range(scene.line.n_joints), most) if kind == "bend" else most
     for key, each in (("joint", scene.line.n_joints), ("bearing", scene.line.n_bearings)):
         if force := scene.part_limits.get(f"{key}_force_N"):
             pair = (force.limit, force.maximum)

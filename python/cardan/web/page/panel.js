@@ -281,7 +281,7 @@ export class Panel {
           ? `${names.length} of ${count} ${verdict}: ${listed(names)}${near ? `. ${near} tolerable` : ""}`
           : "The scene gives no limit.";
     const moved = isPart
-      ? `Something has moved; not computed here: ${listed(others.map(({ name }) => lowered(name)))}.`
+      ? `Something has moved; not computed here: ${listed([...new Set(others.map(({ name }) => lowered(name)))])}.`
       : "Something has moved.";
     say(this.why, model.isDrawn ? said : `${said}. ${moved}`);
     const which = model.isDrawn ? "which is the one shown." : "not to the moved one.";

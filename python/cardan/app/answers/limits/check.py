@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from cardan.app.files.whole_file import Progress
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.design.check import Check
+from cardan.design.judged import Finding
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
@@ -39,16 +41,11 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
             progress(first + line.shape[0], rows)
     findings = []
     for parts in zip(*blocks, strict=True):
-        value = _joined([part.value for part in parts])
-        at_unit_speed = None
-        if parts[0].at_unit_speed is not None:
-            at_unit_speed = _joined([part.at_unit_speed for part in parts])
-        worst_at = {}
-        if not parts[0].needs_speed:
-            worst_at = at_keys(scene.study.axes, value, int(np.argmax(value)))
-        findings.append(
-            replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
-        )
+        joined = _with(parts[0], _joined, *parts[1:])
+        if np.isfinite(joined.value).any():
+            at = at_keys(scene.study.axes, np.asarray(joined.value), joined.worst_place)
+            joined = replace(joined, worst_at=at)
+        findings.append(joined)
     return Check(tuple(findings), scene.limits)
 
 
@@ -80,11 +77,21 @@ def check_states(scene: Scene, lines: Driveline) -> Check:
     found = lines.check(speed if np.any(speed) else None, scene.limits)
     findings = []
     for finding in found.findings:
-        value = np.broadcast_to(finding.value, (states.count,))
-        worst = "" if finding.needs_speed else states.names[int(np.argmax(value))]
-        findings.append(replace(finding, value=value, worst_in=worst))
+        each = _with(finding, lambda own: np.broadcast_to(own, (states.count,)))
+        worst = "" if finding.needs_speed else states.names[each.worst_place]
+        findings.append(replace(each, worst_in=worst))
     return Check(tuple(findings), scene.limits)
 
 
-def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
+def _with(finding: Finding, made: Callable[..., FloatArray], *more: Finding) -> Finding:
+    """A figure with what is made of its arrays, and of those of others of its kind."""
+    arrays: dict[str, Any] = {}
+    for name in ("value", "at_unit_speed", "limits", "maxima", "undecided"):
+        each = [getattr(one, name) for one in (finding, *more)]
+        if each[0] is not None:
+            arrays[name] = made(*each)
+    return replace(finding, **arrays)
+
+
+def _joined(*parts: FloatArray) -> FloatArray:
     return np.concatenate([np.ravel(np.asarray(part)) for part in parts])

@@ -43,7 +43,7 @@ class Counts:
 class MotionFigures:
     """The motion of a driveline beside its limits, the worst of its states or its study."""
 
-    preset: str | None = word("preset", "kind of machine whose limits apply")
+    preset: str | None = word("preset", "kinds of machine or makers whose limits apply")
     equivalent_bend: Judged = figure(
         "equivalent bend",
         "deg",
@@ -91,8 +91,9 @@ def find(answer: Answer) -> MotionFigures:
 
 def motion_of(scene: Scene, found: Check) -> MotionFigures:
     """Return what a check found of drivelines of a scene."""
+    found = found.motion
     judged: dict[str, Any] = dict.fromkeys(FIGURES)
-    judged |= {each.figure: _judged(each, scene) for each in found.findings}
+    judged |= {each.figure: judged_of(each, scene) for each in found.findings}
     bend = judged["equivalent_bend"].value
     given = scene.limits.figures.get("bend_difference_deg")
     if given and judged["bend_difference"] is None:
@@ -100,7 +101,7 @@ def motion_of(scene: Scene, found: Check) -> MotionFigures:
         why = f"is that of two joints; the driveline has {scene.line.n_joints}"
         judged["bend_difference"] = Judged(None, limit, source=given.source, why=why)
     return MotionFigures(
-        found.limits.preset,
+        ", ".join(found.limits.presets) or None,
         non_uniformity=None if bend is None else non_uniformity(math.degrees(bend)),
         speeds=tuple(_speeds(found)),
         counts=_counts(found) if found.ranks.shape else None,
@@ -118,24 +119,31 @@ FIGURES = (
 """The judged figures of the motion."""
 
 
-def _judged(finding: Finding, scene: Scene) -> Judged:
+def judged_of(finding: Finding, scene: Scene) -> Judged:
+    """Return a finding as the figure of an answer, where it is worst."""
     factor = _UNITS[finding.unit]
     values = np.asarray(finding.value) / factor
     known, why = values[np.isfinite(values)], ""
     if finding.needs_speed:
         why = "needs a speed, and the scene gives none"
+    elif finding.is_undecided:
+        why = finding.why
     elif known.size < values.size:
         unknown = values.size - known.size
         why = f"is not a number{f' in {unknown} drivelines' if values.size > 1 else ''}"
-    limit = finding.limit
+    limit = finding.there
     each = {}
     if scene.states and not finding.needs_speed:
         each = dict(zip(scene.states.names, map(float, values), strict=True))
-    return Judged(
+    value = float(np.max(known)) if known.size else None
+    if known.size and not math.isnan(finding.worst):
         # What rounding leaves is 0.
-        float(np.max(known)) if known.size and finding.worst else 0.0 if known.size else None,
+        value = finding.worst / factor
+    return Judged(
+        value,
         limit.limit / factor if limit else None,
         limit.maximum / factor if limit and limit.maximum > limit.limit else None,
+        sense="most" if finding.most else "least",
         source=limit.source if limit else "",
         state=finding.worst_in if finding.largest_text else "",
         at=finding.worst_at if finding.largest_text else {},

@@ -15,7 +15,9 @@ _NAMED = 3
 
 def verdict_text(answer: Answer) -> str:
     """Return the verdict on everything that has a limit in one sentence."""
-    names = [f"the {each.name}" for each in answer.of_verdict(answer.verdict) if _is_limited(each)]
+    found = answer.of_verdict(answer.verdict)
+    # By several presets a figure can have several limits.
+    names = [*dict.fromkeys(f"the {each.name}" for each in found if _is_limited(each))]
     if len(names) > _NAMED + 1:
         names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
     if answer.verdict == "beyond":
@@ -39,9 +41,13 @@ def findings(answer: Answer, verdict: str) -> Iterator[str]:
 def not_judged(answer: Answer) -> Iterator[str]:
     """Say what is not judged and why: what has a limit one by one, what has none together."""
     without: dict[str, list[str]] = {}
+    said = set()
     for each in answer.of_verdict("not judged"):
         if _is_limited(each):
-            yield f"{each.name}: {each.value.why or 'it is not a number'}"
+            text = f"{each.name}: {each.value.why or 'it is not a number'}"
+            if text not in said:
+                yield text
+            said.add(text)
         elif each.value.value is not None:
             without.setdefault(each.entry.row.limit, []).append(each.name)
     if without:

@@ -9,11 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cardan.app.answers.answer import Answer
+from cardan.app.answers.answer import Answer, JudgedFigure
 from cardan.app.answers.rows import count, figure, optional, word
-from cardan.app.scene.machine import machine_of
+from cardan.app.scene.machine import machine_of, rules_of
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
+from cardan.design.limits import PRESETS
 from cardan.design.machine import Change, Machine
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
@@ -54,12 +55,13 @@ def find(answer: Answer) -> tuple[Move, ...]:
         return ()
     scene = answer.scene
     found = machine.suggest(**search(scene))
-    untried = [
+    untried = dict.fromkeys(
         each.name
         for each in answer.judged
         if each.value.limit is not None
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
-    ]
+        and not _is_implied(each, scene)
+    )
     held = set_by_states(scene)
     moves: Iterator[Move] = (
         _move(change, scene, ", ".join(untried))
@@ -69,6 +71,19 @@ def find(answer: Answer) -> tuple[Move, ...]:
     if scene.is_measured:
         moves = _in_workshop(moves, machine, of_lengths=has_lengths(scene.line))
     return tuple(moves)
+
+
+def _is_implied(each: JudgedFigure, scene: Scene) -> bool:
+    """Whether a published limit is kept where the machine keeps the strictest of its kind."""
+    part, _, rest = each.entry.path.partition(".")
+    if part != "presets":
+        return False
+    preset, last = rest.partition(".")[0], rest.rpartition(".")[2]
+    kind = {"bend": "bend", "difference": "bend_difference"}.get(last)
+    if kind not in rules_of(scene):
+        return False
+    figure = rules_of(scene)[kind][1].figure
+    return any(rule.holds_always for rule in PRESETS[preset].rules if rule.figure == figure)
 
 
 def search(scene: Scene) -> dict[str, Any]:

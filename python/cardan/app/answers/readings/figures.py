@@ -14,6 +14,7 @@ from cardan.app.scene.machine import moving
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import READINGS
 from cardan.arrays import FloatArray
+from cardan.design.limits import PRESETS
 from cardan.design.machine import RANKS, MachineFigure
 from cardan.driveline import Driveline
 from cardan.geometry.constructors import spread_evenly
@@ -91,8 +92,16 @@ def find(answer: Answer) -> ReadingFigures | None:
         within,
         None if acceptable == within else acceptable,
         decides,
-        ", ".join(name for part, name in _AS_READ.items() if getattr(scene, part) is not None),
+        ", ".join(_as_read(answer)),
     )
+
+
+def _as_read(answer: Answer) -> Iterator[str]:
+    """What has a limit that no driveline of those that the gauge may hide is judged by."""
+    rules = [rule for name in answer.scene.limits.presets for rule in PRESETS[name].on_bends]
+    if not all(rule.holds_always for rule in rules):
+        yield "published limits on more than bends and their difference"
+    yield from (name for part, name in _AS_READ.items() if getattr(answer.scene, part) is not None)
 
 
 def _hidden(scene: Scene, off: FloatArray) -> Iterator[Driveline]:

@@ -14,6 +14,7 @@ from cardan.app.scene.language.rules import (
     Number,
     OneOf,
     OneOrEach,
+    OneOrMore,
     Text,
     refused,
 )
@@ -77,9 +78,9 @@ LIMITS: Section[GivenLimits] = Section(
     "limit, tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
-            OneOf(tuple(PRESETS), unknown_preset),
-            f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
-            "the catalogues alone, an equivalent bend of 3 deg",
+            OneOrMore(ListOf(OneOf(tuple(PRESETS), unknown_preset), "names", distinct=True)),
+            f"limits of a kind of machine or of a maker, or of several: {', '.join(PRESETS)}; "
+            "default: the limit of the catalogues alone, an equivalent bend of 3 deg",
         ),
         "equivalent_bend_deg": Key(
             _BEND_LIMIT, "bend of the joint that moves the last shaft as the driveline does"
