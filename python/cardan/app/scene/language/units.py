@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -18,11 +20,26 @@ LengthUnit = Literal["mm", "m"]
 """Unit in which a scene gives points or lengths."""
 
 
+System = Literal["si", "us"]
+"""In which units an answer is printed, drawn and written; angles and times are the same in both."""
+
+_POUND = 0.45359237  # kg
+_INCH = 25.4  # mm
+_FOOT = 12e-3 * _INCH  # m
+_FORCE = _POUND * 9.80665  # N
+_PSI = _FORCE / _INCH**2  # MPa
+
+
 class Unit(NamedTuple):
-    """A unit as labels show it and as sentences name it."""
+    """A unit as labels show it and as sentences name it.
+
+    A US unit stands for one of the SI, by its ending, and is so many of it.
+    """
 
     symbol: str
     name: str
+    si: str = ""
+    size: float = 1.0
 
 
 ENDINGS: Mapping[str, Unit] = MappingProxyType(
@@ -41,19 +58,47 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "Nms_per_rad": Unit("N m s/rad", "N m s/rad"),
         "N": Unit("N", "newtons"),
         "MPa": Unit("MPa", "megapascals"),
+        "GPa": Unit("GPa", "gigapascals"),
         "um_per_MPa": Unit("µm/MPa", "micrometres per megapascal"),
+        "kg": Unit("kg", "kilograms"),
+        "kg_m3": Unit("kg/m³", "kilograms per cubic metre"),
+        "in": Unit("in", "inches", "mm", _INCH),
+        "ft": Unit("ft", "feet", "m", _FOOT),
+        "lbf": Unit("lbf", "pounds of force", "N", _FORCE),
+        "lbft": Unit("lb·ft", "lb·ft", "Nm", _FOOT * _FORCE),
+        "lbin": Unit("lb·in", "lb·in", "Nm", _FOOT * _FORCE / 12.0),
+        "lbin2": Unit("lb·in²", "lb·in²", "kgm2", 1e-6 * _POUND * _INCH**2),
+        "lbft_per_rad": Unit("lb·ft/rad", "lb·ft/rad", "Nm_per_rad", _FOOT * _FORCE),
+        "lbfts_per_rad": Unit("lb·ft·s/rad", "lb·ft·s/rad", "Nms_per_rad", _FOOT * _FORCE),
+        "psi": Unit("psi", "pounds per square inch", "MPa", _PSI),
+        "Mpsi": Unit("Mpsi", "million pounds per square inch", "GPa", 1e3 * _PSI),
+        "uin_per_psi": Unit("µin/psi", "microinches per psi", "um_per_MPa", 1e-3 * _INCH / _PSI),
+        "lb": Unit("lb", "pounds", "kg", _POUND),
+        "lb_in3": Unit("lb/in³", "pounds per cubic inch", "kg_m3", 1e9 * _POUND / _INCH**3),
     }
 )
-"""The units of a scene's keys, by what stands behind the last underscore of the quantity."""
+"""The units of a scene's keys, by what stands behind the last underscore of the quantity.
+
+The US units follow those of the SI; of several for the same one the first is printed.
+"""
+
+US: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        unit.si: tuple(us for us, other in ENDINGS.items() if other.si == unit.si)
+        for unit in ENDINGS.values()
+        if unit.si
+    }
+)
+"""The endings of US units by that of the SI unit that they stand for."""
 
 # What people write in place of a unit of the format.
 _OTHER_ENDINGS = (
     *("degree", "degrees", "radian", "radians", "mrad", "gon", "turns"),
-    *("cm", "metre", "metres", "meters", "in", "inch", "inches", "ft"),
+    *("cm", "metre", "metres", "meters", "inch", "inches", "feet"),
     *("ms", "us", "min", "h", "second", "seconds"),
     *("rps", "hz", "1_min", "1_s", "deg_s", "deg_s2", "rpm_s", "m_s2"),
-    *("kn", "pa", "kpa", "gpa", "bar", "n_mm2", "psi", "um_per_n_mm2", "mm_per_mpa"),
-    *("knm", "nmm", "n_m", "lbft", "lbf_ft", "gm2", "kg_m2", "kgmm2", "kgcm2"),
+    *("kn", "pa", "kpa", "bar", "n_mm2", "ksi", "um_per_n_mm2", "mm_per_mpa", "klbf"),
+    *("knm", "nmm", "n_m", "lbf_ft", "lb_ft", "ftlb", "lb_in", "gm2", "kg_m2", "kgmm2", "kgcm2"),
 )
 
 
@@ -71,6 +116,67 @@ def _split(key: str, endings: Iterable[str]) -> tuple[str, str]:
         if key.lower().endswith(f"_{ending.lower()}"):
             return key[: -len(ending) - 1], ending
     return key, ""
+
+
+def us_keys(key: str) -> list[str]:
+    """Return the keys that hold the same in US units, none for an angle or a ratio.
+
+    >>> us_keys("drive_torque_Nm")
+    ['drive_torque_lbft', 'drive_torque_lbin']
+    """
+    quantity, ending = split(key)
+    return [f"{quantity}_{us}" for us in US.get(ending, ())]
+
+
+def si_key(key: str) -> str:
+    """Return the key that holds the same in an SI unit: the key itself if it does.
+
+    >>> si_key("points_in"), si_key("points_mm")
+    ('points_mm', 'points_mm')
+    """
+    quantity, ending = split(key)
+    return f"{quantity}_{ENDINGS[ending].si}" if ending and ENDINGS[ending].si else key
+
+
+def alike(key: str, known: Iterable[str]) -> list[str]:
+    """Return the known keys in the units of a key, US or SI, and those that are in both.
+
+    >>> alike("point_in", ["points_mm", "points_in", "bends_deg"])
+    ['points_in', 'bends_deg']
+    """
+    is_us = si_key(key) != key
+    return [
+        name
+        for name in known
+        if (is_us and not us_keys(name)) or (not is_us and si_key(name) == name)
+    ]
+
+
+def size_of(key: str) -> float:
+    """Return the unit of a key in that of ``si_key``."""
+    ending = split(key)[1]
+    return ENDINGS[ending].size if ending else 1.0
+
+
+def as_given(text: str, given: Mapping[str, str], about: str) -> str:
+    """Return a text about a key and SI units with the keys that were given instead, in their units.
+
+    >>> as_given("is 12.7 mm", {"wall_mm": "wall_in"}, "wall_in")
+    'is 0.5 in'
+    """
+    # What is about a key in SI units stays in them.
+    is_converted = si_key(about) != about or not us_keys(about)
+    for si, key in given.items():
+        text = re.sub(rf"\b{si}\b", key, text)
+        if is_converted:
+            symbol, unit = ENDINGS[split(si)[1]].symbol, ENDINGS[split(key)[1]]
+            number = rf"(-?\d[\d.]*(?:e[-+]\d+)?) {re.escape(symbol)}(?![\w/²])"
+            text = re.sub(number, functools.partial(_in_unit, unit), text)
+    return text
+
+
+def _in_unit(unit: Unit, found: re.Match[str]) -> str:
+    return f"{float(found[1]) / unit.size:.10g} {unit.symbol}"
 
 
 def units_of(key: str, known: Iterable[str]) -> str:
