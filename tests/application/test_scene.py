@@ -261,9 +261,9 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         '"a\\nb" = 1',
         None,
-        r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, study, "
-        "states, optimise, output",
+        r"unknown key 'a\nb'; known are title, units, driveline, bearing, load, sweep, angles, "
+        "limits, tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, "
+        "study, states, optimise, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

@@ -109,7 +109,7 @@ def _answer(text: str, path: Path) -> dict[str, Any]:
 @pytest.mark.parametrize("path", MACHINES, ids=lambda path: path.stem)
 def test_machines_have_the_same_answers_in_us_units(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    given = us_scene(text)
+    given = us_scene(text, "us")
     assert "_mm" not in given.replace("_Nmm", "")
     assert "_Nm" not in given
     assert _answer(given, path) == _answer(si_scene(text), path)
@@ -192,7 +192,7 @@ REFUSED = [
     ),
     (
         "[load]\ninertias_lbin2 = [1, 2]\n",
-        "line 5: [load] inertias_lbin2 has length 2; it needs 4, one per shaft",
+        "line 5: [load] inertias_lbin2 has length 2; it needs 3, one per shaft",
     ),
     (
         '[states]\n"points_in.2.y" = [1, 2000]\n',

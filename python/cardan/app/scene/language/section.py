@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 import numpy as np
 
 from cardan.app.scene.language.rules import Rule, in_us_units
-from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.language.units import ENDINGS, si_key, split
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:
@@ -113,7 +113,8 @@ class Section(Generic[Made]):
     @contextmanager
     def named(self, keys: Iterable[str]) -> Iterator[None]:
         """Let errors name these keys of the file instead of the parameters that they set."""
-        by_argument = {self.keys[key].argument: key for key in keys if self.keys[key].argument}
+        si = (key for key in keys if key == si_key(key))
+        by_argument = {self.keys[key].argument: key for key in si if self.keys[key].argument}
         try:
             yield
         except ArgumentValueError as error:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -198,18 +200,55 @@ def units_of(key: str, known: Iterable[str]) -> str:
 def ending_of(symbol: str) -> str:
     """Return what follows a name to say its unit: ``_rad_s2`` of ``rad/s²``; "" for a ratio."""
     found = (f"_{ending}" for ending, unit in ENDINGS.items() if unit.symbol == symbol)
-    return next(found) if symbol else ""
+    return next(found, "") if symbol else ""
+
+
+_shown: ContextVar[System] = ContextVar("units", default="si")
+
+
+@contextmanager
+def shown_in(units: System) -> Iterator[None]:
+    """Let what is printed and drawn meanwhile be in these units."""
+    before = _shown.set(units)
+    try:
+        yield
+    finally:
+        _shown.reset(before)
+
+
+def shown_unit(ending: str) -> str:
+    """Return the ending of the unit in which something is shown: in US units ``in`` for ``mm``."""
+    return US[ending][0] if _shown.get() == "us" and ending in US else ending
 
 
 def in_degrees(values: FloatArray, unit: str) -> tuple[FloatArray, str]:
-    """Return values in an SI unit with angles in degrees, and the unit to print, "" for a ratio."""
+    """Return values in an SI unit with angles in degrees, and that unit, "" for a ratio."""
     if unit == "rad":
         return np.degrees(values), "deg"
     return values, "" if unit == "1" else unit
 
 
-def converted(values: FloatArray, unit: str, radians: bool) -> tuple[str, FloatArray]:
+def in_shown(value: float, ending: str) -> float:
+    """Return a value in the unit of an ending in that in which it is shown."""
+    shown = shown_unit(ending)
+    return value if shown == ending else value / ENDINGS[shown].size
+
+
+def as_shown(values: FloatArray, unit: str) -> tuple[FloatArray, str]:
+    """Return values in a unit as labels have it in the unit in which they are shown, and that."""
+    values, unit = in_degrees(values, unit)
+    shown = ENDINGS.get(shown_unit(ending_of(unit)[1:]))
+    return (values / shown.size, shown.symbol) if shown and shown.si else (values, unit)
+
+
+def converted(
+    values: FloatArray, unit: str, radians: bool, units: System = "si"
+) -> tuple[str, FloatArray]:
     """Return the ending of a column's name and its values, angles in the unit asked for."""
     if unit == "rad" and not radians:
         return "_deg", np.degrees(values)
+    with shown_in(units):
+        shown = shown_unit(ending_of("" if unit in ("1", "rad") else unit)[1:])
+    if shown and ENDINGS[shown].si:
+        return f"_{shown}", values / ENDINGS[shown].size
     return "" if unit == "1" else f"_{unit.replace(' ', '')}", values

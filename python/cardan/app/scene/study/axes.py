@@ -255,7 +255,7 @@ class NestedAxes(Rule):
             known = (*self.parts, *(_OF_TURN if self.changes else ()))
             for part, entry in parts.items():
                 if part not in known:
-                    raise at.error(f"has no {shown(part)}; {nearest(part, known)}")
+                    raise at.error(f"has no {shown(part)}; {nearest(part, alike(part, known))}")
                 if part not in turn:
                     axes[f"{index}.{part}"] = read(at.at(part), entry)
             if turn:
