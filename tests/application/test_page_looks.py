@@ -675,7 +675,7 @@ def test_lengths_are_shown_in_inches(
     """To a thousandth; what stands behind a figure stays in the unit of the check."""
     opened(browser, answered(path).page, tmp_path)
     before = pages.figures(browser)
-    inch = browser.find_element(By.ID, "live-in")
+    inch = browser.find_element(By.ID, "live-us")
     if not inch.is_displayed():
         assert not any(text.endswith(" mm") for _, _, text in before)
         return
@@ -694,12 +694,12 @@ def test_lengths_are_shown_in_inches(
     shown = [f"{each.text} {each.get_attribute('aria-valuetext') or ''}" for each in texts]
     # Names of states have their own unit.
     assert not re.search(r"[\d.]+ mm(?!\u201d)", " ".join(shown).partition("Drag a")[0])
-    browser.find_element(By.ID, "live-mm").click()
+    browser.find_element(By.ID, "live-si").click()
     assert pages.figures(browser) == before
 
 
 def test_inches_are_typed_and_listed(truck: webdriver.Chrome) -> None:
-    truck.find_element(By.ID, "live-in").click()
+    truck.find_element(By.ID, "live-us").click()
     steps = truck.find_element(By.ID, "live-steps")
     assert steps.text == "0.01 in, with Shift 0.1 in, with Alt 0.001 in"
     handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
