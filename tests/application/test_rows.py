@@ -67,6 +67,7 @@ def test_units_are_what_they_are_called() -> None:
     us = {"in": inch, "ft": 12.0 * inch, "lbf": force, "lbft": torque, "lbin": torque / 12.0}
     us |= {"lbin2": pound * inch**2, "lbft_per_rad": torque, "lbfts_per_rad": torque}
     us |= {"psi": pressure, "Mpsi": 1e6 * pressure, "uin_per_psi": 1e-6 * inch / pressure}
+    us |= {"deg_per_klbft": 1.0 / torque, "in_per_klbft": 1000.0 * inch / torque}
     us |= {"lb": pound, "lb_in3": pound / inch**3}
     expected |= {name: 1.0 / size for name, size in us.items()}
     for name, unit in UNITS.items():

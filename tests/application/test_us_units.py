@@ -64,7 +64,15 @@ def test_the_factors_are_those_of_the_standards() -> None:
     assert ENDINGS["lbf"].size == 4.4482216152605
 
 
-_SAMPLES: list[Any] = [10.0, [10.0, 20.0], [[1.0, 2.0, 3.0]], [10.0], [2.0, [3.0, 4.0]], "T"]
+_SAMPLES: list[Any] = [
+    10.0,
+    [10.0, 20.0],
+    [[1.0, 2.0, 3.0]],
+    [10.0],
+    [1.0, 2.0, 3.0],
+    [2.0, [3.0, 4.0]],
+    "T",
+]
 
 
 def _sample(rule: Rule, key: str) -> Any:  # noqa: ANN401 - any value of TOML

@@ -50,6 +50,8 @@ UNITS: Mapping[str, Unit] = _MORE | {
 
 Rows and JSON have SI units; US units are those in which figures are shown.
 """
+SI_UNITS = tuple(unit for unit in UNITS if unit not in ENDINGS or not ENDINGS[unit].si)
+"""Those of the JSON."""
 
 
 class Digits(NamedTuple):

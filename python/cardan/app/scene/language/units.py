@@ -62,6 +62,8 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "MPa": Unit("MPa", "megapascals"),
         "GPa": Unit("GPa", "gigapascals"),
         "um_per_MPa": Unit("µm/MPa", "micrometres per megapascal"),
+        "deg_per_kNm": Unit("°/kN m", "degrees per kN m"),
+        "mm_per_kNm": Unit("mm/kN m", "millimetres per kN m"),
         "kg": Unit("kg", "kilograms"),
         "kg_m3": Unit("kg/m³", "kilograms per cubic metre"),
         "in": Unit("in", "inches", "mm", _INCH),
@@ -75,6 +77,12 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "psi": Unit("psi", "pounds per square inch", "MPa", _PSI),
         "Mpsi": Unit("Mpsi", "million pounds per square inch", "GPa", 1e3 * _PSI),
         "uin_per_psi": Unit("µin/psi", "microinches per psi", "um_per_MPa", 1e-3 * _INCH / _PSI),
+        "deg_per_klbft": Unit(
+            "°/1000 lb·ft", "degrees per 1000 lb·ft", "deg_per_kNm", 1.0 / (_FOOT * _FORCE)
+        ),
+        "in_per_klbft": Unit(
+            "in/1000 lb·ft", "inches per 1000 lb·ft", "mm_per_kNm", _INCH / (_FOOT * _FORCE)
+        ),
         "lb": Unit("lb", "pounds", "kg", _POUND),
         "lb_in3": Unit("lb/in³", "pounds per cubic inch", "kg_m3", 1e9 * _POUND / _INCH**3),
     }
@@ -115,7 +123,7 @@ def split(key: str) -> tuple[str, str]:
 
 def _split(key: str, endings: Iterable[str]) -> tuple[str, str]:
     for ending in sorted(endings, key=len, reverse=True):
-        if key.lower().endswith(f"_{ending.lower()}"):
+        if f"_{key}".lower().endswith(f"_{ending.lower()}"):
             return key[: -len(ending) - 1], ending
     return key, ""
 
@@ -127,7 +135,7 @@ def us_keys(key: str) -> list[str]:
     ['drive_torque_lbft', 'drive_torque_lbin']
     """
     quantity, ending = split(key)
-    return [f"{quantity}_{us}" for us in US.get(ending, ())]
+    return [f"{quantity}_{us}".lstrip("_") for us in US.get(ending, ())]
 
 
 def si_key(key: str) -> str:
@@ -137,7 +145,8 @@ def si_key(key: str) -> str:
     ('points_mm', 'points_mm')
     """
     quantity, ending = split(key)
-    return f"{quantity}_{ENDINGS[ending].si}" if ending and ENDINGS[ending].si else key
+    si = ENDINGS[ending].si if ending else ""
+    return f"{quantity}_{si}".lstrip("_") if si else key
 
 
 def alike(key: str, known: Iterable[str]) -> list[str]:

@@ -166,7 +166,7 @@ def _torques(axes: tuple[Axis, ...], load: Mapping[str, Any], count: int) -> Flo
     """The torque in every state, as [states] or else [load] gives it."""
     for axis in axes:
         if axis.name in TORQUES:
-            return axis.values
+            return axis.size * axis.values
     given = [load[key] for key in TORQUES if key in load]
     if not given:
         raise ValueError(
