@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from click.testing import CliRunner
+from test_live_page import Run, at, in_node, moves_of, run, sent, told_after, without_slow_parts
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.printed import row_text
+from cardan.app.answers.rows import UNITS, Judged
+from cardan.app.answers.turn.picture import quantities
+from cardan.app.command import commands
 from cardan.app.scene import Scene
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import InUnit, Rule
 from cardan.app.scene.language.section import Key
-from cardan.app.scene.language.units import ENDINGS, split, us_keys
+from cardan.app.scene.language.units import ENDINGS, US, System, shown_in, split, us_keys
 from cardan.app.scene.scene import FORMAT
 from us_units import si_scene, us_scene
 
+__all__ = ["run"]  # a fixture
+
 ROOT = Path(__file__).parents[2]
 MACHINES = sorted((ROOT / "python/cardan/app/scene/machines").glob("*.toml"))
+_QUICK = ("pto-shaft", "steering-column", "test-rig")
+each_machine = pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.long] * (path.stem not in _QUICK))
+        for path in MACHINES
+    ],
+)
 
 PAIRS = [
     (section.name, key, us)
@@ -114,7 +133,7 @@ def _answer(text: str, path: Path) -> dict[str, Any]:
     return check_data(Answer(Scene.parse(text, str(path), path.parent)), [])
 
 
-@pytest.mark.parametrize("path", MACHINES, ids=lambda path: path.stem)
+@each_machine
 def test_machines_have_the_same_answers_in_us_units(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     given = us_scene(text, "us")
@@ -241,3 +260,173 @@ def test_a_recorded_torque_is_in_us_units(tmp_path: Path) -> None:
     load = Scene.parse(text, "a.toml", tmp_path).load_case
     assert load is not None
     assert load.torque == pytest.approx([135.58179483314, 149.13997431645, 122.02361534983])
+
+
+# --- what is printed, drawn and written -----------------------------------------------------------
+
+TRUCK = next(path for path in MACHINES if path.stem == "truck-shaft")
+
+
+@each_machine
+def test_printed_figures_are_those_of_the_json(path: Path) -> None:
+    """In US units to at least as many digits, but for those that are exact."""
+    answer = Answer(Scene.load(path))
+    count = 0
+    for part, found in answer.parts("check"):
+        for _, row, value, _ in part.entries(found):
+            number = value.value if isinstance(value, Judged) else value
+            if row.kind != "figure" or row.unit not in US or not number or not np.isfinite(number):
+                continue
+            us = US[row.unit][0]
+            texts = [row_text(number, row)]
+            with shown_in("us"):
+                texts.append(row_text(number, row))
+            figures = [float(text.partition(" ")[0]) for text in texts]
+            assert texts[1].endswith(f" {ENDINGS[us].symbol}")
+            expected = UNITS[row.unit].factor * number / ENDINGS[us].size
+            step = 10.0 ** -len(texts[1].partition(" ")[0].partition(".")[2])
+            # What was given in SI units has six digits.
+            assert abs(figures[1] - expected) <= max(step, 1e-6 * abs(expected))
+            coarse = abs(figures[0] / ENDINGS[us].size - expected)
+            assert abs(figures[1] - expected) <= max(coarse, 0.006 * abs(expected))
+            count += 1
+    assert count > 3 or path.stem == "steering-column"
+
+
+def _said(*arguments: str) -> str:
+    output: str = CliRunner().invoke(commands(), arguments).output
+    return output
+
+
+SI = r"(?<![\w.])-?[\d.]+ (mm|m|N m|N|kN|MPa|kg m²|kg)(?![\w/])"
+
+
+_COMMANDS = ("run", "tolerances", "torsion", "life")
+
+
+@pytest.mark.parametrize(
+    "name", ["check", "phase", *(pytest.param(name, marks=pytest.mark.long) for name in _COMMANDS)]
+)
+def test_no_command_prints_si_units_besides(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    # Names of states are those of the file.
+    text = TRUCK.read_text(encoding="utf-8").replace(' mm"', '"')
+    Path("si.toml").write_text(text)
+    Path("us.toml").write_text(us_scene(text, "us"))
+    given, asked = _said(name, "us.toml"), _said(name, "si.toml", "--units", "us")
+    for said in (given, asked):
+        assert not re.search(SI, said)
+        assert re.search(r"\d (lb·ft|lbf|in|psi|lb·in²)", said) or name == "phase"
+    assert re.search(SI, _said(name, "us.toml", "--units", "si")) or name == "phase"
+    # Both are the same but for what rounding makes of numbers, and the names of keys.
+    assert len(given.split()) == len(asked.split())
+
+
+def test_json_is_in_si_units(tmp_path: Path) -> None:
+    path = tmp_path / "us.toml"
+    path.write_text(us_scene(TRUCK.read_text(encoding="utf-8"), "us"))
+    us, si = (json.loads(_said("run", str(path), "--json", "--units", u)) for u in ("us", "si"))
+    assert us["rows"] == si["rows"]
+    assert us["forces"] == si["forces"]
+
+
+def test_a_file_in_us_units_whose_answer_is_not_is_remarked_on() -> None:
+    text = us_scene(TRUCK.read_text(encoding="utf-8"))
+    (remark,) = [each for each in Answer(Scene.parse(text))["remarks"] if "US units" in each.remark]
+    assert remark.about == "[driveline] points_in"
+    both = Answer(Scene.parse('units = "us"\n' + text))["remarks"]
+    assert not any("US units" in each.remark for each in both)
+
+
+def test_axes_and_columns_name_us_units(tmp_path: Path) -> None:
+    scene = Scene.parse(us_scene(TRUCK.read_text(encoding="utf-8"), "us"), folder=tmp_path)
+    with shown_in("us"):
+        panels = {panel.name: panel for panel in quantities(scene.run())}
+    torque = panels["torque, shaft 3"]
+    assert torque.heading == "torque, shaft 3 [lb·ft]"
+    assert torque.curves[0] == pytest.approx(1500.0 / 1.3558179483314004, rel=1e-12)
+    heads, *_ = _written(scene, tmp_path).splitlines()
+    assert "torque_lbft" in heads
+    assert "_Nm" not in heads
+
+
+def _written(scene: Scene, folder: Path) -> str:
+    from cardan.app.scene.study.curves import write_curves
+
+    write_curves(scene.run(), folder / "curves.csv")
+    return (folder / "curves.csv").read_text(encoding="utf-8")
+
+
+def test_an_optimum_is_written_in_the_units_of_the_file(tmp_path: Path) -> None:
+    """And it is the optimum of the same scene in SI units."""
+    si = """\
+[driveline]
+points_mm = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+[states]
+points_mm.3.y = [-200, -180, -160]
+[optimise]
+vary = {"points_mm.2.y" = [-40, 40]}
+"""
+    found = []
+    for units, text in (("us", us_scene(si)), ("si", si_scene(si))):
+        path = tmp_path / f"{units}.toml"
+        path.write_text(text)
+        said = _said("optimise", str(path))
+        assert "Equivalent bend" in said
+        written = (tmp_path / f"{units}.optimised.toml").read_text()
+        assert ("points_in" in written) == (units == "us")
+        optimum = Scene.parse(written).points
+        assert optimum is not None
+        found.append(optimum[2, 1])
+    assert found[0] == pytest.approx(found[1], abs=1e-4)
+    assert abs(found[1] - -46.0) > 1.0
+
+
+# --- the moving page ------------------------------------------------------------------------------
+
+
+@in_node
+def test_the_page_shows_the_units_of_the_scene_and_the_others(run: Run) -> None:
+    """Each figure is written as Python writes it, in both."""
+    scene = Scene.parse(us_scene(without_slow_parts(TRUCK.read_text(encoding="utf-8")), "us"))
+    data = sent(scene)
+    assert data["units"] == "us"
+    texts = run(
+        data,
+        """const model = new Model(cardan, data);
+        return ["us", "si"].map((units) => {
+            showIn(units);
+            return model.rows().map(({ text, bound }) => `${text}|${bound}`);
+        });""",
+    )
+    by_name = {each.name: each for each in Answer(scene).judged}
+    both: tuple[System, ...] = ("us", "si")
+    for units, rows in zip(both, texts, strict=True):
+        with shown_in(units):
+            for figure, row in zip(data["figures"], rows, strict=True):
+                own = by_name[figure["name"]]
+                text, bound = row.split("|")
+                assert text.replace("\u2212", "-") == row_text(own.value, own.entry.row)
+                assert bound == figure["bound"][units]
+    assert any(" in|" in row for row in texts[0])
+    assert any(" psi|" in row for row in texts[0])
+    assert not any(re.search(r" (mm|MPa|N)\b", row) for row in texts[0])
+
+
+@in_node
+def test_the_page_writes_a_scene_in_its_own_units(run: Run) -> None:
+    text = us_scene(without_slow_parts(TRUCK.read_text(encoding="utf-8")), "us")
+    scene = Scene.parse(text, "t.toml")
+    random = np.random.default_rng(5)
+    moves = [moves_of(scene, random) for _ in range(4)]
+    moves.append([("point", 2, [0.0, 10.0, 0.0]), ("torque", 0, [0.2]), ("bearing", 0, [2.0])])
+    for told in told_after(run, scene, moves):
+        assert told["refused"] == ""
+        assert told["same"]
+        saved = Scene.parse(told["text"], "t.toml")
+        assert re.findall(r"\w+(?= =)", told["text"]) == re.findall(r"\w+(?= =)", text)
+        data = check_data(Answer(saved))
+        for key, row in told["rows"].items():
+            assert row["value"] == pytest.approx(at(data, key), rel=1e-6, abs=1e-9), key
