@@ -430,3 +430,79 @@ def test_the_page_writes_a_scene_in_its_own_units(run: Run) -> None:
         data = check_data(Answer(saved))
         for key, row in told["rows"].items():
             assert row["value"] == pytest.approx(at(data, key), rel=1e-6, abs=1e-9), key
+
+
+# --- what else changes a driveline ----------------------------------------------------------------
+
+WOUND = """\
+[driveline]
+points_mm = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+[load]
+speed_rpm = 1500
+[states]
+names = ["coast", "drive"]
+output_torque_Nm = [-300, 1500]
+[[wind_up]]
+points = "3-4"
+about_mm = [3450, -196, 45]
+deg_per_kNm = 1.5
+mm_per_kNm = [0, 2, 0]
+[slip]
+shaft = 2
+engaged_mm = 90
+"""
+MEASURED = """\
+[driveline]
+readings_deg = [-3, -1.2, -4.1, -3.6]
+offsets_mm = [0, 0, 45, 45, 45]
+lengths_mm = [350, 1300, 1507, 300]
+[load]
+speed_rpm = 1500
+output_torque_Nm = 800
+"""
+
+
+@pytest.mark.parametrize("text", [WOUND, MEASURED], ids=["wound up", "measured"])
+def test_scenes_have_the_same_answers_in_us_units(text: str) -> None:
+    given = us_scene(text, "us")
+    assert not re.search(r"_(mm|Nm|kNm)\b", given)
+    path = Path("scene.toml")
+    assert _answer(given, path)["states" if "[states]" in text else "limits"]
+    us, si = (check_data(Answer(Scene.parse(each))) for each in (given, si_scene(text)))
+    assert us["limits"]["equivalent_bend"]["value_deg"] == pytest.approx(
+        si["limits"]["equivalent_bend"]["value_deg"], rel=1e-9
+    )
+    if "spline" in si:
+        values = [each["spline"]["longest"]["value_mm"] for each in (us, si)]
+        assert values[0] == pytest.approx(values[1], rel=1e-12)
+
+
+def test_offsets_are_noted_in_inches() -> None:
+    text = us_scene(MEASURED).replace("1.7716535433070868, ", '"1.5 in left", ', 1)
+    layout = Scene.parse(text).layout
+    assert layout is not None
+    assert layout.driveline["offsets_mm"][2] == pytest.approx(38.1, rel=1e-15)
+    with pytest.raises(ValueError, match=r"offsets_in\[2\] is '38 mm left'; it must be as"):
+        Scene.parse(text.replace("1.5 in left", "38 mm left"))
+
+
+def test_ranges_and_limits_of_a_search_are_in_the_units_of_their_keys() -> None:
+    text = """\
+[driveline]
+points_in = [[0, 0, 0], [14, -1, 0], [66, -2, 0], [126, -7, 2], [138, -8, 2]]
+[load]
+speed_rpm = 100
+output_torque_lbft = 300
+[optimise]
+vary = {"points_in.2.y" = [-2, 2]}
+keep = {support_moment_1_peak_lbft = 50}
+"""
+    found = Scene.parse(text).optimisation
+    assert found is not None
+    assert found._kept == {"support_moment_1_peak": pytest.approx(67.79089741657, rel=1e-12)}
+    parameters = found._parameters
+    assert parameters is not None
+    assert parameters[0][2] == pytest.approx(0.0254, rel=1e-15)
+    (low, high) = (found.drivelines(np.array([x])).lengths().each[0, 1] for x in (-2.0, 2.0))
+    assert low == pytest.approx(0.0254 * np.hypot(52.0, 3.0), rel=1e-12)
+    assert high == pytest.approx(0.0254 * np.hypot(52.0, 1.0), rel=1e-12)
