@@ -84,9 +84,9 @@ import {{ readFileSync }} from "node:fs";
 import {{ createInterface }} from "node:readline";
 import {{ Cardan }} from "{WEB}/cardan.js";
 import {{ Model }} from "{WEB}/page/model.js";
-import {{ numberText, useText }} from "{WEB}/page/numbers.js";
+import {{ numberText, showIn, useText }} from "{WEB}/page/numbers.js";
 const cardan = await Cardan.load(readFileSync("{WEB}/cardan.wasm.gz"));
-const known = {{ cardan, Model, numberText, useText }};
+const known = {{ cardan, Model, numberText, showIn, useText }};
 for await (const line of createInterface({{ input: process.stdin }})) {{
     const [data, script] = JSON.parse(line);
     let told;

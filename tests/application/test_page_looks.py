@@ -18,6 +18,7 @@ from test_live_page import edited
 
 import pages
 from cardan.app.scene import Scene
+from cardan.app.scene.language.units import ENDINGS, US, ending_of
 from cardan.app.scene.machine import machine_of
 from example_scenes import Answers, example
 from pages import handle, in_browser, js, media, opened, screen, settled
@@ -672,10 +673,10 @@ def test_no_two_curves_of_a_chart_look_alike(
 def test_lengths_are_shown_in_inches(
     path: Path, browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
-    """To a thousandth; what stands behind a figure stays in the unit of the check."""
+    """To a thousandth, and forces in pounds; what stands behind a figure stays in SI units."""
     opened(browser, answered(path).page, tmp_path)
     before = pages.figures(browser)
-    inch = browser.find_element(By.ID, "live-in")
+    inch = browser.find_element(By.ID, "live-us")
     if not inch.is_displayed():
         assert not any(text.endswith(" mm") for _, _, text in before)
         return
@@ -684,22 +685,23 @@ def test_lengths_are_shown_in_inches(
     after = pages.figures(browser)
     assert [each[:2] for each in after] == [each[:2] for each in before]
     for (_, value, text), (_, _, then) in zip(before, after, strict=True):
-        if text.endswith(" mm"):
-            number, unit = then.split(" ")
-            assert unit == "in"
-            assert float(number.replace("\u2212", "-")) == pytest.approx(value / 25.4, abs=0.0005)
+        if us := US.get(ending_of(text.partition(" ")[2])[1:]):
+            (number, unit), own = then.split(" "), ENDINGS[us[0]]
+            assert unit == own.symbol
+            near = pytest.approx(value / own.size, rel=0.0 if unit == "in" else 0.005, abs=0.0005)
+            assert float(number.replace("\u2212", "-")) == near
         else:
             assert then == text
     texts = browser.find_elements(By.CSS_SELECTOR, ".rows .value, .changes, .foot, .handle")
     shown = [f"{each.text} {each.get_attribute('aria-valuetext') or ''}" for each in texts]
     # Names of states have their own unit.
     assert not re.search(r"[\d.]+ mm(?!\u201d)", " ".join(shown).partition("Drag a")[0])
-    browser.find_element(By.ID, "live-mm").click()
+    browser.find_element(By.ID, "live-si").click()
     assert pages.figures(browser) == before
 
 
 def test_inches_are_typed_and_listed(truck: webdriver.Chrome) -> None:
-    truck.find_element(By.ID, "live-in").click()
+    truck.find_element(By.ID, "live-us").click()
     steps = truck.find_element(By.ID, "live-steps")
     assert steps.text == "0.01 in, with Shift 0.1 in, with Alt 0.001 in"
     handle(truck, 2).send_keys(Keys.SHIFT + 2 * Keys.ARROW_DOWN)
@@ -711,7 +713,7 @@ def test_inches_are_typed_and_listed(truck: webdriver.Chrome) -> None:
     assert js(truck, "return arguments[0].textContent", change) == "joint 1 y \u22120.200 in ✕"
     bound = "//li[contains(., 'ngaged length')]//*[@class='value']"
     engaged = truck.find_element(By.XPATH, bound).get_attribute("textContent")
-    assert "at least 2.756 in" in str(engaged)
+    assert "at least 2.75591 in" in str(engaged)
     js(truck, "arguments[0].focus()", field)
     field.send_keys(Keys.CONTROL + "a" + Keys.NULL + "-2" + Keys.ENTER)
     settled(truck)

@@ -60,6 +60,16 @@ def test_units_are_what_they_are_called() -> None:
         "percent": 100.0,
     }
     expected |= {"Hz": 1.0 / turn, "rpm_deg": 60.0 / turn * 360.0 / turn}
+    expected |= {"GPa": 1e-9, "um_per_MPa": 1e12}
+    inch, pound = 0.0254, 0.45359237
+    force = 9.80665 * pound
+    torque, pressure = 12.0 * inch * force, force / inch**2
+    us = {"in": inch, "ft": 12.0 * inch, "lbf": force, "lbft": torque, "lbin": torque / 12.0}
+    us |= {"lbin2": pound * inch**2, "lbft_per_rad": torque, "lbfts_per_rad": torque}
+    us |= {"psi": pressure, "Mpsi": 1e6 * pressure, "uin_per_psi": 1e-6 * inch / pressure}
+    us |= {"deg_per_klbft": 1.0 / torque, "in_per_klbft": 1000.0 * inch / torque}
+    us |= {"lb": pound, "lb_in3": pound / inch**3}
+    expected |= {name: 1.0 / size for name, size in us.items()}
     for name, unit in UNITS.items():
         assert unit.factor == pytest.approx(expected.get(name, 1.0), rel=1e-14), name
 
@@ -68,7 +78,10 @@ def written_units(path: Path) -> Iterator[str]:
     """Yield what follows a figure in the texts of a module and begins with the name of a unit."""
     symbols = sorted((unit.symbol for unit in UNITS.values()), key=len, reverse=True)
     names = "|".join(
-        re.escape(symbol) for symbol in symbols if symbol[:1] not in ("", "°", "%", "s")
+        # Inches have the name of a word.
+        re.escape(symbol)
+        for symbol in symbols
+        if symbol[:1] not in ("", "°", "%", "s") and symbol != "in"
     )
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         for figure, text in pairwise(node.values if isinstance(node, ast.JoinedStr) else ()):

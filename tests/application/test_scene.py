@@ -16,6 +16,7 @@ from cardan.app.answers.turn.figures import SummaryRow, TurnFigures, drive_angle
 from cardan.app.answers.turn.text import summary_lines, summary_text
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.language.schema import describe
+from cardan.app.scene.language.units import si_key, split
 from cardan.app.scene.scene import FORMAT
 from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH
 
@@ -260,9 +261,9 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         '"a\\nb" = 1',
         None,
-        r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, study, "
-        "states, optimise, output",
+        r"unknown key 'a\nb'; known are title, units, driveline, bearing, load, sweep, angles, "
+        "limits, tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, "
+        "study, states, optimise, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",
@@ -1003,6 +1004,9 @@ def test_description_is_the_format() -> None:
     for name, part in FORMAT.items():
         assert not name or part.heading in words
         for key, entry in part.keys.items():
+            if si_key(key) != key:
+                assert f"_{split(key)[1]}" in describe(FORMAT)
+                continue
             assert key in words
             assert entry.meaning.split()[-1] in describe(FORMAT)
     assert max(map(len, describe(FORMAT).splitlines())) <= 77
@@ -1011,7 +1015,7 @@ def test_description_is_the_format() -> None:
 
 def test_every_key_of_a_driveline_is_in_a_form() -> None:
     used = {key for form in FORMS for key in form.keys + form.optional + form.further}
-    assert used | {TEETH, *LENGTHS} == set(FORMAT["driveline"].keys)
+    assert used | {TEETH, *LENGTHS} == {si_key(key) for key in FORMAT["driveline"].keys}
 
 
 # The table

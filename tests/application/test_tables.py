@@ -63,7 +63,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     whole = tmp_path / "whole.parquet"
     write_curves(Scene.load(scene).run(), whole, radians=radians)
     steps: list[tuple[int, int]] = []
-    path, written, missing, ends, turns, signals, _ = stream(
+    path, written, missing, ends, turns, signals, *_ = stream(
         scene,
         tmp_path,
         radians=radians,

@@ -59,6 +59,7 @@ from cardan.app.pictures.sources import (
     plot_torque_ratio,
 )
 from cardan.app.pictures.style import STYLE, check_kind, save
+from cardan.app.scene.language.units import shown_in
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentValueError, nearest
 
@@ -130,4 +131,5 @@ def plot_part(scene: Scene | BallJointScene, name: str) -> Figure:
         raise ArgumentValueError("name", f"is {name!r}; {nearest(name, known)}")
     if isinstance(scene, BallJointScene) and name not in PARTS["ball_joint"].pictures():
         raise ValueError(f"{scene.name}: a ball joint alone has no picture {name!r}")
-    return known[name](Answer(scene))
+    with shown_in(scene.units):
+        return known[name](Answer(scene))

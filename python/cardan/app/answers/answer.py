@@ -11,6 +11,7 @@ from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.files.whole_file import Progress
+from cardan.app.scene.language.units import shown_in
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays.errors import ArgumentTypeError
 from cardan.design.check import Check
@@ -77,7 +78,8 @@ class Answer:
         part = PARTS[name]
         if name not in self._found:
             is_there = part.alone or isinstance(self.of, Scene)
-            self._found[name] = part.find(self) if is_there else None
+            with shown_in(self.of.units):
+                self._found[name] = part.find(self) if is_there else None
         return self._found[name]
 
     def needed(self, name: str) -> Any:  # noqa: ANN401 - each part has its own type
@@ -90,7 +92,8 @@ class Answer:
             given = PARTS[name].given
             raise ValueError(f"{self.of.name}: section [{name}] is missing; it gives {given}")
         if name not in self._whole:
-            self._whole[name] = PARTS[name].whole(self, self[name])
+            with shown_in(self.of.units):
+                self._whole[name] = PARTS[name].whole(self, self[name])
         return self._whole[name]
 
     def parts(self, command: str) -> Iterator[tuple[Part, Any]]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.app.answers.printed import curves_text
 from cardan.app.answers.rounding import is_steady
+from cardan.app.scene.language.units import as_shown
 from cardan.arrays import FloatArray
 
 
@@ -28,7 +29,7 @@ class Panel:
     """One chart."""
 
     heading: str  # the quantity
-    unit: str  # of its values, "" for a ratio
+    unit: str  # of its values as axes have it, "" for a ratio; the chart has that of the answer
     curves: tuple[Curve, ...]  # the lines
     scale: float = 1.0  # a size beside which a billionth is rounding
     left_out: int = 0  # the number of smaller curves that are not drawn
@@ -63,20 +64,22 @@ def chart(
     ``named`` says what the samples are and the name of each; names replace ``x`` and what it is
     where they fit below the chart, and the samples are then as far from each other.
     """
-    values = np.concatenate([curve.values for curve in panel.curves])
+    curves = [(curve.label, as_shown(curve.values, panel.unit)[0]) for curve in panel.curves]
+    scale, unit = as_shown(np.array(panel.scale), panel.unit)
+    values = np.concatenate([curve for _, curve in curves])
     named_over, names = named or ("", ())
     return {
         "kind": "chart",
         "heading": panel.heading,
-        "unit": panel.unit,
+        "unit": unit,
         "over": over,
         "left_out": panel.left_out,
         "x": plain(x, x, digits=7),
         "curves": [
-            {"label": curve.label, "values": plain(curve.values, values, panel.scale)}
-            for curve in panel.curves
+            {"label": label, "values": plain(curve, values, float(scale))}
+            for label, curve in curves
         ],
-        "scale": panel.scale,
+        "scale": float(scale),
         "names": list(names),
         "named": named_over,
     }

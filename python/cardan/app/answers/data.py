@@ -9,7 +9,7 @@ from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from cardan.app.answers.json_schema import one_of, record
-from cardan.app.answers.rows import UNITS, Judged, Row, element_of, rows_of
+from cardan.app.answers.rows import SI_UNITS, Judged, Row, element_of, rows_of
 
 _NUMBER = {"type": ["number", "null"]}
 _PLACE = {
@@ -112,7 +112,7 @@ def _keys(name: str, row: Row, hint: Any) -> list[str]:  # noqa: ANN401 - any an
         return ["shaft", "joint", "bearing"] if row.own else [row.label.replace(" ", "_")]
     if row.kind not in ("figure", "numbers") or _is_judged(hint):
         return [name]
-    units = UNITS if row.own == "each" else [row.unit]
+    units = SI_UNITS if row.own == "each" else [row.unit]
     every = (
         replace(row, unit=unit).ending(radians=radians)
         for unit in units

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from cardan.app.scene.language.units import ENDINGS, split
+import numpy as np
+
+from cardan.app.scene.language.units import ENDINGS, as_shown, split
 from cardan.app.scene.study.study import Column
 from cardan.evaluation.outputs import OUTPUTS
 
@@ -68,7 +70,7 @@ def _point_name(point: int, joints: int) -> str:
 
 
 def column_name(column: Column) -> str:
-    """Return what a figure of a study is, angles in degrees.
+    """Return what a figure of a study is, with the unit in which it is shown.
 
     >>> column_name(Column("moment_0_x_mean", "N m", "moment", "joint", 0, "mean", "x"))
     'mean moment, joint 0, x [N m]'
@@ -81,7 +83,7 @@ def column_name(column: Column) -> str:
         words = f"{statistic} {OUTPUTS[column.quantity].label}"
     words += f", {column.per} {column.item}"
     words += f", {column.component}" if column.component else ""
-    return words + _bracketed({"rad": "deg", "1": ""}.get(column.unit, column.unit))
+    return words + _bracketed(as_shown(np.empty(0), column.unit)[1])
 
 
 def _bracketed(unit: str) -> str:

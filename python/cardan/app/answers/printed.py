@@ -22,6 +22,7 @@ from cardan.app.answers.rows import (
     item_of,
     rows_of,
 )
+from cardan.app.scene.language.units import as_shown, shown_unit
 from cardan.arrays import FloatArray
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import both_senses
@@ -89,19 +90,18 @@ def row_text(value: float | Judged, row: Row, *, radians: bool = False) -> str:
     number = value
     if not math.isfinite(number):
         return "not known" if math.isnan(number) else "unlimited"
-    turned, kind = radians and row.unit == "deg", row.digits or row.unit
-    factor = 1.0 if turned else UNITS[row.unit].factor
-    if turned and kind == "given":
-        number = _given_in_degrees(number)
-    elif turned:
-        kind, bounds = _in_radians(kind), tuple(map(_given_in_degrees, bounds))
-    text = number_text(
-        factor * number,
-        kind,
-        apart_from=[factor * bound for bound in bounds],
-        rounds=row.rounds,
-    )
-    return in_unit([text], row.unit, radians=radians)
+    unit = shown_unit(row.unit)
+    turned, kind = radians and unit == "deg", row.digits or unit
+    # Fine figures are as fine in inches.
+    kind = f"{kind}_{unit}" if f"{kind}_{unit}" in DIGITS else kind
+    factor = 1.0 if turned else UNITS[unit].factor
+    number, told = factor * number, [factor * bound for bound in bounds]
+    if turned or unit != row.unit:
+        told = [*map(_given_otherwise, told)]
+        number = _given_otherwise(number) if kind == "given" else number
+        kind = _in_radians(kind) if turned and kind != "given" else kind
+    text = number_text(number, kind, apart_from=told, rounds=row.rounds)
+    return in_unit([text], unit, radians=radians)
 
 
 def kind_of(quantity: str, unit: str) -> str:
@@ -120,9 +120,9 @@ def _in_radians(kind: str) -> str:
     return kind if DIGITS[kind].decimals is None else "rad"
 
 
-def _given_in_degrees(radians: float) -> float:
-    """An angle as it is shown in radians although degrees were given."""
-    return float(f"{radians:.6g}")
+def _given_otherwise(value: float) -> float:
+    """A value as it is shown in another unit than that in which it may have been given."""
+    return float(f"{value:.6g}")
 
 
 def given(value: float, unit: str, *, radians: bool = False) -> str:
@@ -172,8 +172,8 @@ def symbol_of(unit: str) -> str:
 
 
 def with_unit(label: str, unit: str) -> str:
-    """Return a label with a unit as axes have it: ``"bend [deg]"``."""
-    return f"{label} [{symbol_of(unit)}]" if unit else label
+    """Return a label with the unit in which something is shown, as axes have it: ``"a [deg]"``."""
+    return f"{label} [{symbol_of(shown_unit(unit))}]" if unit else label
 
 
 def place_of(value: Judged) -> str:
@@ -220,9 +220,10 @@ def judged_text(value: Judged, row: Row) -> str:
 def _excess(value: Judged, row: Row, number: str) -> str:
     """How far a figure is past its bound, with as many decimals as its number has."""
     decimals = sum(map(str.isdigit, number.split()[0].partition(".")[2]))
-    excess = row.shown(value.excess)
+    unit = shown_unit(row.unit)
+    excess = UNITS[unit].factor * value.excess
     text = f"{excess:.{decimals}f}"
-    return in_unit([text if float(text) else number_text(excess, row.unit)], row.unit)
+    return in_unit([text if float(text) else number_text(excess, unit)], unit)
 
 
 def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401 - of any field
@@ -540,11 +541,15 @@ def _end(end: float, decimals: int, kind: str) -> str:
 def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:
     """Return from where to where curves go, by their labels where they differ.
 
+    They are in a unit as axes have it, and shown in that of the answer.
+
     >>> curves_text([("shaft 1", np.array([1500.0, 1501.0])), ("2", np.array([1500.0]))], "N m")
     'shaft 1: 1500 to 1501 N m, 2: 1500 N m'
     """
     texts = {}
-    kind = kind_of_symbol(unit)
+    curves = [(label, as_shown(curve, unit)[0]) for label, curve in curves]
+    size, unit = as_shown(np.array(scale), unit)
+    scale, kind = float(size), kind_of_symbol(unit)
     for label, curve in curves:
         low, high = float(np.nanmin(curve)), float(np.nanmax(curve))
         noise = ROUNDING * max(scale, abs(low), abs(high))

@@ -26,22 +26,32 @@ class Unit(NamedTuple):
     factor: float = 1.0
 
 
-_FACTORS = {"deg": 180.0 / math.pi, "mm": 1e3, "rpm": 1.0 / RPM, "MPa": 1e-6}
+_FACTORS = {
+    **{"deg": 180.0 / math.pi, "mm": 1e3, "rpm": 1.0 / RPM},
+    **{"MPa": 1e-6, "GPa": 1e-9, "um_per_MPa": 1e12},
+}
 _MORE = {
     "": Unit(""),
     "h": Unit("h"),
     "W": Unit("W"),
-    "kg": Unit("kg"),
     "Hz": Unit("Hz", 1.0 / math.tau),
     "percent": Unit("%", 100.0),
     "per_rad": Unit("per rad"),
     "rpm_deg": Unit("rpm·deg", 180.0 / math.pi / RPM),
 }
 UNITS: Mapping[str, Unit] = _MORE | {
-    ending: Unit("°" if ending == "deg" else unit.symbol, _FACTORS.get(ending, 1.0))
+    ending: Unit(
+        "°" if ending == "deg" else unit.symbol,
+        _FACTORS.get(unit.si or ending, 1.0) / unit.size,
+    )
     for ending, unit in ENDINGS.items()
 }
-"""The units of rows by the ending of a key. Inside, figures are in SI; lives are in hours."""
+"""The units of rows by the ending of a key. Inside, figures are in SI; lives are in hours.
+
+Rows and JSON have SI units; US units are those in which figures are shown.
+"""
+SI_UNITS = tuple(unit for unit in UNITS if unit not in ENDINGS or not ENDINGS[unit].si)
+"""Those of the JSON."""
 
 
 class Digits(NamedTuple):
@@ -62,6 +72,10 @@ _UNITS = dict.fromkeys(UNITS, _THREE) | {
     "mm": Digits(decimals=1, finest=1e-6),
     "rad_s2": Digits(decimals=0, finest=1e-9),
     "MPa": Digits(decimals=1),
+    # A thousandth of an inch, and not coarser than in SI units.
+    "in": Digits(decimals=3, finest=4e-8),
+    "ft": Digits(decimals=4),
+    "psi": Digits(decimals=0),
     "h": Digits(decimals=0),
     "percent": Digits(digits=3, apart=100.0),
 }
@@ -70,6 +84,7 @@ DIGITS: Mapping[str, Digits] = _UNITS | {
     "twist": Digits(decimals=1, finest=1e-3),
     "angle_error": Digits(digits=3, finest=1e-12),
     "small": Digits(digits=3, finest=1e-6),  # what joints and seats yield, and the play they have
+    "small_in": Digits(digits=3, finest=4e-8),
     "speed_ratio": Digits(decimals=4, apart=1.0),
     "direction": Digits(decimals=4, finest=1e-9),
     "margin": Digits(decimals=2),

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.schema import answers_schema
-from cardan.app.command.options import file_argument, file_option, scene_argument
+from cardan.app.command.options import file_argument, file_option, in_units, scene_argument
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import whole_file
 from cardan.app.scene import load_scene, starters
@@ -32,14 +32,14 @@ def explain(scene: Path, key: str | None) -> None:
       cardan explain shaft.toml limits.equivalent_bend
     """
     if key is None:
-        say(Scene.load(scene).explain())
+        say(in_units(Scene.load(scene)).explain())
         return
     # Without a key the answer is not needed.
     from cardan.app.answers.answer import Answer
     from cardan.app.answers.explain import explain_text
 
     try:
-        say(explain_text(Answer(load_scene(scene)), key, scene))
+        say(explain_text(Answer(in_units(load_scene(scene))), key, scene))
     except ArgumentValueError as error:
         raise ValueError(f"KEY {error.problem}") from None
 

@@ -13,7 +13,7 @@ from cardan.app.answers.limits.text import check_text
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
 from cardan.app.answers.yokes.text import remedies
-from cardan.app.command.options import json_option, scene_argument
+from cardan.app.command.options import in_units, json_option, scene_argument
 from cardan.app.command.terminal import as_json_text, progress_bar, say
 from cardan.app.scene import load_scene
 from cardan.app.scene.scene import Scene
@@ -41,7 +41,7 @@ def check(scene: Path, as_json: bool) -> int:
       cardan check shaft.toml
       cardan check shaft.toml --json
     """
-    loaded = load_scene(scene)
+    loaded = in_units(load_scene(scene))
     with progress_bar() as progress:
         answer = Answer(loaded, progress)
         passes = answer.passes

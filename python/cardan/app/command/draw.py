@@ -10,7 +10,7 @@ import click
 
 from cardan.app.answers.table import pictures
 from cardan.app.answers.turn.panel import Over
-from cardan.app.command.options import check_output, file_option, scene_argument
+from cardan.app.command.options import check_output, file_option, in_units, scene_argument
 from cardan.app.command.terminal import progress_bar, say
 from cardan.app.files.columns import PICTURES as SUFFIXES
 from cardan.app.plots import plot_part, save, write_picture
@@ -71,7 +71,7 @@ def plot(
     if len(given) > 1:
         raise click.UsageError(f"{given[0]} does not go with {given[1]}")
     path = output or Path(f"{scene.stem}.svg")
-    loaded = load_scene(scene)
+    loaded = in_units(load_scene(scene))
     if isinstance(loaded, BallJointScene) and study is not None:
         raise ValueError("--study needs a scene with sections [driveline] and [study]")
     check_output(loaded, path)
@@ -109,7 +109,7 @@ def report(scene: Path, output: Path | None, shown: bool) -> None:
       cardan report shaft.toml --open
     """
     path = output or Path(f"{scene.stem}.html")
-    loaded = load_scene(scene)
+    loaded = in_units(load_scene(scene))
     check_output(loaded, path)
     import_optional("jinja2", "app")
     with progress_bar() as progress:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast, get_args
 
 import click
 
 from cardan.app.files import columns
 from cardan.app.files.whole_file import check_writable
+from cardan.app.scene.language.units import System, shown_in
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.arrays import import_optional
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 file_argument = click.argument("file", type=click.Path(path_type=Path))
-scene_argument = click.argument("scene", type=click.Path(path_type=Path))
+_SCENE = click.argument("scene", type=click.Path(path_type=Path))
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
 into_option = click.option(
     "--into",
@@ -25,10 +27,42 @@ into_option = click.option(
     metavar="DIR",
     help="Folder for the files to write; default: the current one.",
 )
-units_option = click.option(
+angle_option = click.option(
     "--radians/--degrees",
     help="Unit of angles in print and in tables; default: degrees. Pictures use degrees.",
 )
+
+
+_UNITS = click.option(
+    "--units",
+    type=click.Choice(get_args(System)),
+    metavar="si|us",
+    expose_value=False,
+    callback=lambda context, _, units: context.meta.update({_GIVEN: units}),
+    help="Units of what is shown and written; default: the ones of the scene.",
+)
+_GIVEN = "cardan.units"
+
+
+def scene_argument(function: _Function) -> _Function:
+    """Give a command the argument for a scene, and the option for the units of its answer."""
+    return _SCENE(_UNITS(function))
+
+
+_Scene = TypeVar("_Scene", bound=Scene | BallJointScene)
+
+
+def in_units(scene: _Scene) -> _Scene:
+    """Return a scene with the units that the option names; what the command says is in them."""
+    context = click.get_current_context()
+    scene = replace(scene, units=units_given() or scene.units)
+    context.with_resource(shown_in(scene.units))
+    return scene
+
+
+def units_given() -> System | None:
+    """Return what the option for units says, if it is given."""
+    return cast("System | None", click.get_current_context().meta.get(_GIVEN))
 
 
 def file_option(name: str, text: str) -> Callable[[_Function], _Function]:

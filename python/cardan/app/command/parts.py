@@ -25,6 +25,7 @@ from cardan.app.command.options import (
     check_output,
     file_argument,
     file_option,
+    in_units,
     json_option,
     picture_as_well,
     scene_argument,
@@ -144,7 +145,7 @@ def torsion(scene: Path, output: Path | None, as_json: bool) -> None:
 
 def _answer(path: Path, output: Path | None) -> Answer:
     """The answer to a scene, after a look whether the picture can be written."""
-    scene = Scene.load(path)
+    scene = in_units(Scene.load(path))
     if output is not None:
         check_output(scene, output)
     return Answer(scene)
@@ -195,7 +196,7 @@ def phase(scene: Path, as_json: bool) -> None:
       cardan phase shaft.toml
       cardan phase shaft.toml --json
     """
-    loaded = Scene.load(scene)
+    loaded = in_units(Scene.load(scene))
     title, found = loaded.title, yoke_settings(loaded)
     _print("phase", title, lambda: yoke_text(title, found), data_of(found), as_json=as_json)
 
@@ -295,7 +296,7 @@ def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) 
     It needs SciPy: pip install 'cardan[optimise]'.
     """
     text = read_text(scene)
-    loaded = Scene.parse(text, str(scene), scene.parent)
+    loaded = in_units(Scene.parse(text, str(scene), scene.parent))
     if loaded.optimisation is None:
         raise ValueError(f"{scene}: section [optimise] is missing; it says what may change")
     target = scene.with_suffix(".optimised.toml") if to is None else to

@@ -26,18 +26,21 @@ from cardan.app.answers.turn.text import (
     summary_text,
 )
 from cardan.app.command.options import (
+    angle_option,
     check_output,
     check_picture,
+    in_units,
     into_option,
     json_option,
     missing_samples,
     scene_argument,
-    units_option,
+    units_given,
 )
 from cardan.app.command.terminal import as_json_text, progress_bar, say, say_before_files
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
+from cardan.app.scene.language.units import shown_in
 from cardan.app.scene.scene import FORMAT, BallJointScene, Scene, SceneResult
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.app.scene.study import cluster, curves
@@ -64,7 +67,7 @@ SCENE is a TOML file with these sections and keys:
     "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Evaluate the study on this dask cluster.")
-@units_option
+@angle_option
 @json_option
 def run(
     scene: Path, into: Path, local: int | None, scheduler: str | None, radians: bool, as_json: bool
@@ -83,7 +86,7 @@ def run(
 
     A file appears complete or not at all.
     """
-    given = load_scene(scene)
+    given = in_units(load_scene(scene))
     on_cluster = local is not None or scheduler is not None
     if isinstance(given, BallJointScene):
         if on_cluster:
@@ -108,7 +111,7 @@ def run(
     if on_cluster:
         assert whole.study
         files = chain(files, _write_on_cluster(whole, into, radians, local, scheduler))
-        study = StudyFolder(whole.study, into / str(whole.table_file))
+        study = StudyFolder(whole.study, into / str(whole.table_file), whole.units)
     answer, turn = Answer(whole), turn_figures(result)
     angles = turn.drive_angles
     of_samples = whole.recording or (whole.study and whole.study.quantities)
@@ -175,7 +178,9 @@ def _write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dic
     if scene.table_file and result.study:
         path = into / scene.table_file
         with progress_bar(path.name) as progress:
-            rows = write_study(result.study, path, radians=radians, progress=progress)
+            rows = write_study(
+                result.study, path, radians=radians, units=scene.units, progress=progress
+            )
         yield {"file": str(path), "rows": rows}
     if scene.picture_file:
         path = into / scene.picture_file
@@ -239,7 +244,12 @@ def _write_on_cluster(
     with cluster.connect(scheduler, local) as client, progress_bar() as progress:
         try:
             done = cluster.write_study(
-                scene.study, path, client, radians=radians, progress=progress
+                scene.study,
+                path,
+                client,
+                radians=radians,
+                units=scene.units,
+                progress=progress,
             )
         except ValueError as error:
             raise SceneError(error, scene.name, "study") from None
@@ -249,7 +259,7 @@ def _write_on_cluster(
 @click.command()
 @scene_argument
 @into_option
-@units_option
+@angle_option
 def stream(scene: Path, into: Path, radians: bool) -> None:
     """Evaluate a recording of any length, in chunks that fit in memory.
 
@@ -263,7 +273,9 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     begun = time.perf_counter()
     try:
         with progress_bar("rows") as progress:
-            done = curves.stream(scene, into, radians=radians, progress=progress)
+            done = curves.stream(
+                scene, into, radians=radians, units=units_given(), progress=progress
+            )
     except MemoryError:
         # It takes the angles by chunks already.
         hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
@@ -275,7 +287,8 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     )
     say(f"drive angles {angles_text(angles, radians=radians)}")
     if done.signals:
-        say(signals_text(angles))
+        with shown_in(done.units):
+            say(signals_text(angles))
     for warning in filter(None, (few_samples_text(angles), noise_text(angles))):
         say(f"cardan: {warning}", on_error=True)
     if done.missing:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.app.answers.printed import plain_text
-from cardan.app.scene.language.units import LengthUnit
+from cardan.app.answers.rows import UNITS
+from cardan.app.scene.language.units import LengthUnit, shown_unit
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 
@@ -28,13 +29,13 @@ def shaft_lengths(line: Driveline) -> FloatArray:
 
 
 def length_text(length: float, unit: LengthUnit) -> str:
-    """Return a length in m as a drawing gives it, to a tenth of a millimetre.
+    """Return a length in m as a drawing gives it, to a tenth of a millimetre, or in US units.
 
     >>> length_text(1.3, "mm"), length_text(1.30019, "mm"), length_text(12.34567, "m")
     ('1300 mm', '1300.2 mm', '12.3457 m')
     """
-    value = {"mm": 1e3, "m": 1.0}[unit] * length
-    return f"{plain_text(value, unit)} {unit}"
+    shown = shown_unit(unit)
+    return f"{plain_text(UNITS[shown].factor * length, shown)} {shown}"
 
 
 def bearing_places(line: Driveline, points: FloatArray) -> FloatArray:

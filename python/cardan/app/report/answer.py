@@ -11,7 +11,7 @@ from cardan.app.answers.forces.figures import sentences as missing_forces
 from cardan.app.answers.limits.figures import motion_of
 from cardan.app.answers.limits.text import verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines
-from cardan.app.answers.printed import angle_text, number_text, quantity, range_ends
+from cardan.app.answers.printed import angle_text, quantity, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
@@ -151,9 +151,9 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
     return {
         "assumed": samples.assumed,
         "shaft": largest.item,
-        "size": number_text(largest.size, "Nm"),
+        "size": quantity(largest.size, "Nm"),
         "place": place,
-        "listed": [(peak.item, number_text(peak.size, "Nm")) for peak in listed],
+        "listed": [(peak.item, quantity(peak.size, "Nm")) for peak in listed],
         "others": len(peaks) - len(listed),
     }
 

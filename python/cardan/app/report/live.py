@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
 from cardan.app.answers.moves.figures import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
-from cardan.app.answers.rows import DIGITS, UNITS, Row, element_of, rows_of
+from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.pictures.space import right_and_up
 from cardan.app.scene.changes import given, pieces, sizes
+from cardan.app.scene.language.units import ENDINGS, US, System, shown_in
 from cardan.app.scene.machine import machine_data, machine_of, rules_of
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -76,8 +77,8 @@ def live(answer: Answer) -> dict[str, Any] | None:
                 "kind": each.kind.name,
                 "item": each.item,
                 "name": own.name,
-                "bound": bound_of(replace(own.value, maximum=None), own.entry.row),
-                "limit": bound_of(own.value, own.entry.row),
+                "bound": _in_units(bound_of, replace(own.value, maximum=None), own.entry.row),
+                "limit": _in_units(bound_of, own.value, own.entry.row),
                 "source": own.value.source,
                 "over": _OVER.get(each.kind.name, ""),
             }
@@ -100,12 +101,14 @@ def live(answer: Answer) -> dict[str, Any] | None:
             for name, axes in views(directions).items()
         ],
         "kinds": {name: _kind(name, scene) for name in KINDS},
+        "units": scene.units,
+        "torques": _shown("Nm"),
         "figures": figures,
         "others": [
             {
                 "name": each.name,
                 "verdict": each.value.verdict,
-                "words": f"{judged_text(each.value, each.entry.row)} ({each.value.source})",
+                "words": _in_units(_with_source, each.value, each.entry.row),
             }
             for each in judged.values()
             if each.value.limit is not None
@@ -167,9 +170,8 @@ def _kind(name: str, scene: Scene) -> dict[str, Any]:
     row = _row(name, scene)
     return {
         "label": row.label,
-        "unit": UNITS[row.unit].symbol,
         "factor": UNITS[row.unit].factor,
-        "digits": DIGITS[row.digits or row.unit]._asdict(),
+        **_shown(row.unit, row.digits),
         "meaning": row.meaning,
         "source": row.source,
         "path": _place(name, scene),
@@ -243,8 +245,27 @@ def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
         yield {"output": "bearing_force", "heading": "Bearing force", "items": items} | _shown("N")
 
 
-def _shown(unit: str) -> dict[str, Any]:
-    return {"unit": UNITS[unit].symbol, "digits": DIGITS[unit]._asdict()}
+def _shown(unit: str, digits: str = "") -> dict[str, Any]:
+    """A unit with its digits, and the US unit in its place: how many of it that is."""
+    found = {"unit": UNITS[unit].symbol, "digits": DIGITS[digits or unit]._asdict(), "us": None}
+    if unit in US:
+        us = US[unit][0]
+        own = DIGITS[f"{digits}_{us}" if f"{digits}_{us}" in DIGITS else digits or us]._asdict()
+        found["us"] = {"unit": ENDINGS[us].symbol, "size": ENDINGS[us].size, "digits": own}
+    return found
+
+
+def _with_source(value: Judged, row: Row) -> str:
+    return f"{judged_text(value, row)} ({value.source})"
+
+
+def _in_units(text: Callable[[Judged, Row], str], value: Judged, row: Row) -> dict[str, str]:
+    """What to say of a figure in SI and in US units."""
+    found = {}
+    for units in get_args(System):
+        with shown_in(units):
+            found[units] = text(value, row)
+    return found
 
 
 def _state_of_rows(scene: Scene) -> int | None:

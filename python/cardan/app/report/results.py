@@ -8,13 +8,13 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.charts import Table
-from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends
+from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends, with_unit
 from cardan.app.answers.rounding import alike, is_cancelled
-from cardan.app.answers.rows import key_of
+from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.turn.figures import within_turn
 from cardan.app.answers.yokes.figures import SHOWN, YokeFigures
 from cardan.app.report.samples import PeakSample, Samples, deviates, equivalent, turn_motion
-from cardan.app.scene.language.units import RPM, in_degrees
+from cardan.app.scene.language.units import RPM, as_shown, shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
 from cardan.arrays import FloatArray
@@ -60,20 +60,27 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
             shafts[f"Direction, {axis}"] = [_span(each, "direction") for each in values]
     load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
     if has_lengths(line):
-        shafts["Length [mm]"] = _by_shaft(line, 1e3 * line.lengths().each, "mm")
+        lengths = _factor("mm") * line.lengths().each
+        shafts[with_unit("Length", "mm")] = _by_shaft(line, lengths, shown_unit("mm"))
     if load is not None and load.inertias is not None:
-        shafts["Inertia [kg m²]"] = _by_shaft(line, load.inertias, "given")
+        inertias = _factor("kgm2") * load.inertias
+        shafts[with_unit("Inertia", "kgm2")] = _by_shaft(line, inertias, "given")
     bearings = [
-        (f"bearing {number}", f"{shaft}", _span(1e3 * position, "given"))
+        (f"bearing {number}", f"{shaft}", _span(_factor("mm") * position, "given"))
         for number, (shaft, position) in enumerate(line.bearings)
     ]
-    of_bearings = ("Bearing", "Shaft", "Position from its upstream end [mm]")
+    of_bearings = ("Bearing", "Shaft", with_unit("Position from its upstream end", "mm"))
     return {
         "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
         "drive": Table("Load and drive", ("Input", "Value"), _drive(scene, load)),
         "shafts": Table("Shafts", [*shafts], [*zip(*shafts.values(), strict=True)]),
         "bearings": Table("Bearings", of_bearings, bearings) if bearings else None,
     }
+
+
+def _factor(unit: str) -> float:
+    """How many of the units in which something is shown are one of SI."""
+    return UNITS[shown_unit(unit)].factor
 
 
 def _by_shaft(line: Driveline, values: FloatArray, kind: str) -> list[str]:
@@ -87,8 +94,8 @@ def _each(columns: FloatArray, kind: str) -> list[str]:
 def _drive(scene: Scene, load: Load | None) -> list[tuple[str, str]]:
     given = []
     if load is not None:
-        torque = _span(_known(load.torque), "given")
-        given += [(f"Torque at the {load.end}", in_unit([torque], "Nm"))]
+        torque = _span(_factor("Nm") * _known(load.torque), "given")
+        given += [(f"Torque at the {load.end}", in_unit([torque], shown_unit("Nm")))]
         speed = _known(load.speed)
         each = ((speed, "rad_s"), (speed / RPM, "rpm"))
         texts = [in_unit([_span(values, "measured")], unit) for values, unit in each]
@@ -191,8 +198,8 @@ def _largest(samples: Samples, per: str) -> Table:
 
 
 def _cells(peak: PeakSample, *, states: bool) -> list[tuple[str, str]]:
-    size, unit = in_degrees(np.array(peak.size), peak.output.unit)
-    kind = kind_of(peak.output.name, key_of(peak.output.unit))
+    size, unit = as_shown(np.array(peak.size), peak.output.unit)
+    kind = kind_of(peak.output.name, shown_unit(key_of(peak.output.unit)))
     name = f"Largest {peak.output.label}"
     cells = [(f"{name} [{unit}]" if unit else name, number_text(float(size), kind))]
     cells += [
@@ -204,7 +211,8 @@ def _cells(peak: PeakSample, *, states: bool) -> list[tuple[str, str]]:
     if states:
         cells += [("in", peak.state or "all states")]
     if peak.vector is not None:
-        for axis, value in zip("xyz", peak.vector, strict=True):
+        parts = as_shown(np.asarray(peak.vector), peak.output.unit)[0].tolist()
+        for axis, value in zip("xyz", parts, strict=True):
             cells += [(f"{axis} component there [{unit}]", number_text(value, kind))]
     return cells
 

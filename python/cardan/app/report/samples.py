@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cardan.app.answers.charts import Curve, Panel
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.rounding import MAGNITUDES, alike, first_peak, is_cancelled, signed
 from cardan.app.answers.turn.extremes import magnitudes, peak, peaks, shortest_arm, values_of
 from cardan.app.scene.language.units import RPM
@@ -88,8 +89,8 @@ class Samples:
     @property
     def assumed(self) -> str:
         """What loads are for, where the scene gives none: an ending of their headings."""
-        words = f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
-        return words if self.nominal else ""
+        torque = quantity(NOMINAL_TORQUE, "Nm").replace(" ", "\u00a0")
+        return f", for an assumed drive torque of {torque}" if self.nominal else ""
 
     @cached_property
     def peaks(self) -> list[PeakSample]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.scene.language.edit import Map, Span, map_of
-from cardan.app.scene.language.units import ENDINGS, split
+from cardan.app.scene.language.units import ENDINGS, size_of, split, us_keys
 from cardan.app.scene.machine import states_of_steps
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.bearing import Bearing
@@ -31,7 +31,7 @@ Changed = tuple[str, int, int | None]
 
 
 def given(scene: Scene) -> dict[str, Any]:
-    """Return what the scene gives of what a page can change, in the units of its file.
+    """Return what the scene gives of what a page can change, in the SI units of its keys.
 
     ``turned`` says of points that states turn where each is ``before`` and which ``turns`` follow;
     ``steps`` has the state of every step.
@@ -94,9 +94,16 @@ def _of_load(scene: Scene, keys: tuple[str, ...], what: Any) -> dict[str, Any] |
         "value": load[key],
         "key": key,
         "unit": ENDINGS[split(key)[1]].symbol,
+        "us": _us_unit(key),
         "factor": LOAD.keys[key].factor,
         "columns": [what, *([f"step_{what}"] if follows else [])],
     }
+
+
+def _us_unit(key: str) -> dict[str, Any] | None:
+    """The US unit of what a key in SI units holds: how many of that unit it is."""
+    us = [ENDINGS[split(each)[1]] for each in us_keys(key)]
+    return {"unit": us[0].symbol, "size": us[0].size} if us else None
 
 
 def pieces(scene: Scene) -> list[dict[str, Any]]:
@@ -104,16 +111,38 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
 
     A piece replaces ``text[start:end]``. Its ``text`` is what stands there, or the same in a form
     that has a place for every number. ``numbers`` are these places with what they are of. What the
-    text has no place for, such as a point that a file of another form gives, is in no piece.
+    text has no place for, such as a point that a file of another form gives, is in no piece. The
+    unit of a number there is ``size`` of that in which it changes.
     """
     known = map_of(scene.text)
     found = [*_points(scene, known), *_phases(scene, known), *_others(scene, known)]
+    for piece in found:
+        for number in piece["numbers"]:
+            section, key = _place(scene, number["variable"], number["item"])
+            number["size"] = size_of(_as_given(scene, section, key))
     return sorted(found, key=lambda piece: int(piece["start"]))
+
+
+def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:
+    """Section and key that give what changes, "" without one of its own."""
+    if variable == "bearing" and scene.layout:
+        return f"bearing.{item}", scene.layout.mounting.bearings[item].key
+    own = given(scene)["torque"] if variable == "torque" else None
+    return {
+        "point": ("driveline", f"points_{scene.length_unit}"),
+        "engaged": ("slip", "engaged_mm"),
+        "torque": ("load", own["key"] if own else ""),
+    }.get(variable, ("", ""))
+
+
+def _as_given(scene: Scene, section: str, key: str) -> str:
+    """A key as the file has it, in US units or not."""
+    return scene.given.get(section, {}).get(key, key)
 
 
 def _points(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
     name = f"points_{scene.length_unit}"
-    for point, row in enumerate(_items(known, f"driveline.{name}")):
+    for point, row in enumerate(_items(known, f"driveline.{_as_given(scene, 'driveline', name)}")):
         for number, span in enumerate(row.items):
             yield _piece(scene.text, span, [(span, ("point", point, number))])
     for axis in _set_by_states(scene, name):
@@ -136,14 +165,14 @@ def _phases(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
 
 def _others(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
     own = given(scene)
-    paths: dict[str, Changed] = {"slip.engaged_mm": ("engaged", 0, None)}
+    paths: dict[tuple[str, str], Changed] = {("slip", "engaged_mm"): ("engaged", 0, None)}
     for name in ("speed", "torque"):
         if own[name]:
-            paths[f"load.{own[name]['key']}"] = (name, 0, None)
+            paths["load", own[name]["key"]] = (name, 0, None)
     for number, bearing in enumerate(scene.layout.mounting.bearings if scene.layout else ()):
-        paths[f"bearing.{number}.{bearing.key}"] = ("bearing", number, None)
-    for path, of in paths.items():
-        if span := known.values.get(path):
+        paths[f"bearing.{number}", bearing.key] = ("bearing", number, None)
+    for (section, key), of in paths.items():
+        if span := known.values.get(f"{section}.{_as_given(scene, section, key)}"):
             yield _piece(scene.text, span, [(span, of)])
     if scene.sizes and (span := known.values.get("joints.size")):
         joints: list[Changed] = [("rating", joint, None) for joint in range(scene.line.n_joints)]

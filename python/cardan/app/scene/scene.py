@@ -11,7 +11,7 @@ from importlib import import_module
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 from cardan.app.files.tables import read_ahead
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.document import Document, read_text
-from cardan.app.scene.language.errors import SceneError
-from cardan.app.scene.language.rules import Text
+from cardan.app.scene.language.errors import Location, SceneError, as_file_has_it
+from cardan.app.scene.language.rules import OneOf, Text
 from cardan.app.scene.language.schema import describe, scene_schema
 from cardan.app.scene.language.section import Key, Made, Section, made_of
-from cardan.app.scene.language.units import LengthUnit
+from cardan.app.scene.language.units import ENDINGS, LengthUnit, System, si_key, split
 from cardan.app.scene.recording.recorded import BEND_COLUMNS, Angles, Recording
 from cardan.app.scene.recording.signals import Signal
 from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball_joint_case
@@ -61,14 +61,35 @@ if TYPE_CHECKING:
     from cardan.app.scene.study.optimisation import Optimisation
 
 
-TOP: Section[str] = Section(
+@dataclass(frozen=True)
+class Heading:
+    """What stands before all sections."""
+
+    title: str
+    units: System
+
+
+TOP: Section[Heading] = Section(
     "",
     "keys at the top level, before all sections",
-    {"title": Key(Text(), "heading of the table and the picture")},
-    lambda values, _: values.get("title", ""),
+    {
+        "title": Key(Text(), "heading of the table and the picture"),
+        "units": Key(
+            OneOf(get_args(System)),
+            "in which units answers are printed, drawn and written: si, or us for inches, pounds, "
+            "lb·ft and psi. JSON is in SI units, which its keys name",
+            default="si",
+        ),
+    },
+    lambda values, _: heading_of(values),
     always=True,
 )
 """The keys before all sections."""
+
+
+def heading_of(values: Mapping[str, Any]) -> Heading:
+    """Return what the keys before all sections say."""
+    return Heading(values.get("title", ""), values.get("units", TOP.keys["units"].default))
 
 
 class Reading:
@@ -123,6 +144,22 @@ class Reading:
         described = self[DRIVELINE]
         return SceneLayout(described.form, described.keys, self[LOAD].keys, self[BEARING].mounting)
 
+    def check_unit(self, path: str, where: Location) -> None:
+        """Refuse a path that changes a value in another unit than that in which it is given.
+
+        The path is one of [study], [states] or [optimise], such as ``"points_mm.2.y"``.
+        """
+        key, *places = path.split(".")
+        owners: list[tuple[Section[Any], str]] = [(own, own.name) for own in (DRIVELINE, LOAD)]
+        if key == BEARING.name and len(places) == 2:
+            key, owners = places[1], [(BEARING, f"{key}.{places[0]}")]
+        for section, name in owners:
+            given = self.document.given.get(name, {}).get(si_key(key), key)
+            if given != key:
+                unit = ENDINGS[split(key)[1]].name
+                problem = f"is in {unit}, but {section.heading} gives {given}"
+                raise where.error(f"{problem}; give both in the same unit")
+
     def _check_sections(self) -> None:
         """Refuse sections that are missing or do not go together."""
         given: Mapping[str, Mapping[str, Any]] = self.given
@@ -160,6 +197,7 @@ class Scene:
     Attributes:
         name: where it came from, for messages.
         title: heading, or "".
+        units: in which its answers are printed, drawn and written.
         line: the driveline; if its bends were recorded, a batch ``(samples,)``.
         load_case: its load, if any; what was recorded of it is ``(samples,)``.
         limits: what a check compares its motion with.
@@ -201,11 +239,13 @@ class Scene:
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
         decimal_commas: line and text of lists that may have decimal commas.
         text: what the file says.
+        given: by section, how the file names each key, in US units or not, by that in SI units.
     """
 
     name: str
     layout: SceneLayout | None
-    title: str = made_of(TOP)
+    title: str = made_of(TOP, "title")
+    units: System = made_of(TOP, "units")
     teeth: tuple[int, ...] = made_of(DRIVELINE, "teeth")
     points: FloatArray | None = made_of(DRIVELINE, "points")
     length_unit: LengthUnit = made_of(DRIVELINE, "length_unit")
@@ -246,6 +286,7 @@ class Scene:
     picture_file: str | None = made_of(OUTPUT, "picture")
     decimal_commas: tuple[tuple[int, str], ...] = ()
     text: str = field(default="", repr=False)
+    given: Mapping[str, Mapping[str, str]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -351,6 +392,7 @@ class Scene:
                 whole, attribute = reading[section], own.metadata["attribute"]
                 made[own.name] = getattr(whole, attribute, None) if attribute else whole
         made |= {"decimal_commas": document.decimal_commas(), "text": document.text}
+        made["given"] = document.given
         return cls(document.name, reading.layout, **made)
 
     @property
@@ -460,7 +502,8 @@ class Scene:
             elif self.study:
                 study = self.study.run(progress)
         except ValueError as error:
-            raise SceneError(error, self.name, "study") from None
+            given = as_file_has_it(error, "study", self.given)
+            raise SceneError(given, self.name, "study") from None
         return SceneResult(self, values, study)
 
     def evaluate(self) -> Result:
@@ -551,11 +594,13 @@ class BallJointScene:
     Attributes:
         name: where it came from, for messages.
         title: heading, or "".
+        units: in which its answers are printed, drawn and written.
         ball_joint: the case.
     """
 
     name: str
     title: str
+    units: System
     ball_joint: BallJointCase
 
     @classmethod
@@ -585,7 +630,8 @@ class BallJointScene:
                     raise ValueError(f"section {FORMAT[name].heading} needs a section [driveline]")
         with document.within(BALL_JOINT.name):
             case = ball_joint_case(given[BALL_JOINT.name])
-        return cls(document.name, given[TOP.name].get("title", ""), case)
+        heading = heading_of(given[TOP.name])
+        return cls(document.name, heading.title, heading.units, case)
 
     @property
     def picture_file(self) -> str | None:

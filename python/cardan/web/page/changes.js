@@ -6,7 +6,7 @@
  * @module changes
  */
 
-import { asGiven, exact, folded, lengths, signed, signedLength, tidy } from "./numbers.js";
+import { asGiven, exact, folded, givenText, lengths, signed, signedLength, tidy } from "./numbers.js";
 
 /**
  * What has been changed, by key: `"point.2.y": -24`. Points, bearings and the engaged length of the
@@ -223,14 +223,14 @@ export function listed(sent, changes) {
 }
 
 /** @param {Sent} sent @param {string} variable @param {number} item @param {number | null} axis @param {number} value */
-function wordsOf({ points, kinds, given }, variable, item, axis, value) {
+function wordsOf({ points, kinds, given, torques }, variable, item, axis, value) {
   const { unit } = lengths();
   if (variable === "point") return `${points[item]} ${AXES[axis ?? 0]} ${signedLength(value)} ${unit}`;
   if (variable === "phase") return `phase of shaft ${item} ${signed(value)}°`;
   if (variable === "bearing") return `bearing ${item} ${signedLength(value)} ${unit}`;
   if (variable === "engaged") return `${kinds.spline_engaged.label} ${signedLength(value)} ${unit}`;
-  if (variable === "rating") return `joint ${item} ${asGiven(value)} N m`;
-  return `${variable} ${asGiven(value)} ${(variable === "torque" ? given.torque : given.speed)?.unit}`;
+  if (variable === "rating") return `joint ${item} ${givenText(value, torques)}`;
+  return `${variable} ${givenText(value, (variable === "torque" ? given.torque : given.speed) ?? torques)}`;
 }
 
 /**
@@ -294,13 +294,13 @@ export function textOf(sent, changes) {
     }));
     if (!numbers.some(({ key }) => key in changes)) continue;
     let [own, end] = ["", 0];
-    for (const { key, variable, per, start, end: next } of numbers) {
+    for (const { key, variable, per, size, start, end: next } of numbers) {
       const given = piece.text.slice(start, next);
       left.delete(key);
       own += piece.text.slice(end, start);
       if (!(key in changes)) own += given;
       else if (variable === "rating") own += sizes[asGiven(changes[key])];
-      else own += exact((per ? Number(given.replace(/_/g, "")) : 0) + (per || 1) * changes[key]);
+      else own += exact((per ? Number(given.replace(/_/g, "")) : 0) + ((per || 1) * changes[key]) / size);
       end = next;
     }
     found += text.slice(at, piece.start) + own + piece.text.slice(end);

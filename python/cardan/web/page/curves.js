@@ -6,7 +6,7 @@
  */
 
 import { Chart } from "./charts.js";
-import { minus, numberText } from "./numbers.js";
+import { formOf, minus, numberText, units } from "./numbers.js";
 import { briefly, made } from "./elements.js";
 import { copy } from "./sharing.js";
 
@@ -32,6 +32,7 @@ const ROOM = 0.1;
  * @property {string} heading
  * @property {string} unit
  * @property {import("./numbers.js").Digits} digits
+ * @property {import("./numbers.js").Form | null} us the US unit in its place
  * @property {string} [bounded] the kind of figure whose limit is drawn
  * @property {{number: number, name: string, shaft: number, paths: string[]}[]} items
  */
@@ -43,6 +44,9 @@ export class Curves {
   /** Curves of the scene as sent, by state. */
   #drawn = /** @type {Map<number, number[][][]>} */ (new Map());
   #now = /** @type {number[][][]} */ ([]);
+  /** The units of the charts, and what makes these anew. */
+  #units = units();
+  #begin = () => {};
 
   /**
    * @param {HTMLElement} element
@@ -58,7 +62,16 @@ export class Curves {
     const button = made("button", "", head, "Copy as CSV");
     button.setAttribute("type", "button");
     const grid = made("div", "three", element);
-    this.charts = this.sent.map(({ heading, unit }) => new Chart(grid, { heading, unit, over: OVER }, turned));
+    this.charts = /** @type {Chart[]} */ ([]);
+    this.#begin = () => {
+      grid.replaceChildren();
+      this.#units = units();
+      this.charts = this.sent.map((own) => {
+        const { unit } = formOf(own);
+        return new Chart(grid, { heading: own.heading, unit, over: OVER }, turned);
+      });
+    };
+    this.#begin();
     const said = made("span", "", head);
     said.setAttribute("role", "status");
     button.addEventListener("click", async () => {
@@ -123,6 +136,7 @@ export class Curves {
     const { model, sent } = this;
     const { state } = model;
     if (!isWhole && !this.#isSeen) return;
+    if (this.#units !== units()) this.#begin();
     const machine = model.machine.only(state);
     this.#now = this.#evaluated(machine);
     if (!this.#drawn.has(state)) this.#drawn.set(state, this.#evaluated(model.drawnMachine.only(state)).map((each) => each.map(whole)));
@@ -146,12 +160,14 @@ export class Curves {
   #draw(chart, sent, { found, former, sizes, least }, isWhole) {
     const { model } = this;
     const isMotion = sent.output === "acceleration_ratio";
+    const { size, digits } = formOf(sent);
+    const shown = (/** @type {number[]} */ values) => (size === 1 ? values : values.map((value) => value / size));
     const scale = Math.max(...sizes, least);
     const isSteady = (/** @type {number[]} */ values) =>
       spread(values) <= Math.max(STEADY * largest(values), ROUNDING * scale);
     const curves = sent.items.map(({ name, number, shaft, paths }, i) => {
-      const values = isSteady(found[i]) ? null : whole(found[i]);
-      const text = numberText(sizes[i], sent.digits);
+      const values = isSteady(found[i]) ? null : whole(shown(found[i]));
+      const text = numberText(sizes[i] / size, digits);
       const path = isWhole ? paths[model.state] : "derived:";
       const figure = { text: isMotion && values ? `±${text}` : text, path, value: sizes[i] };
       const alike = sent.items.slice(0, i).filter((other) => other.shaft % 4 === shaft % 4).length;
@@ -159,11 +175,11 @@ export class Curves {
       return { label: values ? name : `${name}, even`, kind, mark: String(number), values, figure };
     });
     const limit = model.figure(sent.bounded ?? "", null)?.limit ?? NaN;
-    const ghosts = former.map((values) => (isSteady(values) ? [] : values));
-    const mean = found[0].reduce((sum, x) => sum + x, 0) / found[0].length;
+    const ghosts = former.map((values) => (isSteady(values) ? [] : shown(values)));
+    const mean = found[0].reduce((sum, x) => sum + x, 0) / found[0].length / size;
     const holds = sent.output === "torque" ? [mean * (1 - ROOM), mean * (1 + ROOM)] : [0];
     const bounds = Number.isNaN(limit) ? [] : [-limit, limit];
-    chart.draw({ x: TURN, curves, ghosts, bounds, holds, scale }, !isWhole);
+    chart.draw({ x: TURN, curves, ghosts, bounds, holds, scale: scale / size }, !isWhole);
   }
 
   /**
@@ -177,10 +193,12 @@ export class Curves {
   /** The curves shown as text, a row for every drive angle. */
   csv() {
     const state = this.model.sent.states[this.model.state];
-    const heads = this.sent.flatMap(({ heading, unit, items }) =>
-      items.map(({ name }) => `${heading.toLowerCase()} of ${name}${unit && ` [${unit}]`}${state && ` (${state})`}`),
-    );
-    const curves = this.#now.flat().map(whole);
+    const forms = this.sent.map(formOf);
+    const heads = this.sent.flatMap(({ heading, items }, k) => {
+      const { unit } = forms[k];
+      return items.map(({ name }) => `${heading.toLowerCase()} of ${name}${unit && ` [${unit}]`}${state && ` (${state})`}`);
+    });
+    const curves = this.#now.flatMap((own, k) => own.map((values) => whole(values.map((value) => value / forms[k].size))));
     const rows = TURN.map((angle, i) => [angle, ...curves.map((curve) => curve[i])].join());
     return `${[OVER, ...heads].join()}\n${rows.join("\n")}\n`;
   }

@@ -5,7 +5,7 @@
  * @module fields
  */
 
-import { exact, grouped, lengths, numberText } from "./numbers.js";
+import { exact, formOf, grouped, lengths, numberText } from "./numbers.js";
 import { made } from "./elements.js";
 
 const SCRUB = 4; // px from which a press is a drag
@@ -17,6 +17,7 @@ const PER_STEP = 3; // px of a drag for one step
  * @property {string} label
  * @property {string} unit of `get` and `set`; of lengths mm, whatever is shown
  * @property {import("./numbers.js").Digits} digits
+ * @property {import("./numbers.js").Form | null} [us] the US unit in its place
  * @property {number} step by an arrow key; ten with Shift, a tenth with Alt
  * @property {number} most its magnitude, beyond which it is refused
  * @property {() => number} get
@@ -76,8 +77,9 @@ export class Field {
 
   /** How it is shown: its unit, how much of its own unit that is, digits and step. */
   get #form() {
-    const { unit, digits, step } = this.shown;
-    const { mm: size, ...form } = unit === "mm" ? lengths() : { unit, digits, step, mm: 1 };
+    const { unit, step } = this.shown;
+    if (unit !== "mm") return { step, ...formOf(this.shown) };
+    const { mm: size, ...form } = lengths();
     return { size, ...form };
   }
 

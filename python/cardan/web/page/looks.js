@@ -5,13 +5,15 @@
  * @module looks
  */
 
-import { asGiven, lengths, showLengthsIn } from "./numbers.js";
+import { asGiven, lengths, showIn } from "./numbers.js";
 
 const THEMES = [
   { name: "auto", scheme: "", media: "" },
   { name: "light", scheme: "light", media: "not all" },
   { name: "dark", scheme: "dark", media: "screen" },
 ];
+/** @type {import("./numbers.js").System[]} */
+const SYSTEMS = ["si", "us"];
 const STRETCH = 4;
 const PAPER = 680; // px, the width of a page without its margins
 
@@ -47,21 +49,26 @@ export function stretched(drawing, ask) {
 }
 
 /**
- * Let lengths be shown in mm or inches, where there are any.
+ * Let everything be shown in SI or US units, where they differ; at first it is in those of the scene.
  * @param {import("./model.js").Model} model
  * @param {() => void} settle
  */
 export function measured(model, settle) {
-  const { figures, given, kinds } = model.sent;
-  const areThere = given.points || given.bearings.length || figures.some(({ kind }) => kinds[kind].unit === "mm");
-  element("lengths").hidden = !areThere;
-  choice(["mm", "in"], (place) => {
-    showLengthsIn(place ? "in" : "mm");
+  const { curves, figures, given, kinds, units } = model.sent;
+  const shown = [given.torque, ...curves, ...figures.map(({ kind }) => kinds[kind])];
+  element("units").hidden = !(given.points || given.bearings.length || shown.some((each) => each?.us));
+  const steps = () => {
     const { step, unit } = lengths();
     const [one, ten, tenth] = [1, 10, 0.1].map((times) => `${asGiven(times * step)} ${unit}`);
     element("steps").textContent = `${one}, with Shift ${ten}, with Alt ${tenth}`;
+  };
+  choice(SYSTEMS, (place) => {
+    showIn(SYSTEMS[place]);
+    steps();
     settle();
   });
+  for (const each of SYSTEMS) element(each).setAttribute("aria-pressed", String(each === units));
+  steps();
 }
 
 /** Let the page be light or dark whatever the system is. */

@@ -7,16 +7,18 @@
 
 import { CardanError } from "../cardan.js";
 import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf, turnsOf } from "./changes.js";
-import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantityText, settled, tidy } from "./numbers.js";
+import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantityText, settled, tidy, units } from "./numbers.js";
 
 /** @typedef {import("./numbers.js").Digits} Digits */
 /** @typedef {import("./changes.js").Changes} Changes */
 
 /**
- * What the page calls a kind of figure, its unit, how many of that are one inside, and its digits.
- * @typedef {{label: string, unit: string, factor: number, digits: Digits, meaning: string,
+ * What the page calls a kind of figure, its units, how many of that of the SI are one inside.
+ * @typedef {import("./numbers.js").Measured & {label: string, factor: number, meaning: string,
  *   source: string, path: string, ending: string}} SentKind
  */
+
+/** @typedef {Record<import("./numbers.js").System, string>} InUnits a text in the units shown */
 
 /**
  * What Python sends: the machine, names, and what is said of its figures.
@@ -29,10 +31,12 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  * @property {string[]} points what each point is called
  * @property {{name: string, right: number[], down: number[]}[]} views
  * @property {Record<string, SentKind>} kinds
- * @property {{kind: string, item: number | null, name: string, bound: string, limit: string,
+ * @property {{kind: string, item: number | null, name: string, bound: InUnits, limit: InUnits,
  *   source: string, over: string}[]} figures
  *   those that have a limit
- * @property {{name: string, verdict: string, words: string}[]} others that are not computed here
+ * @property {{name: string, verdict: string, words: InUnits}[]} others that are not computed here
+ * @property {import("./numbers.js").System} units of the scene
+ * @property {import("./numbers.js").Measured} torques
  * @property {string[]} verdicts from the worst
  * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
@@ -46,7 +50,7 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
  */
 
 /**
- * What the scene gives, in the units of its file, as `cardan.app.scene.changes.given`.
+ * What the scene gives, in SI units, as `cardan.app.scene.changes.given`.
  * @typedef {object} Given
  * @property {boolean} points whether the scene gives points
  * @property {{value: number, factor: number, per: number}[]} bearings
@@ -59,11 +63,14 @@ import { ROUNDING, exact, folded, inLengths, lengthText, lengths, minus, quantit
 
 /** @typedef {{about: number[], matrix: number[][]}} Turn */
 
-/** @typedef {{value: number, key: string, unit: string, factor: number, columns: string[]}} GivenLoad */
+/**
+ * @typedef {{value: number, key: string, unit: string, us: import("./numbers.js").Form | null, factor: number,
+ *   columns: string[]}} GivenLoad
+ */
 
 /**
  * @typedef {{start: number, end: number, text: string, numbers: {start: number, end: number,
- *   variable: string, item: number, axis: number | null}[]}} Piece
+ *   variable: string, item: number, axis: number | null, size: number}[]}} Piece
  */
 
 /**
@@ -452,7 +459,7 @@ export class Model {
       return `bearing ${bearing} would lie ${at} ${unit} along shaft ${shaft}, which is ${end} ${unit} long${within(state)}`;
     }
     if (argument === "rating") {
-      return `${this.#named(`rating.${place[0]}`)} would be ${minus(String(value))} N m; ${rule}`;
+      return `${this.#named(`rating.${place[0]}`)} would be ${minus(givenText(Number(value), this.sent.torques))}; ${rule}`;
     }
     return null;
   }
@@ -608,13 +615,13 @@ export class Model {
       key: `${of.kind} ${item}`,
       name: of.name,
       text: text(value),
-      bound: inLengths(of.bound),
+      bound: of.bound[units()],
       verdict: this.#worst(found.ranks),
       place: of.over || found.worst === null || isEven ? of.over : placeText(names[found.worst]),
       value,
       use: used(value, limit, found.kind.most),
       path: `check:${kind.path.replace("{}", item)}.value${kind.ending}`,
-      source: `Limit ${of.limit}: ${of.source}`,
+      source: `Limit ${of.limit[units()]}: ${of.source}`,
       kind,
       each: Array.from(isEven ? [] : found.values, (each, i) => ({
         name: names[i],

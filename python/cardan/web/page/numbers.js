@@ -35,34 +35,59 @@ export const folded = (angle, period) => angle - period * Math.round(angle / per
 export const signed = (number) => `${number < 0 ? MINUS : "+"}${Math.abs(number).toFixed(1)}`;
 
 /**
+ * A unit in which something is shown: how many of its own unit that is, and with how many digits.
+ * @typedef {{unit: string, size: number, digits: Digits}} Form
+ */
+
+/**
+ * What has a unit of the SI, with its digits, and the US unit in its place if there is one.
+ * @typedef {{unit: string, digits: Digits, us?: Form | null}} Measured
+ */
+
+/** @typedef {"si" | "us"} System */
+
+/** @type {System} */
+let system = "si";
+
+/** The units in which everything is shown. */
+export const units = () => system;
+
+/**
+ * Show everything in other units from now on.
+ * @param {System} now
+ */
+export function showIn(now) {
+  system = now;
+}
+
+/**
+ * The unit in which something is shown.
+ * @param {Measured} of
+ * @returns {Form}
+ */
+export const formOf = ({ unit, digits, us }) => (system === "us" && us ? us : { unit, digits, size: 1 });
+
+/**
  * A unit of lengths: how many mm it is, with how many digits lengths are shown, and the step of a key.
  * @typedef {{unit: string, mm: number, digits: Digits, step: number}} Lengths
  */
 
-/** @type {Record<string, Lengths>} */
+/** @type {Record<System, Lengths>} */
 const LENGTHS = {
-  mm: { unit: "mm", mm: 1, digits: { decimals: 1, digits: null, apart: null, finest: 1e-6 }, step: 1 },
-  in: { unit: "in", mm: 25.4, digits: { decimals: 3, digits: null, apart: null, finest: 1e-7 }, step: 0.01 },
+  si: { unit: "mm", mm: 1, digits: { decimals: 1, digits: null, apart: null, finest: 1e-6 }, step: 1 },
+  us: { unit: "in", mm: 25.4, digits: { decimals: 3, digits: null, apart: null, finest: 4e-8 }, step: 0.01 },
 };
-let shown = LENGTHS.mm;
 
 /** The unit in which lengths are shown. */
-export const lengths = () => shown;
-
-/**
- * Show lengths in another unit from now on.
- * @param {"mm" | "in"} unit
- */
-export function showLengthsIn(unit) {
-  shown = LENGTHS[unit];
-}
+export const lengths = () => LENGTHS[system];
 
 /**
  * A length without its unit.
  * @param {number} millimetres
  */
 export const lengthText = (millimetres) => {
-  const text = Math.abs(millimetres / shown.mm).toFixed(shown.digits.decimals ?? 0);
+  const { mm, digits } = lengths();
+  const text = Math.abs(millimetres / mm).toFixed(digits.decimals ?? 0);
   return (millimetres < 0 && Number(text) ? MINUS : "") + text;
 };
 
@@ -73,13 +98,15 @@ export const lengthText = (millimetres) => {
 export const signedLength = (millimetres) => (millimetres < 0 ? MINUS : "+") + lengthText(Math.abs(millimetres));
 
 /**
- * A text with its lengths in the unit that is shown.
- * @param {string} text
+ * The size of a change of a length with its unit, rounded up so that it does what it promises.
+ * @param {number} millimetres
  */
-export const inLengths = (text) =>
-  shown === LENGTHS.mm
-    ? text
-    : text.replace(/([-\u2212]?)(\d[\d.]*) mm(?![\w²³])/g, (_, sign, digits) => `${sign}${lengthText(Number(digits))} ${shown.unit}`);
+export const lengthUp = (millimetres) => {
+  const { mm, digits, unit } = lengths();
+  const steps = 10 ** (digits.decimals ?? 0);
+  const size = Math.ceil(Math.abs(millimetres / mm) * steps * (1 - 1e-12)) / steps;
+  return `${size.toFixed(digits.decimals ?? 0)} ${unit}`;
+};
 
 /**
  * A length in mm without what a change of units or a subtraction adds.
@@ -116,15 +143,14 @@ export function settled(number, rule, apartFrom) {
 }
 
 /**
- * A figure with its unit, a length in the one that is shown.
+ * A figure with the unit in which it is shown.
  * @param {number} value in the unit of the kind
- * @param {{unit: string, digits: Digits}} kind
+ * @param {Measured} kind
  * @param {number[]} apartFrom what it is told apart from
  */
 export function quantityText(value, kind, apartFrom = []) {
-  const { unit, digits, mm } = kind.unit === "mm" ? shown : { ...kind, mm: 1 };
-  const rule = mm === 1 ? kind.digits : digits;
-  const text = numberText(value / mm, rule, apartFrom.map((other) => other / mm));
+  const { unit, size, digits } = formOf(kind);
+  const text = numberText(value / size, digits, apartFrom.map((other) => other / size));
   return ["", "°", "%"].includes(unit) ? text + unit : `${text} ${unit}`;
 }
 
@@ -171,3 +197,12 @@ export const grouped = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\
  * @param {number} number
  */
 export const asGiven = (number) => String(Number(number.toPrecision(10)));
+
+/**
+ * What someone gave, with the unit in which it is shown.
+ * @param {number} value
+ * @param {{unit: string, us?: Form | null}} of
+ */
+export function givenText(value, { unit, us }) {
+  return system === "us" && us ? `${Number((value / us.size).toPrecision(6))} ${us.unit}` : `${asGiven(value)} ${unit}`;
+}

@@ -16,7 +16,7 @@ import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
 import { coloured, measured, printed, stretched } from "./looks.js";
 import { Model } from "./model.js";
-import { lengths, minus, signedLength } from "./numbers.js";
+import { lengths, minus, showIn, signedLength } from "./numbers.js";
 import { Panel, newMark } from "./panel.js";
 import { Ribbon } from "./ribbon.js";
 import { copy, note, noted, save } from "./sharing.js";
@@ -39,6 +39,7 @@ const element = (name) => /** @type {HTMLElement} */ (document.getElementById(`l
  * @param {import("./model.js").Sent} sent
  */
 function show(cardan, sent) {
+  showIn(sent.units);
   const model = new Model(cardan, sent);
   for (const name of ["page", "panel", "dials", "curves", "trust"]) element(name).hidden = false;
   document.body.classList.add("is-live");
@@ -313,6 +314,7 @@ function loadsOf(model, told) {
     return new Field(line, {
       label: name,
       unit: name === "torque" ? `${own.unit} ${end}` : own.unit,
+      us: own.us && { ...own.us, unit: `${own.us.unit} ${end}`, digits: GIVEN },
       digits: GIVEN,
       step,
       most: mostOf(model.sent, name, own.value),

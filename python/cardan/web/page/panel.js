@@ -6,7 +6,7 @@
  */
 
 import { drawn, made, put, say } from "./elements.js";
-import { inLengths, minus, useText } from "./numbers.js";
+import { givenText, lengthUp, minus, units, useText } from "./numbers.js";
 
 const MARKS = /** @type {Record<string, string[]>} */ ({
   within: ["M7 0a7 7 0 1 1 0 14A7 7 0 0 1 7 0z", "m4 7.2 2.2 2.2L10.2 5"],
@@ -65,19 +65,19 @@ const lowered = (name) => name.replace(/^\p{Lu}(?=\p{Ll})/u, (letter) => letter.
 /**
  * A change that would help, in words.
  * @param {import("./model.js").Suggestion} suggestion
- * @param {string[]} points what they are called
+ * @param {import("./model.js").Sent} sent
  */
-function wordsOf({ variable, item, axis, by }, points) {
-  const size = minus(`${Math.abs(by).toFixed(1)}`);
+function wordsOf({ variable, item, axis, by }, { points, torques }) {
+  const size = lengthUp(by);
   if (variable === "point") {
-    return `Move ${points[item]} by ${size} mm along ${by > 0 ? "+" : "\u2212"}${"xyz"[axis ?? 0]}`;
+    return `Move ${points[item]} by ${size} along ${by > 0 ? "+" : "\u2212"}${"xyz"[axis ?? 0]}`;
   }
   if (variable === "phase") {
-    return `Turn the output-side yoke of shaft ${item} by ${size}° ${by > 0 ? "" : "counter-"}clockwise`;
+    return `Turn the output-side yoke of shaft ${item} by ${Math.abs(by).toFixed(1)}° ${by > 0 ? "" : "counter-"}clockwise`;
   }
-  if (variable === "bearing") return `Move bearing ${item} by ${size} mm ${by > 0 ? "down" : "up"}stream`;
-  if (variable === "engaged") return `Let the spline engage ${size} mm ${by > 0 ? "more" : "less"} as drawn`;
-  return `Choose a rating of ${by} N m for joint ${item}`;
+  if (variable === "bearing") return `Move bearing ${item} by ${size} ${by > 0 ? "down" : "up"}stream`;
+  if (variable === "engaged") return `Let the spline engage ${size} ${by > 0 ? "more" : "less"} as drawn`;
+  return `Choose a rating of ${givenText(by, torques)} for joint ${item}`;
 }
 
 /**
@@ -136,13 +136,14 @@ export class Panel {
     made("h3", "", this.help, "What would help");
     this.ways = made("div", "ways", this.help);
     this.sent = made("div", "sent", body);
+    this.others = /** @type {{span: Element, name: string, words: import("./model.js").InUnits}[]} */ ([]);
     made("h3", "", this.sent, "As sent, not computed here");
     this.stale = made("p", "", this.sent);
     const others = made("ul", "", this.sent);
     for (const { name, verdict, words } of model.sent.others) {
       const item = made("li", "", others);
       newMark(item)(verdict);
-      made("span", "", item, `${name}: ${words}`);
+      this.others.push({ span: made("span", "", item), name, words });
     }
     this.sent.hidden = model.sent.others.length === 0;
     opens(element, this.head, body);
@@ -170,9 +171,10 @@ export class Panel {
     const bound = made("span", "", figure);
     const place = made("span", "place", line);
     const more = made("div", "more", details);
-    for (const words of [first.kind.meaning, first.kind.source, first.source]) {
+    for (const words of [first.kind.meaning, first.kind.source]) {
       if (words) made("p", "", more, words);
     }
+    const source = made("p", "", more);
     const each = made("ul", "", more);
     value.dataset.path = first.path;
     let now = first;
@@ -189,6 +191,7 @@ export class Panel {
       if (item.className !== classOf(row.verdict)) item.className = classOf(row.verdict);
       say(value, row.text);
       say(bound, ` ${row.bound}`);
+      say(source, row.source);
       value.dataset.value = String(row.value);
       say(place, row.place);
       say(use, row.use === null ? row.verdict : useText(row.use));
@@ -231,7 +234,7 @@ export class Panel {
     for (const suggestion of found.slice(0, OFFERED)) {
       const button = made("button", "", this.ways);
       button.setAttribute("type", "button");
-      made("span", "", button, inLengths(wordsOf(suggestion, this.model.sent.points)));
+      made("span", "", button, wordsOf(suggestion, this.model.sent));
       const { verdict, left } = suggestion;
       const then = verdict === "within" ? `all within${isPart ? " here" : ""}` : `${left} ${verdict}`;
       made("span", `then ${classOf(verdict)}`, button, then);
@@ -285,6 +288,7 @@ export class Panel {
       : "Something has moved.";
     say(this.why, model.isDrawn ? said : `${said}. ${moved}`);
     const which = model.isDrawn ? "which is the one shown." : "not to the moved one.";
+    for (const { span, name, words } of this.others) say(span, `${name}: ${words[units()]}`);
     say(this.stale, `These belong to the scene as sent, ${which}`);
     this.sent.classList.toggle("stale", !model.isDrawn);
     return `${head}: ${said}`;

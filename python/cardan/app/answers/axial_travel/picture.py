@@ -10,6 +10,7 @@ import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import AxialTravel, drawn_slides
 from cardan.app.answers.charts import Curve, Panel, chart
+from cardan.app.answers.printed import with_unit
 from cardan.app.pictures.style import check_kind, drawing, finish, legend_above, line_style, stacked
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -75,9 +76,10 @@ def plot_slide_orders(slides: Slides, of: SlideName = "shaft", *, ax: Axes | Non
 def _whole(answer: Answer) -> Figure:
     """Axial travel of shafts whose axes miss each other."""
     slides = drawn_slides(answer.scene)
+    travel, amplitude = with_unit("axial travel", "mm"), with_unit("amplitude", "mm")
     panels = (
-        (47.5, lambda axes: plot_slides(slides, ax=axes).set_ylabel("axial travel [mm]")),
-        (47.5, lambda axes: plot_slide_orders(slides, ax=axes).set_ylabel("amplitude [mm]")),
+        (47.5, lambda axes: plot_slides(slides, ax=axes).set_ylabel(travel)),
+        (47.5, lambda axes: plot_slide_orders(slides, ax=axes).set_ylabel(amplitude)),
     )
     return stacked(panels, answer.of.title)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.backlash.figures import TURN, Backlash, drawn_backlash
-from cardan.app.answers.printed import angle_text, given, quantity
+from cardan.app.answers.printed import angle_text, given, quantity, with_unit
 from cardan.app.pictures.style import (
     THIN,
     check_kind,
@@ -18,6 +18,7 @@ from cardan.app.pictures.style import (
     stacked,
     value_ticks,
 )
+from cardan.app.scene.language.units import as_shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,6 +50,7 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
         axes.axvline(0.0, **THIN)
         for place, sample in enumerate((most, least) if apart else (most,)):
             angle, torque = found.loop(sample)
+            torque = as_shown(torque, "N m")[0]
             axes.plot(
                 np.degrees(angle),
                 torque,
@@ -57,7 +59,7 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
                 **line_style(place),
             )
         held = "angle of the last shaft, drive held [deg]"
-        finish(axes, held, f"torque at the {found.end} [N m]", ncols=2)
+        finish(axes, held, with_unit(f"torque at the {found.end}", "Nm"), ncols=2)
         value_ticks(axes.xaxis)
     return axes
 

@@ -12,6 +12,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import quantity, use_text
 from cardan.app.answers.rows import Judged, figure, word
+from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.sections.ball_joint import BallJointCase, Material
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
@@ -210,7 +211,7 @@ def _verdict(found: BallJointFigures) -> str:
     if found.radius_from == "allowable pressure":
         return (
             f"This is the smallest ball; the {_named(found, weaker)} is at its allowable pressure. "
-            "Round the radius up and enter it as radius_mm."
+            f"Round the radius up and enter it as radius_{shown_unit('mm')}."
         )
     judged = found.ball_pressure if weaker == "ball" else found.seat_pressure
     assert judged.limit is not None

@@ -13,8 +13,10 @@ from cardan.app.answers.ball_joint.figures import (
     pressure_curve,
 )
 from cardan.app.answers.charts import Curve, Panel, chart
-from cardan.app.answers.printed import given, quantity
+from cardan.app.answers.printed import given, quantity, with_unit
+from cardan.app.answers.rows import UNITS
 from cardan.app.pictures.style import THIN, arrow, check_kind, drawing, finish, line_style, page
+from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
@@ -70,7 +72,7 @@ def _ring(theta: FloatArray, height: FloatArray) -> FloatArray:
 
 
 def _curves(case: BallJointCase, found: BallJointFigures) -> tuple[FloatArray, dict[str, Any]]:
-    """Angles from the load in degrees, and the pressures in MPa that are compared there.
+    """Angles from the load in degrees, and the pressures that are compared there.
 
     Without clearance the pressure is Marcus's cosine.
     """
@@ -81,7 +83,8 @@ def _curves(case: BallJointCase, found: BallJointFigures) -> tuple[FloatArray, d
         curves["without clearance"] = np.asarray(fit.pressure(theta, case.load))
     if found.weaker is not None and case.allowable_pressure is not None:
         curves[f"allowable for the {found.weaker}"] = np.full_like(theta, case.allowable_pressure)
-    return np.degrees(theta), {label: 1e-6 * values for label, values in curves.items()}
+    factor = UNITS[shown_unit("MPa")].factor
+    return np.degrees(theta), {label: factor * values for label, values in curves.items()}
 
 
 def drawn(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
@@ -89,7 +92,8 @@ def drawn(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
     case = answer.of.ball_joint
     assert case
     degrees, curves = _curves(case, found)
-    panel = Panel("Pressure on the seat", "MPa", tuple(Curve(*each) for each in curves.items()))
+    unit = UNITS[shown_unit("MPa")].symbol
+    panel = Panel("Pressure on the seat", unit, tuple(Curve(*each) for each in curves.items()))
     shapes = _outlines(case, found)
     peak = quantity(found.peak, "MPa")
     return {
@@ -185,5 +189,5 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
             axes.plot(degrees, values, label=label, **line_style(style))
         top = 1.05 * max(float(np.max(values)) for values in curves.values())
         ends = (degrees[0], degrees[-1]), (0.0, top)
-        finish(axes, _ANGLE, "pressure [MPa]", *ends, ncols=2)
+        finish(axes, _ANGLE, with_unit("pressure", "MPa"), *ends, ncols=2)
     return axes

@@ -12,8 +12,9 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import FORCES, ForceSource, force_source, unknown
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rounding import first_peak
+from cardan.app.answers.rows import UNITS
 from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.figures import noise
 from cardan.app.pictures.style import (
@@ -28,6 +29,7 @@ from cardan.app.pictures.style import (
     value_ticks,
     write_angle,
 )
+from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -255,34 +257,38 @@ PICTURES = {"forces": _whole}
 
 def draw_path(axes: Axes, path: ForcePath) -> None:
     """Draw one path, with the vector of the largest force from 0."""
-    x, y = path.across, path.upwards
+    factor = UNITS[shown_unit("N")].factor
+    x, y = factor * path.across, factor * path.upwards
     style = LINES[0]
     axes.axhline(0.0, zorder=1.0, **THIN)
     axes.axvline(0.0, zorder=1.0, **THIN)
     axes.plot(x, y, **style)
-    size = path.size
+    size = factor * path.size
     if size > 0.0:
         head = "-|>,head_width=0.18,head_length=0.4"
         arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
     span = max(float(np.ptp(x)), float(np.ptp(y)))
     if span > _SMALL * size:
         axes.plot(x[_MARKS], y[_MARKS], "o", color=style["color"])
-        _name_angles(axes, path)
+        _name_angles(axes, path, np.stack([x, y], axis=-1))
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
     axes.margins(0.32)
-    finish(axes, "force to the right [N]", f"force upwards, towards {path.up} [N]")
+    across, upwards = (
+        with_unit(label, "N")
+        for label in ("force to the right", f"force upwards, towards {path.up}")
+    )
+    finish(axes, across, upwards)
     value_ticks(axes.xaxis, 4)
     value_ticks(axes.yaxis, 4)
-    heading = f"{path.per.capitalize()} {path.item}, up to {quantity(size, 'N')}"
+    heading = f"{path.per.capitalize()} {path.item}, up to {quantity(path.size, 'N')}"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
     text = f"{heading}\n{state}seen along shaft {path.shaft}"
     axes.set_title(text, loc="left", parse_math=False)
 
 
-def _name_angles(axes: Axes, path: ForcePath) -> None:
+def _name_angles(axes: Axes, path: ForcePath, points: FloatArray) -> None:
     """Write drive angles outside the path, beside their marks."""
-    points = np.stack([path.across, path.upwards], axis=-1)
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2.0
     for mark in _MARKS:
         outwards = points[mark] - middle

@@ -12,7 +12,7 @@ import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.charts import Curve, Panel, bars, chart
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
-from cardan.app.answers.printed import curves_text, given, quantity
+from cardan.app.answers.printed import curves_text, given, quantity, with_unit
 from cardan.app.answers.rounding import is_steady, signed
 from cardan.app.pictures.style import (
     LINES,
@@ -26,7 +26,7 @@ from cardan.app.pictures.style import (
     stacked,
     value_ticks,
 )
-from cardan.app.scene.language.units import RPM
+from cardan.app.scene.language.units import RPM, as_shown
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
@@ -81,8 +81,9 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     check_kind("load", load, Load)
     turn = np.asarray(panel.TURN)
     with drawing(ax) as axes:
-        panel.draw(axes, np.degrees(turn), _moments(line, load, turn))
-        finish(axes, "drive angle [deg]", "moment of the pins [N m]")
+        moments = [(name, as_shown(each, "N m")[0]) for name, each in _moments(line, load, turn)]
+        panel.draw(axes, np.degrees(turn), moments)
+        finish(axes, "drive angle [deg]", with_unit("moment of the pins", "Nm"))
     return axes
 
 

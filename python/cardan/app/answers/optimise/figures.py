@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.rows import UNITS, NotFound, figure, flag, item, key_of, parts, word
 from cardan.app.scene.language.errors import SceneError
+from cardan.app.scene.language.units import shown_unit, size_of
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.optimisation import Optimisation
 from cardan.arrays import FloatArray
@@ -98,7 +99,7 @@ class Optimised:
 
     def goal(self, value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
         """Return values of the quantity that is minimised, in the unit in which it is shown."""
-        return UNITS[self.minimised.unit].factor * value
+        return UNITS[shown_unit(self.minimised.unit)].factor * value
 
     def over(self, number: int) -> OverVariable:
         """Return the quantity over the states at changes of one variable, with the others at best.
@@ -203,9 +204,9 @@ def _variables(asked: Optimisation, best: Optimum) -> Iterator[Changed]:
 
 
 def _kept(asked: Optimisation, best: Optimum) -> Iterator[Kept]:
-    for (name, after), limit in zip(best.kept.items(), asked.keep.values(), strict=True):
+    for (name, after), (key, limit) in zip(best.kept.items(), asked.keep.items(), strict=True):
         unit = key_of(asked.measure("keep", name).unit)
-        bound = limit / UNITS[unit].factor
+        bound = size_of(key) * limit / UNITS[unit].factor
         states = _states(asked, unit, best.kept_before[name], after, bound)
-        is_reached = bool(np.max(after) >= (1.0 - _REACHED) * limit)
+        is_reached = bool(np.max(after) >= (1.0 - _REACHED) * bound)
         yield Kept(name, unit, bound, is_reached, states)

@@ -24,6 +24,7 @@ from cardan.app.pictures.style import (
     page,
     value_ticks,
 )
+from cardan.app.scene.language.units import shown_unit
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.quantities import label
 
@@ -66,7 +67,7 @@ def _chart(found: Optimised, number: int) -> dict[str, Any]:
     ]
     if np.any(np.isfinite(over.beyond)):
         curves.append(Curve("beyond a limit", over.beyond[known]))
-    panel = Panel(found.goal_words, symbol_of(found.minimised.unit), tuple(curves), 1.0)
+    panel = Panel(found.goal_words, symbol_of(shown_unit(found.minimised.unit)), tuple(curves), 1.0)
     return chart(panel, over.x[known], _name(found, number))
 
 

@@ -48,7 +48,18 @@ class Remark:
 def find(answer: Answer) -> tuple[Remark, ...]:
     """Return the remarks on a scene."""
     scene = answer.scene
-    found = (_commas, _lengths, _angles, _recorded, _tubes, _small, _speeds, _states, _torques)
+    found = (
+        _commas,
+        _lengths,
+        _angles,
+        _recorded,
+        _tubes,
+        _small,
+        _speeds,
+        _states,
+        _torques,
+        _units,
+    )
     return tuple(remark for own in found for remark in own(scene))
 
 
@@ -83,15 +94,15 @@ def _lengths(scene: Scene) -> Iterator[Remark]:
     line, layout = scene.line, scene.layout
     if layout is None or not has_lengths(line):
         return
-    unit = scene.length_unit
-    key = f"{'lengths' if scene.points is None else 'points'}_{unit}"
+    key = f"{'lengths' if scene.points is None else 'points'}_{scene.length_unit}"
+    key = _given(scene, "driveline", key)
     lengths = line.lengths().each
     odd = (lengths > _LONGEST) | ((lengths > 0.0) & (lengths < _SHORTEST))
     for shaft in np.flatnonzero(odd):
         yield Remark(
             f"[driveline] {key}",
             f"shaft {shaft} is {quantity(float(lengths[shaft]), 'm', digits='measured')} long; "
-            f"the key takes {ENDINGS[unit].name}",
+            f"the key takes {ENDINGS[split(key)[1]].name}",
         )
 
 
@@ -151,23 +162,44 @@ def _recorded(scene: Scene) -> Iterator[Remark]:
 
 
 def _small(scene: Scene) -> Iterator[Remark]:
-    """Lengths that are probably in metres although their keys take millimetres."""
-    found: list[tuple[str, float]] = []
+    """Lengths that are probably in metres although their keys take millimetres or inches."""
+    found: list[tuple[str, str, float]] = []
     for size in scene.sizes.each if scene.sizes else ():
-        found += [("[joints] pin_radius_mm", size.pin_radius or 1.0)]
-        found += [("[joints] arm_mm", size.arm or 1.0)]
+        found += [("joints", "pin_radius_mm", size.pin_radius or 1.0)]
+        found += [("joints", "arm_mm", size.arm or 1.0)]
     if scene.tubes is not None:
         outer = float(np.min(scene.tubes.given["outer_diameter"]))
-        found.append(("[tubes] outer_diameter_mm", outer))
+        found.append(("tubes", "outer_diameter_mm", outer))
     if scene.slip is not None:
-        found.append(("[slip] engaged_mm", 1e-3 * (scene.slip.engaged or 1e3)))
-        found.append(("[slip] radius_mm", scene.slip.radius or 1.0))
+        found.append(("slip", "engaged_mm", 1e-3 * (scene.slip.engaged or 1e3)))
+        found.append(("slip", "radius_mm", scene.slip.radius or 1.0))
     for i, each in enumerate(scene.layout.mounting.bearings if scene.layout else ()):
         if each.unit == "mm":
-            found.append((f"[[bearing]][{i}] {each.key}", 1e-3 * float(np.min(each.value))))
-    for key, value in dict(reversed(found)).items():
+            found.append((f"bearing.{i}", each.key, 1e-3 * float(np.min(each.value))))
+    for (section, si), value in {each[:2]: each[2] for each in reversed(found)}.items():
         if value < _SMALLEST:
-            yield Remark(key, f"a value is {given(value, 'mm')}; the key takes millimetres")
+            key = _given(scene, section, si)
+            name, _, number = section.partition(".")
+            heading = f"[[{name}]][{number}]" if number else f"[{name}]"
+            takes = ENDINGS[split(key)[1]].name
+            yield Remark(
+                f"{heading} {key}", f"a value is {given(value, 'mm')}; the key takes {takes}"
+            )
+
+
+def _given(scene: Scene, section: str, si: str) -> str:
+    """A key as the file has it, in US units or not."""
+    return scene.given.get(section, {}).get(si, si)
+
+
+def _units(scene: Scene) -> Iterator[Remark]:
+    """Values given in US units whose answer is in SI units."""
+    for section, keys in scene.given.items():
+        for si, key in keys.items():
+            if key != si and scene.units == "si":
+                words = 'given in US units, and the answer is in SI units; units = "us" shows both'
+                yield Remark(f"[{section.partition('.')[0]}] {key}", f"{words} alike")
+                return
 
 
 def _speeds(scene: Scene) -> Iterator[Remark]:

@@ -224,7 +224,7 @@ def sentences(found: SplineFigures) -> Iterator[str]:
     yield from _verdict(found)
     for other in found.others:
         yield (
-            f"Shaft {other.shaft} changes its length by {_mm(other.travel)} as well, but the "
+            f"Shaft {other.shaft} changes its length by {_length(other.travel)} as well, but the "
             f"spline is in shaft {found.shaft}. Move both ends of shaft {other.shaft} together, or "
             "give it a spline."
         )
@@ -273,14 +273,14 @@ def _faults(found: SplineFigures) -> Iterator[str]:
         for each in (found.travel, found.engaged, found.push_in)
     )
     if travel:
-        yield f"its travel exceeds the permitted one by {_mm(travel.excess)}"
+        yield f"its travel exceeds the permitted one by {_length(travel.excess)}"
     if engaged:
         assert engaged.value is not None
-        missing = f"{_mm(engaged.excess)} of engaged length are missing"
+        missing = f"{_length(engaged.excess)} of engaged length are missing"
         yield f"{'it comes apart' if engaged.value <= 0.0 else missing}{place_of(engaged)}"
     if left:
-        yield f"it bottoms {_mm(left.excess)} too early{place_of(left)}"
+        yield f"it bottoms {_length(left.excess)} too early{place_of(left)}"
 
 
-def _mm(value: float) -> str:
+def _length(value: float) -> str:
     return quantity(value, "mm")

@@ -11,6 +11,7 @@ from cardan.app.answers.limits.figures import FIGURES
 from cardan.app.answers.printed import kind_of, number_text
 from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, word, worst_of
 from cardan.app.answers.study.figures import End, Extremes, extremes
+from cardan.app.scene.language.units import in_shown, shown_unit
 from cardan.app.scene.study.states import STATE, StatesResult
 
 
@@ -110,7 +111,7 @@ class StateEnd:
 
 @dataclass(frozen=True)
 class FigureOfStates:
-    """A figure in every state, in the unit of its column."""
+    """A figure in every state, in its SI unit; its column is in that shown."""
 
     source: Extremes
     per: Literal["shaft", "joint", "bearing"]
@@ -119,15 +120,14 @@ class FigureOfStates:
     quantity: str = word("quantity")
     item: int = item("own")
     statistic: str = word("statistic")
-    values: tuple[float, ...] = as_shown(
-        numbers("values", "own", "one per state, in the unit of the column")
-    )
+    values: tuple[float, ...] = as_shown(numbers("values", "own", "one per state"))
     least: StateEnd = parts("least")
     largest: StateEnd = parts("largest")
 
     def text(self, value: float) -> str:
-        """Return a value of it without its unit."""
-        return number_text(value, kind_of(self.quantity, self.unit))
+        """Return a value of it as it is shown, without its unit."""
+        shown = in_shown(value, self.unit)
+        return number_text(shown, kind_of(self.quantity, shown_unit(self.unit)))
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from cardan.app.answers.states.figures import (
 )
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import YokeFigures
-from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -85,7 +85,7 @@ def _charts(scene: Scene, table: StatesResult, yokes: YokeFigures | None) -> lis
         named = key_name(common or "state"), names
     made = []
     for column in table.columns[:_MOST_DRAWN]:
-        values, unit = in_degrees(table.values[column.name], column.unit)
+        values, unit = as_shown(table.values[column.name], column.unit)
         if not np.isfinite(values).all():
             continue
         curves = [Curve("as the yokes are", values)]

@@ -16,7 +16,7 @@ from cardan.app.pictures.style import (
     number,
     value_ticks,
 )
-from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.design.limits import MAX_EQUIVALENT_BEND
@@ -61,13 +61,13 @@ def plot_states(
     of = next(known for known in states.columns if known.name == column)
     if limit is None and column == "equivalent_bend":
         limit = MAX_EQUIVALENT_BEND
-    values, unit = in_degrees(states.values[column], of.unit)
+    values, unit = as_shown(states.values[column], of.unit)
     names = states.states.names
     with drawing(ax, height_mm=height_mm(len(names))) as axes:
         places = np.arange(len(names))
         bars = axes.barh(places, values, height=0.62, color=LINES[0]["color"])
         if limit is not None:
-            bound = float(np.degrees(limit)) if unit == "deg" else limit
+            bound = float(as_shown(np.array(limit), of.unit)[0])
             for bar, value in zip(bars, values, strict=True):
                 if value > bound * (1.0 + 1e-9):
                     bar.set(facecolor="white", edgecolor=LINES[1]["color"], hatch="/////")

@@ -13,6 +13,7 @@ from cardan.app.answers.over import at_keys
 from cardan.app.answers.printed import kind_of, range_ends
 from cardan.app.answers.rounding import CANCELLED, ROUNDING, alike
 from cardan.app.answers.rows import as_shown, count, figure, item, optional, parts, place, word
+from cardan.app.scene.language.units import in_shown, shown_unit
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.cluster import StudyFolder
 from cardan.app.scene.study.study import Column, StudyResult
@@ -42,7 +43,7 @@ class End:
 
 @dataclass(frozen=True)
 class Extremes:
-    """The extremes of one figure of a study, in the unit of its column."""
+    """The extremes of one figure of a study, in its SI unit; its column is in that shown."""
 
     source: Column
     per: Literal["shaft", "joint", "bearing"]
@@ -57,9 +58,10 @@ class Extremes:
 
     @property
     def texts(self) -> tuple[str, str]:
-        """Both ends without their unit, with as many decimals."""
-        kind = kind_of(self.quantity, self.least.unit)
-        return range_ends(self.least.value, self.largest.value, kind)
+        """Both ends as they are shown, without their unit, with as many decimals."""
+        unit = self.least.unit
+        least, largest = (in_shown(end.value, unit) for end in (self.least, self.largest))
+        return range_ends(least, largest, kind_of(self.quantity, shown_unit(unit)))
 
     @property
     def is_finite(self) -> bool:
@@ -130,7 +132,7 @@ def extremes(table: StudyTable, *, radians: bool = False) -> Iterator[Extremes]:
         yield Extremes(
             column,
             column.per,
-            f"{column.name}{ending}",
+            f"{column.name}{ending and '_'}{shown_unit(ending[1:])}",
             column.quantity,
             column.item,
             column.statistic,

@@ -16,7 +16,7 @@ from cardan.app.answers.page import judged_lines
 from cardan.app.answers.rounding import ROUNDING
 from cardan.app.answers.study.figures import End, extremes
 from cardan.app.answers.table import PARTS
-from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.study import StudyResult
@@ -129,7 +129,7 @@ def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
         index: list[Any] = list(best)
         for i in keys:
             index[i] = slice(None)
-        values, unit = in_degrees(result.values[column.name][tuple(index)], column.unit)
+        values, unit = as_shown(result.values[column.name][tuple(index)], column.unit)
         # The longer key comes first.
         values = values.T if keys != sorted(keys) else values
         values = values[np.ix_(*ascending)]

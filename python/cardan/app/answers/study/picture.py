@@ -20,7 +20,7 @@ from cardan.app.pictures.style import (
     number,
     value_ticks,
 )
-from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.study.study import StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
@@ -74,9 +74,9 @@ def plot_study(
     values: Any = np.ma.masked_invalid(study.values[column].squeeze()[np.ix_(*orders)])
     if limit is None and column == "equivalent_bend":
         limit = MAX_EQUIVALENT_BEND
-    if unit == "rad":
-        limit = None if limit is None else float(np.degrees(limit))
-    values, unit = in_degrees(values, unit)
+    if limit is not None:
+        limit = float(as_shown(np.array(limit), unit)[0])
+    values, unit = as_shown(values, unit)
     marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
     keys = [axis.key for axis in varied]

@@ -12,6 +12,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import over
 from cardan.app.answers.rows import UNITS, Judged, count, figure, flag, item, key_of, parts, word
+from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.design.quantities import MOTION_QUANTITIES, label
@@ -237,7 +238,7 @@ def called(found: Tolerances, name: str) -> str:
 
 def in_its_unit(found: Tolerances, name: str, value: Any) -> Any:  # noqa: ANN401
     """Return a result of one figure in the unit in which it is shown."""
-    return UNITS[key_of(found.unit(name))].factor * np.asarray(one(value, name))
+    return UNITS[shown_unit(key_of(found.unit(name)))].factor * np.asarray(one(value, name))
 
 
 def one(value: Any, name: str) -> Any:  # noqa: ANN401

@@ -30,6 +30,7 @@ from cardan.app.pictures.style import (
     stacked,
     value_ticks,
 )
+from cardan.app.scene.language.units import shown_unit
 from cardan.arrays.errors import ArgumentValueError
 from cardan.tolerances import Tolerances
 
@@ -70,7 +71,7 @@ def drawn(answer: Answer, found: ToleranceFigures) -> dict[str, Any]:
 def _scatter(figure: ToleranceFigure, of: Tolerances) -> dict[str, Any]:
     """The share of the drivelines up to each value, with the limit as a step."""
     sampled, worst = (in_its_unit(of, figure.name, each) for each in (of.ascending, of.worst))
-    limit = None if figure.limit is None else UNITS[figure.unit].factor * figure.limit
+    limit = None if figure.limit is None else UNITS[shown_unit(figure.unit)].factor * figure.limit
     high = max(float(sampled[-1]), float(worst), limit or 0.0)
     x = np.linspace(
         float(sampled[0]), high if high > sampled[0] else sampled[0] + 1.0, _CHART_POINTS
@@ -141,7 +142,7 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         unit = key_of(found.unit(name))
         for word, value, style in (("limit", limit, _LIMIT), ("worst", worst, _WORST)):
             if not np.isnan(value):
-                shown = given(value / UNITS[unit].factor, unit)
+                shown = given(value / UNITS[shown_unit(unit)].factor, unit)
                 upto.axvline(value, label=f"{word} {shown}", **style)
         of = f", largest of {found.n_states} states" if found.n_states else ""
         axes.set_xlabel(with_unit(f"{called(found, name)}{of}", unit))

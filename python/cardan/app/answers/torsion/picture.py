@@ -10,7 +10,8 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.charts import Curve, Panel, chart
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import quantity, with_unit
+from cardan.app.answers.rows import UNITS
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
 from cardan.app.pictures.style import (
     LINES,
@@ -26,7 +27,7 @@ from cardan.app.pictures.style import (
     stacked,
     value_ticks,
 )
-from cardan.app.scene.language.units import RPM
+from cardan.app.scene.language.units import RPM, shown_unit
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:
@@ -99,7 +100,8 @@ def plot_torsion_response(
         raise ArgumentValueError("shaft", f"is {chosen}; compliant shafts: {known}")
     place = compliant.index(chosen)
     least, mean, most = (
-        getattr(found.steady, f"torque_{name}")[place] for name in ("min", "mean", "max")
+        UNITS[shown_unit("Nm")].factor * getattr(found.steady, f"torque_{name}")[place]
+        for name in ("min", "mean", "max")
     )
     rpm = found.speed / RPM
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
@@ -110,7 +112,8 @@ def plot_torsion_response(
         axes.axhline(0.0, **{**THIN, "linewidth": 0.5})
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
-        finish(axes, _SPEED, f"torque of shaft {chosen} [N m]", (rpm[0], rpm[-1]))
+        torque = with_unit(f"torque of shaft {chosen}", "Nm")
+        finish(axes, _SPEED, torque, (rpm[0], rpm[-1]))
         axes.set_axisbelow(True)
     return axes
 

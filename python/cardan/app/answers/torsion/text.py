@@ -176,7 +176,7 @@ def _largest(found: TorsionFigures) -> Iterator[str]:
 def _side_by_side(found: TorsionFigures) -> Iterator[str]:
     several = [motions for motions in found.motions if motions.number > 1]
     for motions in several:
-        smallest = quantity(motions.smallest, "Nm").removesuffix(" N m")
+        smallest = quantity(motions.smallest, "Nm").partition(" ")[0]
         yield (
             f"At {_rpm(motions.speed)} {motions.number} periodic motions were found, "
             f"{motions.stable or 'none'} of them stable: the largest torque of shaft "

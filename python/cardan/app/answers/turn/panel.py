@@ -13,7 +13,7 @@ from cardan.app.answers.printed import number_text
 from cardan.app.answers.rounding import flat_limits
 from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
-from cardan.app.scene.language.units import in_degrees
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
@@ -29,8 +29,8 @@ TURN = Sweep.revolutions(721 / 720, 720)
 
 
 def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:
-    """Return values of an output with angles in degrees, and the unit in brackets."""
-    converted, unit = in_degrees(values, output.unit)
+    """Return values of an output as they are shown, and the unit in brackets."""
+    converted, unit = as_shown(values, output.unit)
     return converted, unit and f" [{unit}]"
 
 

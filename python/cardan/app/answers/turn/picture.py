@@ -34,7 +34,7 @@ from cardan.app.pictures.style import (
     text_width,
     value_ticks,
 )
-from cardan.app.scene.language.units import RPM, in_degrees
+from cardan.app.scene.language.units import RPM, as_shown, shown_in
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -76,7 +76,7 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
             turns back.
     """
     check_kind("result", result, SceneResult)
-    with matplotlib().rc_context(STYLE):
+    with matplotlib().rc_context(STYLE), shown_in(result.scene.units):
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
@@ -124,7 +124,7 @@ def _study(result: SceneResult, column: str) -> Figure:
         raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
     states = result.study if isinstance(result.study, StatesResult) else None
     height = height_mm(states.states.count) if states else 66.0
-    with page(WIDTH, height, scene.title) as figure:
+    with page(WIDTH, height, scene.title) as figure, shown_in(scene.units):
         axes = figure.add_subplot()
         if states:
             limits = scene.limits.figures if column == "equivalent_bend" else {}
@@ -411,7 +411,7 @@ def _panel(
         curves = [signed(curve, own) for curve, own in zip(curves, torque, strict=True)]
         if any(np.nanmin(curve) < 0.0 for curve in curves):
             name += ", with the sign of the torque"
-    every, unit = in_degrees(np.stack(curves), output.unit)
+    every, unit = as_shown(np.stack(curves), output.unit)
     if output.name == "acceleration_ratio" and result.scene.speed:
         size = result.scene.speed**2
         speed = result.scene.load_case.speed if result.scene.load_case else 0.0

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 
+import numpy as np
+
 from cardan.app.answers.printed import (
     aligned,
     angle_text,
@@ -17,6 +19,7 @@ from cardan.app.answers.printed import (
     range_ends,
 )
 from cardan.app.answers.turn.figures import DriveAngles, SignalFigures, SummaryRow, TurnFigures
+from cardan.app.scene.language.units import as_shown, in_shown, shown_unit
 from cardan.design.wrapping import fill
 from cardan.evaluation.outputs import OUTPUTS
 
@@ -157,29 +160,32 @@ def _about(row: SummaryRow) -> tuple[str, bool]:
 
 
 def _line(rows: Sequence[SummaryRow], radians: bool) -> tuple[str, str]:
-    first, last = rows[0], rows[-1]
+    first = rows[0]
     quantity, is_range = _about(first)
     label = _LABELS.get(quantity) or (
         OUTPUTS[quantity].label if quantity in OUTPUTS else quantity.replace("_", " ")
     )
     label = f"largest {label}" if first.statistic == "peak" else label
     label += f", {items_text(first.per, [first.item] if is_range else [row.item for row in rows])}"
-    unit = "rad" if radians and first.unit == "deg" else first.unit
+    shown = shown_unit(first.unit)
+    unit = "rad" if radians and shown == "deg" else shown
     values, kind = [_in_unit(row, radians) for row in rows], kind_of(quantity, unit)
     if is_range:
         apart = values[-1] > values[0]
         figures = (
             range_ends(values[0], values[-1], kind) if apart else (number_text(values[0], kind),)
         )
-        return label, in_unit(figures, last.unit, " to ", radians=radians)
-    text = in_unit([number_text(value, kind) for value in values], first.unit, radians=radians)
+        return label, in_unit(figures, shown, " to ", radians=radians)
+    text = in_unit([number_text(value, kind) for value in values], shown, radians=radians)
     if len(rows) == 1 and first.at_drive_angle is not None:
         text += f" at {_angle(first.at_drive_angle, radians)}"
     return label, text
 
 
 def _in_unit(row: SummaryRow, radians: bool) -> float:
-    return math.radians(row.value) if row.unit == "deg" and radians else row.value
+    if row.unit == "deg" and radians:
+        return math.radians(row.value)
+    return in_shown(row.value, row.unit)
 
 
 def signals_text(angles: DriveAngles) -> str:
@@ -202,7 +208,9 @@ def _label(signal: SignalFigures) -> str:
 
 def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[str]:
     """What to say of a signal of so many samples; ``step`` is the mean time between them in s."""
-    unit, first, last = signal.unit, signal.first, signal.last
+    ends = np.array([signal.first, signal.last, signal.min, signal.max])
+    shown, unit = as_shown(ends, signal.unit)
+    first, last, low, high = map(float, shown)
     if signal.signal == "time":
         yield f"{_time(first, last - first)} to {_time(last, last - first)} s"
         if step:
@@ -214,7 +222,6 @@ def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[
             yield f"{several if (signal.gaps or 0) > 1 else 'a gap of'} {longest}"
         return
     yield f"first {_recorded(first)}, last {_recorded(last)} {unit}"
-    low, high = signal.min, signal.max
     if high - low > 1e-6 * max(abs(low), abs(high)):
         yield f"{' to '.join(range_ends(low, high, 'measured'))} {unit}"
     if signal.filter_samples:

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from os import PathLike, fspath
 from typing import Any
 
-from cardan.app.scene.language.errors import Location, SceneError, path_of
-from cardan.app.scene.language.rules import shown
+from cardan.app.scene.language.errors import Location, SceneError, as_file_has_it, path_of
+from cardan.app.scene.language.rules import InUnit, shown
 from cardan.app.scene.language.section import Section
-from cardan.app.scene.language.units import units_of
+from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 
 _VARIED = {
@@ -35,8 +35,8 @@ class Document:
         text: of the file.
         sections: values by section and key, each of the right kind.
         tables: the same of each table of the sections that may be given repeatedly.
+        given: by section, each key as the file has it, in US units or not, by that in SI units.
         problems: what is wrong, one line each, if they are being gathered.
-        text: the file.
     """
 
     def __init__(
@@ -51,6 +51,7 @@ class Document:
         self.name, self.format = name, sections
         self.sections: dict[str, dict[str, Any]] = {}
         self.tables: dict[str, list[dict[str, Any]]] = {}
+        self.given: dict[str, dict[str, str]] = {}
         self.problems: list[str] = []
         self.text = text
         self._gather = gather
@@ -90,6 +91,7 @@ class Document:
         self, name: str, section: Section[Any], values: Mapping[str, Any]
     ) -> dict[str, Any]:
         checked = {}
+        given: dict[str, str] = {}
         if section.paths:
             with self.within(name):
                 values = nested(values)
@@ -100,10 +102,16 @@ class Document:
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")
-                checked[key] = section.keys[key].rule.read(Location(key), value)
-        for problem in _broken(section, values):
+                rule, si = section.keys[key].rule, si_key(key)
+                if si in given:
+                    problem = f"and {given[si]} are both given; give one of them"
+                    raise ArgumentValueError(key, problem)
+                given[si] = key
+                checked[si if isinstance(rule, InUnit) else key] = rule.read(Location(key), value)
+        for broken in _broken(section, given):
             with self.within(name):
-                raise problem
+                raise broken
+        self.given[name] = given
         return checked
 
     def decimal_commas(self) -> tuple[tuple[int, str], ...]:
@@ -129,8 +137,9 @@ class Document:
             # It happened in another section, on which this one depends.
             raise
         except ValueError as error:
-            line = self._line(section, path_of(error, key))
-            placed = SceneError(error, self.name, section, line, key)
+            given = as_file_has_it(error, section, self.given)
+            line = self._line(section, path_of(given, key))
+            placed = SceneError(given, self.name, section, line, key)
             if not self._gather:
                 raise placed from None
             self.problems.append(str(placed))
@@ -177,10 +186,10 @@ class Document:
         return found
 
     def _meant(self, key: str, known: Iterable[str], varied: str = "") -> str:
-        known = list(known)
         for name, section in self.format.items():
             if name and key in section.keys:
                 return varied or f"it belongs in {section.heading}"
+        known = alike(key, known)
         stem, column, _ = key.partition("_column")
         stems = [name.partition("_column")[0] for name in known]
         if column and not difflib.get_close_matches(stem, stems):
@@ -189,11 +198,12 @@ class Document:
         return units_of(key, known) or nearest(key, known)
 
 
-def _broken(section: Section[Any], values: Mapping[str, Any]) -> Iterator[ValueError]:
-    """Yield what is wrong with the choice of keys."""
+def _broken(section: Section[Any], values: Mapping[str, str]) -> Iterator[ValueError]:
+    """Yield what is wrong with the choice of keys, which are given as the file has them."""
     for one, other in section.together:
         if one in values and other in values:
-            yield ArgumentValueError(one, f"and {other} are both given; give one of them")
+            problem = f"and {values[other]} are both given; give one of them"
+            yield ArgumentValueError(values[one], problem)
     for first, *others in section.needed:
         if not {first, *others} & values.keys():
             choice = " or ".join(filter(None, (", ".join(others[:-1]), *others[-1:])))
@@ -201,7 +211,7 @@ def _broken(section: Section[Any], values: Mapping[str, Any]) -> Iterator[ValueE
             yield ArgumentValueError(first, f"is missing{or_give}")
     for key, other in section.with_key:
         if key in values and other not in values:
-            yield ArgumentValueError(key, f"needs {other}, which is missing")
+            yield ArgumentValueError(values[key], f"needs {other}, which is missing")
     if len(values) < section.fewest:
         yield ValueError("is empty; give at least one key")
 

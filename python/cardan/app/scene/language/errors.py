@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from cardan.app.scene.language.units import as_given
 from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
 
 
@@ -103,6 +104,33 @@ class SceneError(ArgumentValueError):
         name, _, number = self.section.partition(".")
         section = f" [[{name}]][{number}]" if number else f" [{name}]" if name else ""
         return f"{self.name}{line}:{section} {self._sentence}"
+
+
+def as_file_has_it(
+    error: ValueError, section: str, given: Mapping[str, Mapping[str, str]]
+) -> ValueError:
+    """Return an error with the keys and in the units of the file.
+
+    ``given`` has by section each key as the file has it by that in SI units.
+    """
+    if isinstance(error, KeyValueError):
+        return error
+    owner = error.section if isinstance(error, StudyPointError) else section
+    own = {
+        si: key
+        for name, keys in given.items()
+        if name.partition(".")[0] == owner or name == owner
+        for si, key in keys.items()
+        if si != key
+    }
+    if not own or not isinstance(error, ArgumentValueError):
+        return error
+    argument = own.get(error.argument, error.argument)
+    problem = as_given(error.problem, own, argument)
+    if isinstance(error, StudyPointError):
+        rest = (error.place, error.section, error.point, error.state)
+        return StudyPointError(argument, problem, *rest)
+    return ArgumentValueError(argument, problem, error.place)
 
 
 def path_of(error: ValueError, key: str) -> str:

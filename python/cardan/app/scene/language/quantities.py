@@ -18,7 +18,7 @@ from cardan.app.scene.language.rules import (
     refused,
     shown,
 )
-from cardan.app.scene.language.units import ending_of
+from cardan.app.scene.language.units import ending_of, si_key, us_keys
 from cardan.arrays.errors import nearest
 from cardan.design.quantities import (
     FIRST_ORDERS,
@@ -77,6 +77,7 @@ KEPT: Mapping[str, Number] = MappingProxyType(
 
 def kept_quantity(key: str) -> str:
     """Return the quantity of a key of ``keep``, without its unit; ``""`` if there is none."""
+    key = si_key(key)
     for quantity in MOTION_QUANTITIES.values():
         if key == f"{quantity.name}{_ending(quantity.unit)}":
             return quantity.name
@@ -97,7 +98,7 @@ class Keep(Rule):
         """Return the limits by key."""
         if not isinstance(value, dict) or not value:
             raise refused(where, value, "name quantities and limits, as {non_uniformity = 0.01}")
-        limits = {}
+        limits: dict[str, float] = {}
         for key, given in value.items():
             own = where.at(key)
             if not kept_quantity(key):
@@ -106,13 +107,20 @@ class Keep(Rule):
                     f"is no quantity; {hint} (an output has its number, reduction and unit, as "
                     "support_moment_1_peak_Nm)"
                 )
+            if other := next((each for each in limits if si_key(each) == si_key(key)), ""):
+                raise own.error(f"and {other} are both given; give one of them")
             limits[key] = KEPT.get(key, POSITIVE).read(own, given)
         return limits
 
     @property
     def schema(self) -> Schema:
         """An object of positive numbers."""
-        outputs = "|".join(pattern(output) + _ending(output.unit) for output in OUTPUTS.values())
+        outputs = "|".join(
+            pattern(output) + key
+            for output in OUTPUTS.values()
+            for ending in [_ending(output.unit)]
+            for key in (ending, *us_keys(ending))
+        )
         return {
             "type": "object",
             "minProperties": 1,

@@ -10,13 +10,14 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from datetime import date, time
+from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.units import units_of
+from cardan.app.scene.language.units import ENDINGS, Unit, alike, split, units_of, us_keys
 from cardan.arrays.errors import nearest
 
 Schema: TypeAlias = Mapping[str, Any]
@@ -41,6 +42,18 @@ class Rule(ABC):
     @abstractmethod
     def schema(self) -> Schema:
         """JSON Schema of the values that ``read`` takes."""
+
+    def of_us_key(self, unit: Unit) -> Rule:
+        """Return the rule of a key for the same in a US unit, which reads values in the SI unit."""
+        return InUnit(self.in_unit(unit), unit)
+
+    def in_unit(self, unit: Unit) -> Self:
+        """Return the rule for the same values in a US unit, with the same ends."""
+        if not is_dataclass(self):
+            return self
+        own = ((each.name, getattr(self, each.name)) for each in fields(self))
+        changed = {name: rule.in_unit(unit) for name, rule in own if isinstance(rule, Rule)}
+        return replace(self, **changed)
 
 
 SPREAD = "{from = …, to = …, steps = …}"
@@ -75,6 +88,11 @@ class Text(Rule):
 
     printable: bool = False
     name = "text"
+
+    def of_us_key(self, unit: Unit) -> Rule:
+        """Return the same rule: it names what is in that unit."""
+        del unit
+        return self
 
     def read(self, where: Location, value: object) -> str:
         """Return the text."""
@@ -142,6 +160,13 @@ class Number(Rule):
             return f"lie between {self.low:g} and {self.high:g}"
         opening, closing = "(" if self.above else "[", ")" if self.below else "]"
         return f"lie in {opening}{self.low:g}, {self.high:g}{closing}"
+
+    def in_unit(self, unit: Unit) -> Self:
+        """Return the rule for a number in a US unit."""
+        low, high = (
+            end if abs(end) == _LARGEST else end / unit.size for end in (self.low, self.high)
+        )
+        return replace(self, low=low, high=high, unit=self.unit and unit.symbol)
 
     @property
     def schema(self) -> Schema:
@@ -255,6 +280,12 @@ class Directed(Rule):
     hint: str
     name = "number or text"
 
+    def in_unit(self, unit: Unit) -> Self:
+        """Return the rule for a number in a US unit, whose text names that."""
+        own = ENDINGS[unit.si].symbol
+        units = {unit.symbol if name == own else name: made for name, made in self.units.items()}
+        return replace(self, within=self.within.in_unit(unit), units=units)
+
     @property
     def _pattern(self) -> str:
         units = "|".join(re.escape(unit) for unit in self.units)
@@ -367,6 +398,62 @@ class OneOrMore(OneOrEach):
 
 
 @dataclass(frozen=True)
+class InUnit(Rule):
+    """Values that a file gives in a US unit, which are read in the SI unit; ``rule`` is as given.
+
+    Other entries, as the word "rigid" in place of a number, are read as they are.
+    """
+
+    rule: Rule
+    unit: Unit
+
+    @property
+    def name(self) -> str:
+        """A value as given."""
+        return self.rule.name
+
+    def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - as of the rule
+        """Return the value in the SI unit."""
+        return _times(self.rule.read(where, value), self.unit.size)
+
+    @property
+    def schema(self) -> Schema:
+        """The values as given."""
+        return self.rule.schema
+
+
+def _times(value: Any, factor: float) -> Any:  # noqa: ANN401 - as of a rule
+    if isinstance(value, list):
+        return [_times(each, factor) for each in value]
+    return value * factor if isinstance(value, float) else value
+
+
+def in_us_units(key: str, rule: Rule) -> dict[str, Rule]:
+    """Return the rules of the keys that hold the same in US units, by key."""
+    return {us: rule.of_us_key(ENDINGS[split(us)[1]]) for us in us_keys(key)}
+
+
+def given_as(key: str) -> Schema:
+    """Return the JSON Schema of an object that gives a key, in whichever units."""
+    spelled = (key, *us_keys(key))
+    ways: list[Schema] = [{"required": [each]} for each in spelled]
+    return ways[0] if len(ways) == 1 else {"anyOf": ways}
+
+
+def not_both(*keys: str) -> Schema:
+    """Return the JSON Schema of an object that does not give all of some keys."""
+    if not any(map(us_keys, keys)):
+        return {"not": {"required": list(keys)}}
+    return {"not": {"allOf": [given_as(key) for key in keys]}}
+
+
+def in_one_unit(keys: Iterable[str]) -> list[Schema]:
+    """Return JSON Schemas of an object that gives no value twice, in several units."""
+    pairs = (pair for key in keys for pair in combinations((key, *us_keys(key)), 2))
+    return [{"not": {"required": list(pair)}} for pair in pairs]
+
+
+@dataclass(frozen=True)
 class Table(Rule):
     """A table of some or all of these keys; ``what`` says in words how it is written."""
 
@@ -381,7 +468,8 @@ class Table(Rule):
             raise refused(where, value, f"be {self.what}")
         for key in value:
             if key not in self.keys:
-                hint = units_of(key, self.keys) or nearest(key, tuple(self.keys))
+                known = alike(key, self.keys)
+                hint = units_of(key, known) or nearest(key, known)
                 raise where.error(f"has an unknown key {shown(key)}; {hint}")
         for key in self.keys if self.required else ():
             if key not in value:

@@ -6,7 +6,9 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any
 
+from cardan.app.scene.language.rules import given_as, in_one_unit, not_both
 from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.units import US, si_key, us_keys
 from cardan.app.scene.recording.recorded import BEND_COLUMNS
 from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH, only
 from cardan.app.scene.sections.sweep import DRIVE_ANGLES
@@ -30,7 +32,7 @@ def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
         "properties": {**_properties(top), **described},
         "$defs": DEFINITIONS,
         "allOf": [
-            _not_both(*DRIVE_ANGLES),
+            not_both(*DRIVE_ANGLES),
             {
                 "if": columns,
                 "then": {"properties": {"driveline": only(*FORMS[0].optional, TEETH, *LENGTHS)}},
@@ -56,12 +58,15 @@ def _section_schema(section: Section[Any]) -> dict[str, Any]:
         described["patternProperties"] = _pattern_schemas(section)
     if section.fewest:
         described["minProperties"] = section.fewest
-    rules = [_not_both(*keys) for keys in section.together]
-    rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
+    rules = [not_both(*keys) for keys in section.together]
+    rules += in_one_unit(key for key in section.keys if us_keys(key))
+    rules += [{"anyOf": [given_as(key) for key in keys]} for keys in section.needed]
     if rules:
         described["allOf"] = rules
     if section.with_key:
-        described["dependentRequired"] = {key: [part] for key, part in section.with_key}
+        described["dependentSchemas"] = {
+            way: given_as(part) for key, part in section.with_key for way in (key, *us_keys(key))
+        }
     if section.repeated:
         described = {"type": "array", "items": described}
     return {"description": section.meaning, **described}
@@ -73,10 +78,6 @@ def _properties(section: Section[Any]) -> dict[str, Any]:
         | ({} if key.default is None else {"default": key.default})
         for name, key in section.keys.items()
     }
-
-
-def _not_both(*keys: str) -> dict[str, Any]:
-    return {"not": {"required": list(keys)}}
 
 
 # What follows a key in a path: an entry, or some; of a vector its component as well.
@@ -109,20 +110,30 @@ def _by_depth(name: str, key: Key, of_entries: Mapping[str, Any]) -> dict[str, A
 
 def describe(sections: Mapping[str, Section[Any]]) -> str:
     """Return the format of a scene file as plain text, at most 77 characters wide."""
-    lines = []
+    pairs = (f"_{' or _'.join(us)} for _{si}" for si, us in US.items() if si in _GIVEN)
+    lines = [*_filled(f"{_UNITS} {', '.join(pairs)}.", "", "  "), ""]
     for section in sections.values():
         heading = f"{section.heading}  " if section.name else ""
         lines += _filled(f"{heading}{section.meaning}", "", "  ")
         if section.help_on_paths:
             lines += _filled(section.help_on_paths, "  ", "  ")
         for key, entry in section.keys.items():
-            if isinstance(entry.rule, AxisValues | NestedAxes):
+            if isinstance(entry.rule, AxisValues | NestedAxes) or si_key(key) != key:
                 continue
             default = "" if entry.default is None else f"; default {entry.default}"
             text = f"{entry.kind or entry.rule.name}: {entry.meaning}{default}"
             lines += _filled(text, f"  {key:32}", " " * 36)
         lines.append("")
     return "\n".join(lines)
+
+
+# Weights are in answers only.
+_GIVEN = [si for si in US if si != "kg"]
+
+_UNITS = (
+    "The end of a key is its unit. Each key may have a US unit instead, and its value is "
+    "then in that:"
+)
 
 
 def _filled(text: str, first: str, rest: str) -> list[str]:

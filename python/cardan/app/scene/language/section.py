@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
-from cardan.app.scene.language.rules import Rule
+from cardan.app.scene.language.rules import Rule, in_us_units
+from cardan.app.scene.language.units import ENDINGS, si_key, split
 from cardan.arrays.errors import ArgumentValueError
 
 if TYPE_CHECKING:
@@ -42,9 +43,23 @@ class Key:
     kind: str = ""
 
 
+def with_us_keys(keys: Mapping[str, Key]) -> dict[str, Key]:
+    """Return keys and behind each of them those for the same in US units."""
+    found: dict[str, Key] = {}
+    for name, key in keys.items():
+        found[name] = key
+        for us, rule in in_us_units(name, key.rule).items():
+            meaning = f"as {name}, in {ENDINGS[split(us)[1]].name}"
+            found.setdefault(us, replace(key, rule=rule, meaning=meaning, default=None))
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Section(Generic[Made]):
     """One section of a scene file.
+
+    What it is made of has the values in the units of the keys that are declared; each of these has
+    keys for the same in US units.
 
     Attributes:
         name: of the section; ``""`` for the top of the file.
@@ -74,6 +89,10 @@ class Section(Generic[Made]):
     recorded_bends: bool = True
     help_on_paths: str = ""
 
+    def __post_init__(self) -> None:
+        """Add the keys in US units."""
+        object.__setattr__(self, "keys", with_us_keys(self.keys))
+
     @property
     def heading(self) -> str:
         """The line that begins it in a file: ``[load]``, ``[[bearing]]``."""
@@ -94,7 +113,8 @@ class Section(Generic[Made]):
     @contextmanager
     def named(self, keys: Iterable[str]) -> Iterator[None]:
         """Let errors name these keys of the file instead of the parameters that they set."""
-        by_argument = {self.keys[key].argument: key for key in keys if self.keys[key].argument}
+        si = (key for key in keys if key == si_key(key))
+        by_argument = {self.keys[key].argument: key for key in si if self.keys[key].argument}
         try:
             yield
         except ArgumentValueError as error:

@@ -16,7 +16,7 @@ from cardan._core import Integral, derivatives_at
 from cardan.app.files.delimited import short
 from cardan.app.files.recording import Chunk, place_of, read_chunks
 from cardan.app.files.tables import read_ahead
-from cardan.app.scene.language.units import ENDINGS, RPM, split
+from cardan.app.scene.language.units import ENDINGS, RPM, size_of, split, us_keys
 from cardan.app.scene.recording.signals import Noise, Signal, Timing
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -26,6 +26,7 @@ from cardan.evaluation.sweep import Sweep
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 ANGLE_COLUMNS = ("angle_column_deg", "angle_column_rad")
 SPEED_COLUMNS = ("speed_column_rpm", "speed_column_rad_s")
+_TORQUE = "torque_column_Nm"
 
 REACH = 5
 """Samples on each side of the parabola that differentiates, if the scene gives no number."""
@@ -100,8 +101,11 @@ class Recording:
         self._file = folder / values["file"]
         self._raster = values.get("raster_s")
         self._columns: dict[str, str] = {}
-        for group in (ANGLE_COLUMNS, ("time_column_s",), SPEED_COLUMNS, ("torque_column_Nm",)):
+        for group in (ANGLE_COLUMNS, ("time_column_s",), SPEED_COLUMNS):
             self._columns |= {key: values[key] for key in group if key in values}
+        torque = next((key for key in (_TORQUE, *us_keys(_TORQUE)) if key in values), "")
+        self._columns |= {_TORQUE: values[torque]} if torque else {}
+        self._torque_size = size_of(torque)
         bends = next((key for key in BEND_COLUMNS if key in values), "")
         self._bend_unit = split(bends)[1]
         self._bends = {f"bend {i}": name for i, name in enumerate(values.get(bends, ()))}
@@ -173,6 +177,8 @@ class Recording:
         """The columns of a chunk, and what follows from all rows before it."""
         rows = dict(zip((*self._columns, *self._bends), chunk.columns, strict=True))
         self._check(rows, chunk.first)
+        if self._torque_size != 1.0:
+            rows[_TORQUE] = self._torque_size * rows[_TORQUE]
         if not self._timed:
             return rows
         time = rows["time_column_s"]
@@ -257,8 +263,8 @@ class Recording:
                 max(0, self._reach - rows.start), max(0, count - self._reach - rows.start)
             )
             self._noise.add_derived(speed[inner], acceleration[inner])
-        if "torque_column_Nm" in part:
-            load["drive_torque_Nm"] = part["torque_column_Nm"]
+        if _TORQUE in part:
+            load["drive_torque_Nm"] = part[_TORQUE]
         self._found |= bool(known.any())
         all_known = bool(known.all())
 
@@ -316,7 +322,7 @@ class Recording:
 _MEASURED: Mapping[str, Any] = {
     "time_column_s": "time",
     **dict.fromkeys(SPEED_COLUMNS, "speed"),
-    "torque_column_Nm": "drive_torque",
+    _TORQUE: "drive_torque",
 }
 
 

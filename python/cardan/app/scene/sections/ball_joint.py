@@ -11,8 +11,21 @@ import numpy as np
 
 from cardan.app.files import columns
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import FRICTION, SIZE, FileName, Number, Schema, Table, Text
+from cardan.app.scene.language.rules import (
+    FRICTION,
+    SIZE,
+    FileName,
+    Number,
+    Schema,
+    Table,
+    Text,
+    given_as,
+    in_one_unit,
+    in_us_units,
+    not_both,
+)
 from cardan.app.scene.language.section import Key, Section
+from cardan.app.scene.language.units import si_key, us_keys
 from cardan.arrays.errors import ArgumentValueError
 from cardan.ball_joint import BallJoint, layer_compliance
 
@@ -30,21 +43,30 @@ class MaterialRule(Table):
     def read(self, where: Location, value: object) -> dict[str, Any]:
         """Return the entries by key."""
         found = super().read(where, value)
-        layer = [key for key in (*_LAYER, _POISSON) if key in found]
-        if _COMPLIANCE in found and layer:
-            raise where.at(layer[0]).error(f"and {_COMPLIANCE} are both given; give one of them")
+        given: dict[str, str] = {}
+        for key in found:
+            if (other := given.setdefault(si_key(key), key)) != key:
+                raise where.at(key).error(f"and {other} are both given; give one of them")
+        layer = [given[key] for key in (*_LAYER, _POISSON) if key in given]
+        if _COMPLIANCE in given and layer:
+            other = given[_COMPLIANCE]
+            raise where.at(layer[0]).error(f"and {other} are both given; give one of them")
         for key in _LAYER:
-            if layer and key not in found:
+            if layer and key not in given:
                 raise where.at(layer[0]).error(f"needs {key}; {' and '.join(_LAYER)} go together")
-        return found
+        return {si_key(key): entry for key, entry in found.items()}
 
     @property
     def schema(self) -> Schema:
         """An object of these keys."""
         return {
             **super().schema,
-            "dependentRequired": {key: list(_LAYER) for key in (*_LAYER, _POISSON)},
-            "not": {"required": [_COMPLIANCE, _LAYER[0]]},
+            "dependentSchemas": {
+                key: {"allOf": [given_as(needed) for needed in _LAYER]}
+                for of in (*_LAYER, _POISSON)
+                for key in (of, *us_keys(of))
+            },
+            "allOf": [not_both(_COMPLIANCE, _LAYER[0]), *in_one_unit(self.keys)],
         }
 
 
@@ -57,7 +79,10 @@ _KEYS = {
     _LAYER[1]: Number(1e-3, 1e9),
     _POISSON: Number(0, 0.5, below=True),
 }
-_MATERIAL = MaterialRule(_KEYS, f"a table with some of {', '.join(_KEYS)}", required=False)
+_IN_US_UNITS = {us: own for key in _KEYS for us, own in in_us_units(key, _KEYS[key]).items()}
+_MATERIAL = MaterialRule(
+    _KEYS | _IN_US_UNITS, f"a table with some of {', '.join(_KEYS)}", required=False
+)
 _OF_MATERIAL = (
     "with name, allowable_pressure_MPa, and compliance_um_per_MPa (how far it yields per unit of "
     "pressure) or layer_mm, modulus_MPa and poisson of a layer such as a lining; poisson defaults "

@@ -66,6 +66,7 @@ class Mounting:
     def varied(self, axis: Axis, column: FloatArray) -> Self:
         """Return the mounting with the values of an axis of a study, ``(rows,)``."""
         assert axis.place is not None
+        column = axis.size * column
         if axis.section == "bearing":
             return self.moved(axis, column[:, np.newaxis])
         own = np.asarray(self.lengths, np.float64)
@@ -85,7 +86,7 @@ class Mounting:
         return found
 
     def moved(self, axis: Axis, column: FloatArray) -> Self:
-        """Return the mounting with other values of the position of one bearing, in its unit."""
+        """Return the mounting with other positions of one bearing, in the unit of its key."""
         assert axis.place is not None
         number = axis.place.start
         own = replace(self.bearings[number], value=column)

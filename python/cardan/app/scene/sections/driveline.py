@@ -18,10 +18,11 @@ from cardan.app.scene.language.rules import (
     Directed,
     ListOf,
     Number,
+    given_as,
     numbers,
 )
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
-from cardan.app.scene.language.units import LengthUnit
+from cardan.app.scene.language.units import LengthUnit, us_keys
 from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -67,16 +68,18 @@ class Form:
         """JSON Schema of the section of a driveline that is described in this way."""
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
-        lengths = {key: {"minItems": fewest} | most for key in self.keys}
+        spelled = [way for key in self.keys for way in (key, *us_keys(key))]
+        lengths = {key: {"minItems": fewest} | most for key in spelled}
         lengths_too = self.measures or (() if self.keys[0].startswith("points") else LENGTHS)
         allowed = only(*self.keys, *self.optional, *self.further, TEETH, *lengths_too)
-        needed: dict[str, Any] = {"required": list(self.keys)}
+        needed: dict[str, Any] = {"allOf": [given_as(key) for key in self.keys]}
         if self.views:
-            needed = {"anyOf": [{"required": [key]} for key in self.keys]}
+            needed = {"anyOf": [given_as(key) for key in self.keys]}
         if self.further:
             needed["dependentRequired"] = {key: [self.further[0]] for key in self.further[1:]}
         if OFFSETS in self.measures:
-            needed["dependentRequired"] = {OFFSETS: [LENGTHS[0]]}
+            ways = (OFFSETS, *us_keys(OFFSETS))
+            needed["dependentSchemas"] = dict.fromkeys(ways, given_as(LENGTHS[0]))
         return {**needed, "properties": lengths, **allowed}
 
 
@@ -161,8 +164,9 @@ FORMS = (
 
 
 def only(*keys: str) -> dict[str, Any]:
-    """Return the JSON Schema of an object without keys other than these."""
-    return {"propertyNames": {"enum": list(keys)}}
+    """Return the JSON Schema of an object without keys other than these, in any units."""
+    spelled = [way for key in keys for way in (key, *us_keys(key))]
+    return {"propertyNames": {"enum": spelled}}
 
 
 def filled(values: Mapping[str, Any], bends: FloatArray | None) -> tuple[Form, dict[str, Any]]:

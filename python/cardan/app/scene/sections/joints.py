@@ -24,7 +24,8 @@ from cardan.app.scene.language.rules import (
     Text,
     each,
 )
-from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.language.section import Key, Reading, Section, with_us_keys
+from cardan.app.scene.language.units import si_key
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.tolerances import JOINT_GROUPS
@@ -64,6 +65,11 @@ OF_SIZE: Mapping[str, Key] = {
     "heat_W": Key(each(POSITIVE), "most permitted mean heat of a joint", "most_heat"),
 }
 """What describes a size: keys of [joints] and columns of a table of sizes."""
+
+# Of one joint, where [joints] takes a list with one for each as well.
+_COLUMNS = with_us_keys(
+    {key: replace(entry, rule=entry.rule.several.item) for key, entry in OF_SIZE.items()}  # type: ignore[attr-defined]
+)
 
 NAME = "size"
 """The column of the names of sizes."""
@@ -136,7 +142,8 @@ def read_sizes(path: str | PathLike[str]) -> tuple[JointSize, ...]:
         if name in found:
             raise ValueError(f"{where} {NAME} is {name!r} again; name each size once")
         try:
-            found[name] = size_of(name, {key: _value(key, cell) for key, cell in cells.items()})
+            values = {si_key(key): _value(key, cell) for key, cell in cells.items()}
+            found[name] = size_of(name, values)
         except ArgumentValueError as error:
             raise ValueError(f"{where} {error}") from None
     if not found:
@@ -154,7 +161,7 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _check_header(file: str, line: int, header: Sequence[str]) -> None:
-    known = [NAME, *OF_SIZE]
+    known = [NAME, *_COLUMNS]
     for column in header:
         if column not in known:
             raise ValueError(
@@ -162,21 +169,24 @@ def _check_header(file: str, line: int, header: Sequence[str]) -> None:
             )
         if header.count(column) > 1:
             raise ValueError(f"{file}, line {line}: column {column!r} appears twice")
+    held = [si_key(column) for column in header]
+    for column in header:
+        if held.count(si_key(column)) > 1:
+            both = " and ".join(repr(each) for each in header if si_key(each) == si_key(column))
+            raise ValueError(f"{file}, line {line}: columns {both} hold the same; leave one out")
     for column in (NAME, "rating_Nm"):
-        if column not in header:
+        if column not in held:
             raise ValueError(f"{file}, line {line}: no column {column!r}, which each size needs")
 
 
 def _value(key: str, cell: str) -> Any:  # noqa: ANN401 - a number or a name
     """A cell as its key's rule reads it."""
-    # The rule of one value, of those that take a list with one for each joint as well.
-    rule = OF_SIZE[key].rule.several.item  # type: ignore[attr-defined]
     try:
         # Where cells are separated by semicolons, decimals may have commas.
         value: object = float(cell.replace(",", "."))
     except ValueError:
         value = cell
-    return rule.read(Location(key), value)
+    return _COLUMNS[key].rule.read(Location(key), value)
 
 
 _DEVIATION = each(Number(-90, 90, above=True, below=True, unit="deg"))

@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.app.scene.language.rules import BEND, POSITIVE, TEXTS, ListOf, Number, Text, each
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
-from cardan.app.scene.language.units import RPM
+from cardan.app.scene.language.units import RPM, us_keys
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import TORQUES
 from cardan.app.scene.sections.study import STATES
@@ -150,7 +150,7 @@ def _load(
 def gives(varied: Container[str], what: Literal["speed", "torque"]) -> bool:
     """Return whether the keys of a study give speeds or torques."""
     keys = TORQUES if what == "torque" else ("speed_rpm", "speed_rad_s")
-    return any(key in varied for key in keys)
+    return any(key in varied for si in keys for key in (si, *us_keys(si)))
 
 
 def _in_states(

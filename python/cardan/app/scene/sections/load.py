@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cardan.app.scene.language.rules import ListOf, Number
 from cardan.app.scene.language.section import Key, Reading, Section
-from cardan.app.scene.language.units import RPM
+from cardan.app.scene.language.units import RPM, si_key
 from cardan.app.scene.sections.sweep import ANGLES
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.load import Load
@@ -63,8 +63,8 @@ def check_not_recorded(values: Mapping[str, Any], scene: Reading) -> None:
         (_MOTION, "speed_rad_s", "times, from which speed and acceleration follow"),
         (TORQUES, "drive_torque_Nm", "a torque"),
     ):
-        for key in keys if recorded and signal in recorded.load else ():
-            if key in values:
+        for key in values if recorded and signal in recorded.load else ():
+            if si_key(key) in keys:
                 raise ArgumentValueError(key, f"does not go with [angles], which gives {said}")
 
 

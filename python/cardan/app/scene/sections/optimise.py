@@ -14,6 +14,8 @@ from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import KEPT, Keep, QuantityName
 from cardan.app.scene.language.rules import COUNT, ListOf, Number, OneOf, Rule, Schema, refused
 from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.language.units import us_keys
+from cardan.app.scene.sections.bearing import POSITIONS
 from cardan.app.scene.study.axes import ENTRIES
 from cardan.design.quantities import MOTION_QUANTITIES
 
@@ -25,8 +27,14 @@ FREE = "free"
 
 _RANGE = ListOf(Number(), "two numbers, least and largest change", count=2)
 
+
+def _either(*keys: str) -> str:
+    """Return the pattern of one of some keys, in SI or US units."""
+    return f"({'|'.join(each for key in keys for each in (key, *us_keys(key)))})"
+
+
 _PHASES = "phases_deg"
-_VECTORS = "(points_m|points_mm|directions)"
+_VECTORS = _either("points_m", "points_mm", "directions")
 _LISTS = (
     "(bends_deg|twists_deg|slopes_vertical_deg|slopes_horizontal_deg"
     "|projected_bends_vertical_deg|projected_bends_horizontal_deg)"
@@ -106,7 +114,7 @@ class Vary(Rule):
         }
 
 
-_BEARING, _POSITION = "[0-9]{1,9}", "(position|from_end)_mm?"
+_BEARING, _POSITION = "[0-9]{1,9}", _either(*POSITIONS)
 _OF_BEARING = rf"bearing\.{_BEARING}\.{_POSITION}"
 _PATH = rf"{_OF_BEARING}|{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
 

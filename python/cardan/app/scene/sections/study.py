@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import TEXTS, ListOf, Number, Rule
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
+from cardan.app.scene.language.units import si_key
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
@@ -45,13 +47,22 @@ def varied_keys(
             rule: Rule = NUMBER_AXIS if key.rule == Number() else LIST_AXES
             if key.kind == "vectors":
                 rule = VECTOR_AXES
-            if name not in without:
+            if name == si_key(name) and name not in without:
                 found[name] = Key(rule, f"{meaning} this key of [{section.name}]")
     return found
 
 
+def _check_units(varied: Varied, scene: Reading) -> None:
+    """Refuse what varies in another unit than the scene gives it."""
+    for key, places in varied.items():
+        for place in places if key == BEARING.name else ("",):
+            at = Location(key, tuple(place.split(".")) if place else ())
+            scene.check_unit(str(at), at)
+
+
 def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
     check_not_recorded(varied, scene)
+    _check_units(varied, scene)
     recorded_bends, output = scene.line.shape, scene.given.get(OUTPUT.name, {})
     if varied and recorded_bends:
         raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
@@ -126,6 +137,7 @@ def _states(values: Mapping[str, Any], scene: Reading) -> States:
     varied: Varied = {key: value for key, value in values.items() if key not in _OF_STATES}
     if not varied:
         raise ValueError('no key varies; give one value per state, as in "points_mm.2.y" = [0, 40]')
+    _check_units(varied, scene)
     axes = axes_of(varied, layout.driveline, layout.load, "a state")
     first, count = axes[0], len(axes[0].values)
     for axis in axes[1:]:
@@ -154,7 +166,7 @@ def _torques(axes: tuple[Axis, ...], load: Mapping[str, Any], count: int) -> Flo
     """The torque in every state, as [states] or else [load] gives it."""
     for axis in axes:
         if axis.name in TORQUES:
-            return axis.values
+            return axis.size * axis.values
     given = [load[key] for key in TORQUES if key in load]
     if not given:
         raise ValueError(

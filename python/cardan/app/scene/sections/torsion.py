@@ -55,6 +55,7 @@ _SPREAD = Table(
 class ShaftStiffness(Rule):
     """The stiffness of a shaft: a number, ``"rigid"`` or ``"tube"``."""
 
+    number: Number = _STIFFNESS
     name = "stiffness"
 
     def read(self, where: Location, value: object) -> float | Literal["tube"]:
@@ -65,12 +66,12 @@ class ShaftStiffness(Rule):
             return "tube"
         if isinstance(value, str) or value == math.inf:
             raise refused(where, value, f'be a positive number, "{_RIGID}" or "{_TUBE}"')
-        return _STIFFNESS.read(where, value)
+        return self.number.read(where, value)
 
     @property
     def schema(self) -> Schema:
         """A number or one of the words."""
-        return {"oneOf": [_STIFFNESS.schema, {"enum": [_RIGID, _TUBE]}]}
+        return {"oneOf": [self.number.schema, {"enum": [_RIGID, _TUBE]}]}
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import ListOf, Number
 from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.language.units import size_of
 from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
 from cardan.app.scene.study.axes import DIRECTION, ENTRY, Axis, Rotation, entries_of, unit_vector
 from cardan.arrays import FloatArray
@@ -24,10 +25,12 @@ _SLOPES = "slopes_vertical_deg"
 class WindUp:
     """What turns or moves entries of a key, as axes of states whose values follow the torque.
 
-    Rates are in the unit of the key, or in degrees, per kN m.
+    Rates are in the SI unit of the key, or in degrees, per kN m; ``given`` is the key as the file
+    has it.
     """
 
     name: str
+    given: str
     place: str
     entries: slice
     rate: float | None = None
@@ -36,11 +39,12 @@ class WindUp:
 
     def axes(self, torque: FloatArray) -> Iterator[Axis]:
         """Yield the axes of states with these mean torques in N m."""
-        by, key = 1e-3 * torque, f"{self.name}.{self.place}"
+        by, key = 1e-3 * torque, f"{self.given}.{self.place}"
 
         def axis(ending: str, component: int | None, rate: float, *, is_added: bool = True) -> Axis:
             rotation = None if is_added else self.rotation
-            own = (self.name, self.entries, component, rate * by, is_added, rotation)
+            size = size_of(self.given) if is_added else 1.0
+            own = (self.name, self.entries, component, rate * by / size, is_added, rotation, size)
             return Axis(f"{key}.{ending}", "driveline", *own)
 
         if self.rate is not None and self.rotation is None:
@@ -66,7 +70,7 @@ def _wind_ups(_: Mapping[str, Any], scene: Reading) -> tuple[WindUp, ...]:
 
 
 def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
-    keys = scene[DRIVELINE].keys
+    keys, given = scene[DRIVELINE].keys, scene.document.given.get(DRIVELINE.name, {})
     rate, shift = values.get("deg_per_kNm"), values.get("mm_per_kNm")
     if "shafts" in values:
         name = next((key for key in (READINGS, _SLOPES) if key in keys), None)
@@ -78,7 +82,8 @@ def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
             if key in values:
                 raise ArgumentValueError(key, "does not go with shafts, which tilt by deg_per_kNm")
         place = values["shafts"]
-        return WindUp(name, place, entries_of(Location("shafts"), place, len(keys[name])), rate)
+        entries = entries_of(Location("shafts"), place, len(keys[name]))
+        return WindUp(name, name, place, entries, rate)
     name = next((key for key in keys if key.startswith("points")), None)
     if name is None:
         raise ArgumentValueError("points", "need points_mm or points_m in [driveline]")
@@ -91,9 +96,8 @@ def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
         about = unit * np.array(values["about_mm"])
         rotation = Rotation(about, unit_vector(values.get("axis", [0.0, 0.0, 1.0])))
     moves = tuple(unit * each for each in shift or ())
-    return WindUp(
-        name, place, entries_of(Location("points"), place, len(keys[name])), rate, rotation, moves
-    )
+    entries = entries_of(Location("points"), place, len(keys[name]))
+    return WindUp(name, given.get(name, name), place, entries, rate, rotation, moves)
 
 
 WIND_UP: Section[tuple[WindUp, ...]] = Section(

@@ -28,6 +28,8 @@ from cardan.app.scene.language.rules import (
     Table,
     shown,
 )
+from cardan.app.scene.language.units import Unit, alike, si_key, size_of, us_keys
+from cardan.app.scene.sections.bearing import POSITIONS
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import LOAD
 from cardan.arrays import FloatArray
@@ -74,7 +76,8 @@ _SPREAD = Table(
 _LISTED = ListOf(Number(), "numbers")
 _VECTOR = ListOf(Number(), "three numbers", count=3)
 _ADD = "add"
-_TURN, _ABOUT, _AXIS = "turn_deg", ("about_mm", "about_m"), "axis"
+_TURN, _AXIS = "turn_deg", "axis"
+_ABOUT = tuple(key for si in ("about_mm", "about_m") for key in (si, *us_keys(si)))
 _OF_TURN = (_TURN, *_ABOUT, _AXIS)
 _AXES = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
 
@@ -110,6 +113,11 @@ class AxisValues(Rule):
     """What varies a number: values under no place, listed or evenly spread."""
 
     name = "values"
+
+    def of_us_key(self, unit: Unit) -> Rule:
+        """Return the same rule: what varies stays in the unit of its key."""
+        del unit
+        return self
 
     def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
         """Return the values by their place, which is empty."""
@@ -158,7 +166,8 @@ def _turned(where: Location, value: Mapping[str, object]) -> Turned:
     """By what points turn, about which point and axis."""
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
-        raise where.error(f"must have {_TURN}, {' or '.join(_ABOUT)}, and {_AXIS}")
+        points = " or ".join(alike(where.key, _ABOUT))
+        raise where.error(f"must have {_TURN}, {points}, and {_AXIS}")
     axis = DIRECTION.read(where.at(_AXIS), value[_AXIS])
     steps = _values(where.at(_TURN), value[_TURN])
     point = _VECTOR.read(where.at(about[0]), value[about[0]])
@@ -226,6 +235,11 @@ class NestedAxes(Rule):
     changes: bool = False
     name = "values"
 
+    def of_us_key(self, unit: Unit) -> Rule:
+        """Return the same rule: what varies stays in the unit of its key."""
+        del unit
+        return self
+
     def read(self, where: Location, value: object) -> dict[str, Steps | Added | Turned]:
         """Return the values by entry and part: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
         if not _is_table(value) or not all(map(_is_table, value.values())):
@@ -241,7 +255,7 @@ class NestedAxes(Rule):
             known = (*self.parts, *(_OF_TURN if self.changes else ()))
             for part, entry in parts.items():
                 if part not in known:
-                    raise at.error(f"has no {shown(part)}; {nearest(part, known)}")
+                    raise at.error(f"has no {shown(part)}; {nearest(part, alike(part, known))}")
                 if part not in turn:
                     axes[f"{index}.{part}"] = read(at.at(part), entry)
             if turn:
@@ -303,7 +317,7 @@ BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
     "does not exist; write 0 for the first bearing",
-    ("position_mm", "position_m", "from_end_mm", "from_end_m"),
+    tuple(key for si in POSITIONS for key in (si, *us_keys(si))),
 )
 
 
@@ -326,13 +340,14 @@ class Axis:
         key: as the file says it: ``bends_deg.0``, ``points_mm.2-3.y``, ``points_mm.2.y.add``,
             ``points_mm.2.turn_deg``, ``speed_rpm``.
         section: where the key belongs.
-        name: the key without place and component.
+        name: the key without place and component, in the SI unit.
         place: which entries of a list it varies; ``None`` where the value is one number.
         component: which component of a vector.
         values: the values, ``(steps,)``, in the key's own unit; how much is added; or the angles in
             degrees by which points turn.
         is_added: whether the values are added to those of the drawing.
         rotation: about what points turn.
+        size: the key's own unit in that of the name.
     """
 
     key: str
@@ -343,6 +358,7 @@ class Axis:
     values: FloatArray
     is_added: bool = False
     rotation: Rotation | None = None
+    size: float = 1.0
 
     @property
     def location(self) -> Location:
@@ -365,7 +381,7 @@ class Axis:
     def change(self, entries: FloatArray, column: FloatArray) -> None:
         """Give entries ``(rows, ..., n[, 3])`` these values of the axis, one per row, in place."""
         own = entries[self.where]
-        rows = column.reshape(-1, *[1] * (own.ndim - 1))
+        rows = (self.size * column).reshape(-1, *[1] * (own.ndim - 1))
         if self.rotation:
             rows = self.rotation.of(own, np.radians(rows))
         elif self.is_added:
@@ -418,6 +434,7 @@ def axes_of(
             continue
         section = "driveline" if name in DRIVELINE.keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section, varying)
+        own, size = si_key(name), size_of(name)
         for place, values in places.items():
             index, _, component = place.partition(".")
             entries = _entries(_location(name, place), index, base)
@@ -428,8 +445,10 @@ def axes_of(
                 key, how = f"{key}.{_ADD}", {"is_added": True}
             elif isinstance(values, Turned):
                 key, how = f"{key}.{_TURN}", {"rotation": _rotation(name, place, values)}
+            if not isinstance(values, Turned):
+                how["size"] = size
             steps = _listed(_steps(values))
-            axes.append(Axis(key, section, name, entries, number, steps, **how))
+            axes.append(Axis(key, section, own, entries, number, steps, **how))
     check_apart(axes, {**driveline, **(load or {})})
     return tuple(axes)
 
@@ -451,13 +470,13 @@ def _steps(values: Steps | Added | Turned) -> Steps:
 
 
 def _rotation(name: str, place: str, values: Turned) -> Rotation:
-    """About what points turn, in their unit."""
+    """About what points turn, in the SI unit of their key."""
     location = _location(name, place)
     if not name.startswith("points"):
         raise location.error(f"turns; only points can turn, and {name} are none")
     if name != f"points_{values.unit}":
         raise location.error(f"has about_{values.unit}; the point is in the unit of {name}")
-    return Rotation(np.array(values.about), unit_vector(values.axis))
+    return Rotation(size_of(name) * np.array(values.about), unit_vector(values.axis))
 
 
 def unit_vector(direction: list[float]) -> FloatArray:
@@ -470,11 +489,12 @@ def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]
     location, number = _location("bearing", place), int(index)
     if number >= len(bearings):
         raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
-    if key not in bearings[number]:
+    name = si_key(key)
+    if name not in bearings[number]:
         used = next(name for name in bearings[number] if name != "shaft")
         raise location.error(f"does not go with {used} of that bearing; vary that")
-    entries = slice(number, number + 1)
-    return Axis(str(location), "bearing", key, entries, None, _listed(values))
+    entries, size = slice(number, number + 1), size_of(key)
+    return Axis(str(location), "bearing", name, entries, None, _listed(values), size=size)
 
 
 def _location(name: str, place: str) -> Location:
@@ -487,17 +507,18 @@ def _base(
     """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
     if values is None:
         raise ArgumentValueError(name, f"needs a section [{section}]")
-    if name in values:
-        entries: Sequence[Any] | None = values[name] if isinstance(values[name], list) else None
+    own = si_key(name)
+    if own in values:
+        entries: Sequence[Any] | None = values[own] if isinstance(values[own], list) else None
         if entries == []:
             raise ArgumentValueError(
                 name, "has no entries; one joint has no shaft between two joints"
             )
         return entries
-    if section == "load" and name != "inertias_kgm2":
+    if section == "load" and own != "inertias_kgm2":
         for pair in LOAD.together:
             for key in pair:
-                if name in pair and key in values:
+                if own in pair and key in values:
                     raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")
         return None
     there = ", ".join(values)
@@ -538,7 +559,7 @@ def put(values: dict[str, Any], axis: Axis, column: FloatArray) -> None:
     """Give a key the values of an axis, one per row."""
     rows = column.reshape(-1, 1)
     if axis.place is None:
-        values[axis.name] = rows
+        values[axis.name] = axis.size * rows
         return
     array = np.asarray(values[axis.name], dtype=np.float64)
     if array.ndim == (1 if axis.component is None and axis.rotation is None else 2):

@@ -25,7 +25,7 @@ import numpy as np
 from cardan._core import __version__
 from cardan.app.files.columns import write_columns
 from cardan.app.files.whole_file import Progress, whole_file
-from cardan.app.scene.language.units import converted
+from cardan.app.scene.language.units import System, converted
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.curves import study_columns
 from cardan.app.scene.study.study import Column, Study
@@ -56,6 +56,7 @@ class StudyFolder:
 
     study: Study
     folder: Path
+    units: System = "si"
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -68,15 +69,18 @@ class StudyFolder:
         return self.study.part(range(1)).columns
 
     def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
-        """Return the ending of a column's unit and its values, in the unit of the files."""
+        """Return the ending of a column's SI unit and its values, angles as the files have them."""
         parquet = import_optional("pyarrow.parquet", "table")
         ending, _ = converted(np.empty(0), column.unit, radians)
-        name = f"{column.name}{ending}"
+        written, one = converted(np.ones(1), column.unit, radians, self.units)
+        # Of an angle both are in degrees.
+        size = 1.0 if written == ending else 1.0 / float(one[0])
+        name = f"{column.name}{written}"
         parts = [
             parquet.read_table(file, columns=[name], partitioning=None)[name].to_numpy()
             for file in sorted(self.folder.glob("part-*.parquet"))
         ]
-        return ending, np.concatenate(parts).reshape(self.study.shape)
+        return ending, size * np.concatenate(parts).reshape(self.study.shape)
 
 
 @contextlib.contextmanager
@@ -114,6 +118,7 @@ def write_study(
     client: Any,  # noqa: ANN401 - distributed.Client
     *,
     radians: bool = False,
+    units: System = "si",
     part_rows: int | None = None,
     progress: Progress | None = None,
 ) -> Written:
@@ -131,7 +136,9 @@ def write_study(
     distributed = import_optional("distributed", "dask")
     folder = Path(folder).absolute()
     rows = math.prod(study.shape)
-    manifest = _open_manifest(folder, _fingerprint(study, radians), part_rows or _part_rows(study))
+    manifest = _open_manifest(
+        folder, _fingerprint(study, radians, units), part_rows or _part_rows(study)
+    )
     parts = [
         range(rows)[i : i + manifest["part_rows"]] for i in range(0, rows, manifest["part_rows"])
     ]
@@ -150,6 +157,7 @@ def write_study(
         key=[f"part-{token}-{number}" for number in missing],
         study=held,
         radians=radians,
+        units=units,
     )
     try:
         for _, size in distributed.as_completed(futures, with_results=True):
@@ -171,10 +179,10 @@ def write_study(
     return written
 
 
-def _write_part(path: Path, rows: range, study: Study, radians: bool) -> int:
+def _write_part(path: Path, rows: range, study: Study, radians: bool, units: System) -> int:
     # There already if a worker died between writing it and saying so.
     if not path.exists():
-        write_columns(path, study_columns(study.part(rows), radians=radians))
+        write_columns(path, study_columns(study.part(rows), radians=radians, units=units))
     return len(rows)
 
 
@@ -215,7 +223,7 @@ def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) ->
     return manifest
 
 
-def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
+def _fingerprint(study: Study, radians: bool, units: System = "si") -> dict[str, Any]:
     """All that the figures depend on, as plain data; long arrays by their hash."""
 
     def plain(value: object) -> object:
@@ -239,6 +247,7 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
         "joints": study.joints,
         "options": {key: value for key, value in study.options.items() if key != "workers"},
         "angle unit": "rad" if radians else "deg",
+        "units": None if units == "si" else units,
         "version": __version__,
     }
     as_read: dict[str, Any] = json.loads(json.dumps(fingerprint, default=plain))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import closing
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from cardan.app.files.columns import write_columns
 from cardan.app.files.tables import ROWS, write_pieces
 from cardan.app.files.whole_file import Progress
-from cardan.app.scene.language.units import converted
+from cardan.app.scene.language.units import System, converted
 from cardan.app.scene.recording.signals import Signal, Way, joined
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.study import StudyPart, StudyResult
@@ -22,7 +23,7 @@ from cardan.arrays import FloatArray
 
 
 def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
-    """Return the curves as columns of equal length, in SI units and angles in degrees or radians.
+    """Return the curves as columns of equal length, in the units of the scene.
 
     The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
     last shaft has no number where the scene names no shafts. A drive that was recorded over time
@@ -43,7 +44,7 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
         if output.vector:
             parts = {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
         for part, curve in parts.items():
-            suffix, in_unit = converted(curve, output.unit, radians)
+            suffix, in_unit = converted(curve, output.unit, radians, scene.units)
             table[f"{part}{suffix}"] = in_unit
     return table
 
@@ -69,16 +70,16 @@ def _drive(scene: Scene, *, with_units: bool) -> dict[str, FloatArray]:
 
 
 def study_columns(
-    result: StudyResult | StudyPart, *, radians: bool = False
+    result: StudyResult | StudyPart, *, radians: bool = False, units: System = "si"
 ) -> dict[str, FloatArray]:
     """Return a study as columns: the keys varied, as the file has them, then the figures.
 
     The arrays have the shape of the grid, and its rows are their elements in order. Figures are in
-    SI units and their angles in degrees, or radians; the names carry the unit.
+    SI or US units and their angles in degrees, or radians; the names carry the unit.
     """
     table = result.coordinates()
     for column in result.columns:
-        suffix, in_unit = converted(result.values[column.name], column.unit, radians)
+        suffix, in_unit = converted(result.values[column.name], column.unit, radians, units)
         table[f"{column.name}{suffix}"] = in_unit
     return table
 
@@ -110,6 +111,7 @@ def write_study(
     path: str | PathLike[str],
     *,
     radians: bool = False,
+    units: System = "si",
     progress: Progress | None = None,
 ) -> int:
     """Write a study in the format that the path's suffix names and return the number of rows.
@@ -120,7 +122,7 @@ def write_study(
     if Path(path).suffix == ".npz":
         write_columns(path, {**result.grid(), **result.values})
     else:
-        write_columns(path, study_columns(result, radians=radians), progress)
+        write_columns(path, study_columns(result, radians=radians, units=units), progress)
     return result.rows
 
 
@@ -139,6 +141,8 @@ class Streamed(NamedTuple):
     """The extents of what was recorded besides angles and bends."""
     extent_deg: tuple[float, float] | None
     """The least and the largest drive angle of a drive that turns back."""
+    units: System
+    """In which the columns are written."""
 
 
 def stream(
@@ -146,6 +150,7 @@ def stream(
     into: str | PathLike[str] = ".",
     *,
     radians: bool = False,
+    units: System | None = None,
     rows: int = ROWS,
     progress: Progress | None = None,
 ) -> Streamed:
@@ -160,6 +165,7 @@ def stream(
         scene: a scene file with ``[angles]``, and ``curves`` into a Parquet file.
         into: folder for the curves.
         radians: whether angles are written in radians.
+        units: in which columns are written; by default those of the scene.
         rows: largest number of rows at a time.
         progress: called after each chunk with the number of rows done and of all rows.
 
@@ -194,8 +200,10 @@ def stream(
             way.add(known)
             if known.size:
                 ends[:] = [*(ends or known[:1].tolist())[:1], float(known[-1])]
+            part = replace(part, units=units or part.units)
             return columns(SceneResult(part, part.evaluate()), radians=radians)
 
         written = write_pieces(path, pieces(), progress)
         # A recording without any number is refused.
-        return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals, way.extent)
+        way_of = ((ends[0], ends[1]), way.turns, signals, way.extent)
+        return Streamed(path, written, missing, *way_of, units or first.units)

@@ -15,7 +15,7 @@ from cardan.app.scene.language.document import nested
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import kept_quantity
 from cardan.app.scene.language.section import Reading
-from cardan.app.scene.language.units import split
+from cardan.app.scene.language.units import si_key, size_of, split
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, make_driveline
 from cardan.app.scene.sections.load import largest_speed
@@ -49,9 +49,9 @@ _DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"],
 class Variable:
     """A key of a scene, with the entries that change together, and its least and largest change.
 
-    The base is the value of the first of its entries in [driveline], and ``last_entry`` the number
-    of the last one of its key. A phase that is free has the least change ``-inf``; teeth are those
-    of its spline, 0 without one.
+    All are in the unit of the key. The base is the value of the first of its entries in
+    [driveline], and ``last_entry`` the number of the last one of its key. A phase that is free has
+    the least change ``-inf``; teeth are those of its spline, 0 without one.
     """
 
     axis: Axis
@@ -64,7 +64,13 @@ class Variable:
     @property
     def unit(self) -> str:
         """The ending of its key: ``"mm"``; "" for a ratio."""
-        return split(self.axis.name)[1]
+        return split(self.key)[1]
+
+    @property
+    def key(self) -> str:
+        """Its key as the file has it, without a place in it."""
+        name, *places = self.axis.key.split(".")
+        return places[1] if name == BEARING.name else name
 
     @property
     def is_phase(self) -> bool:
@@ -125,12 +131,13 @@ class Optimisation:
         mounting = self.layout.mounting
         for i, variable in enumerate(self.variables):
             if variable.axis.section == "bearing":
-                positions = (variable.base + changes[..., i])[..., np.newaxis]
+                positions = variable.base + changes[..., i]
+                positions = (variable.axis.size * positions)[..., np.newaxis]
                 mounting = mounting.moved(variable.axis, positions)
                 continue
             own = values[variable.axis.name][variable.axis.where]
             # A view of the copy above.
-            own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
+            own += (variable.axis.size * changes[..., i]).reshape((*changes.shape[:-1], 1, 1))
         for axis in turns:
             axis.change(np.moveaxis(values[axis.name], -3, 0), axis.values)
         return mounting.on(make_driveline(self.layout.form, values))
@@ -161,7 +168,9 @@ class Optimisation:
     def _kept(self) -> dict[str, float]:
         """The limits in SI units, by the names of the quantities."""
         return {
-            kept_quantity(key): math.radians(limit) if key.endswith("_deg") else limit
+            kept_quantity(key): size_of(key) * math.radians(limit)
+            if key.endswith("_deg")
+            else size_of(key) * limit
             for key, limit in self.keep.items()
         }
 
@@ -182,8 +191,9 @@ class Optimisation:
             if axis.section == "bearing":
                 found[axis.key] = variable.base + change
                 continue
-            path = f"driveline.{axis.name}"
-            values = np.array(found.get(path, self.layout.driveline[axis.name]), dtype=np.float64)
+            path = f"driveline.{variable.key}"
+            own = np.array(self.layout.driveline[axis.name], dtype=np.float64) / axis.size
+            values = np.array(found.get(path, own))
             values[axis.where] += change
             found[path] = values.tolist()
             for other in self._of_states:
@@ -219,7 +229,7 @@ class Optimisation:
             reached = {kept_quantity(key): key for key in self.keep}
             key = reached[error.quantity]
             limit, found = self.keep[key], error.reached
-            found = math.degrees(found) if key.endswith("_deg") else found
+            found = math.degrees(found) if key.endswith("_deg") else found / size_of(key)
             raise Location("keep", (key,)).error(
                 f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
                 f"{found:.4g}, {found - limit:.3g} above"
@@ -235,7 +245,7 @@ class Optimisation:
             if axis.name not in _DERIVATIVES or any(_overlap(axis, one, count) for one in turned):
                 return None
             kind, factor = _DERIVATIVES[axis.name]
-            found.append((kind, axis.where[1:], factor))
+            found.append((kind, axis.where[1:], factor * axis.size))
         return found
 
 
@@ -245,6 +255,8 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
     if layout is None:
         raise ValueError("it does not go with recorded bends, which nothing can change")
     ranges: Mapping[str, tuple[float, float] | None] = values["vary"]
+    for path in ranges:
+        scene.check_unit(path, Location("vary", (path,)))
     axes = _axes(ranges, layout)
     teeth = scene[DRIVELINE].teeth
     variables = tuple(_variable(axis, ranges[axis.key], layout, teeth) for axis in axes)
@@ -276,7 +288,7 @@ def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
             continue
         if name not in STUDY.keys or name not in DRIVELINE.keys:
             raise where.error(f"is no key that can change; those of the scene are {_there(layout)}")
-        if name not in layout.driveline:
+        if si_key(name) not in layout.driveline:
             raise where.error(f"is not in [driveline]; what can change is {_there(layout)}")
         paths[name] = STUDY.keys[name].rule.read(Location(name), places)
     return axes_of(paths, layout.driveline, None, "an optimisation", layout.mounting.given)
@@ -291,9 +303,10 @@ def _variable(
 ) -> Variable:
     low, high = (-math.inf, math.inf) if ends is None else ends
     if axis.section == "bearing" and axis.place is not None:
-        return Variable(axis, float(layout.mounting.bearings[axis.place.start].value), low, high)
+        position = float(layout.mounting.bearings[axis.place.start].value)
+        return Variable(axis, position / axis.size, low, high)
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
-    base = float(np.ravel(values[axis.where])[0])
+    base = float(np.ravel(values[axis.where])[0]) / axis.size
     own = 0
     if axis.name == "phases_deg" and teeth:
         counts = set(teeth[axis.place or slice(None)])

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StudyPointError
+from cardan.app.scene.language.units import si_key
 from cardan.app.scene.sections.bearing import Mounting
 from cardan.app.scene.sections.driveline import Form, make_driveline, points_of
 from cardan.app.scene.sections.load import make_load
@@ -56,7 +57,7 @@ class SceneLayout:
         for path in changes or {}:
             if path in own:
                 raise ArgumentValueError(path, "varies from state to state; it has no value to set")
-            if path.partition(".")[0] not in self.driveline:
+            if si_key(path.partition(".")[0]) not in self.driveline:
                 there = ", ".join(self.driveline)
                 raise ArgumentValueError(path, f"is not in [driveline]; what can be set is {there}")
         given: dict[str, dict[str, list[float]]] = {}
@@ -184,7 +185,7 @@ class States:
         values: dict[str, Any] = dict(load)
         for axis in self.axes:
             if axis.section == "load" and axis.place is None:
-                values[axis.name] = float(axis.values[state])
+                values[axis.name] = axis.size * float(axis.values[state])
             elif axis.section == "load":
                 entries = np.array([values[axis.name]], dtype=np.float64)
                 axis.change(entries, axis.values[[state]])
