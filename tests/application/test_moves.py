@@ -120,7 +120,7 @@ def test_a_turn_of_a_yoke_is_a_move(tmp_path: Path) -> None:
         (move,) = (move for move in data["moves"] if move["variable"] == "phase")
         assert move["verdict"] == "within"
         assert abs(move["turn_deg"]) <= turn + 1e-9
-        (said,) = re.findall(r"shaft 1 by ([\d.]+)°", data["advice"][0])
+        (said,) = re.findall(r"shaft 1 by (?:\d+ teeth \()?([\d.]+)°", data["advice"][0])
         assert float(said) == pytest.approx(abs(move["turn_deg"]), abs=0.1)
         for size in (abs(move["turn_deg"]), float(said)):
             turned = np.copysign(size, move["turn_deg"])

@@ -277,13 +277,15 @@ def test_the_page_computes_what_holds_at_every_speed() -> None:
     answer = cardan.Answer(cardan.Scene.parse(SEVERAL.format(height=-60)))
     data = live(answer)
     assert data
-    judged = {(each["kind"], each["item"], each["bound"]) for each in data["data"]["figures"]}
+    judged = {(each["kind"], each["item"], each["bound"]["si"]) for each in data["data"]["figures"]}
     assert judged >= {
         ("bend", 0, "at most 4°"),
         ("bend", 1, "at most 4°"),
         ("bend_difference", None, "at most 0.5°"),
     }
-    others = {(each["name"], each["verdict"], each["words"]) for each in data["data"]["others"]}
+    others = {
+        (each["name"], each["verdict"], each["words"]["si"]) for each in data["data"]["others"]
+    }
     source = "Spicer, driveline operating angle calculator, spicerparts.com"
     words = f"3.43°, 0.43° above the limit of 3° ({source})"
     assert ("bend of joint 0", "tolerable", words) in others

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from cardan.app.answers.moves.figures import Move
 from cardan.app.answers.moves.text import sentences as moves_in_words
 from cardan.app.answers.readings.figures import ReadingFigures, sentences
 from cardan.app.answers.readings.picture import picture
+from cardan.app.report.live import live
 from cardan.app.scene.starters import STARTERS
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 LENGTHS, OFFSETS = [350, 1300, 1507, 300], [0, 0, 45, 45, 45]
 TEXT = """
 [driveline]
@@ -77,9 +80,22 @@ def test_how_a_reading_is_written(text: str, degrees: float) -> None:
         ('"3.0 down"', '"-3.0 down"', "readings_deg[0] is '-3.0 down', with a sign and 'down'"),
         ('"3.0 down"', '"3,0 down"', "readings_deg[0] is '3,0 down'; it must be as \"3.0 down\""),
         ('"3.0 down"', '"3 left"', "readings_deg[0] is '3 left'; it must be as \"3.0 down\""),
-        ('"3.0 down"', '"0 from vertical up"', "readings_deg[0] is 90.0 deg; a reading must lie"),
+        (
+            '"3.0 down"',
+            '"0 from vertical up"',
+            "readings_deg[0] is 90.0 deg; of a gauge that counts from the v",
+        ),
         ('"3.0 down"', "true", "readings_deg[0] is true; it must be a number"),
-        ('"3.0 down"', '"89 up"', "readings_deg give joint 0 a bend of 90.2"),
+        (
+            '"3.0 down"',
+            '"87.0 down"',
+            "readings_deg[0] is -87.0 deg; of a gauge that counts from t",
+        ),
+        (
+            "readings_deg = [",
+            'readings_deg = ["59 up", "59 down"]\n#',
+            "give joint 0 a bend of 118",
+        ),
         ('"45 left"', '"45"', "offsets_mm[2] is '45' without a direction; write \"45 left\""),
         ('0, "45 left"', '400, "45 left"', "offsets_mm go aside by 400 along shaft 0, which is 35"),
         (", 45]", "]", "offsets_mm has length 4; it needs 5, one per point"),
@@ -171,6 +187,7 @@ def test_what_is_said_of_it(limit: float, words: str) -> None:
     scene = parsed(rest=f"[limits]\nequivalent_bend_deg = {limit}\n")
     text = " ".join(sentences(certainty(scene)))
     assert re.search(words, text)
+    assert "Read towards the output, shaft by shaft: 3° down, 1.2° down, 3° down, 4° down." in text
     assert "Each reading may be off by 0.25° on its own." in text
 
 
@@ -186,7 +203,7 @@ def test_nothing_is_said_of_a_gauge_that_is_not_given() -> None:
     found = certainty(scene)
     assert [each.bend for each in found.angles] == scene.line.bends.tolist()
     assert found.within is None
-    assert not [*sentences(found)]
+    assert len([*sentences(found)]) == 1
     assert Answer(cardan.Scene.parse("[driveline]\nbends_deg = [1]\n"))["readings"] is None
 
 
@@ -243,6 +260,40 @@ def test_without_lengths_no_spacer_is_advised() -> None:
         np.radians([-3.0, -1.2, -3.0, -4.0 + math.degrees(shaft.tilt or 0.0)])
     )
     assert float(after.equivalent().bend_deg) == pytest.approx(0.9, rel=1e-6)
+
+
+def test_a_shim_suffices_in_every_state_as_it_is_printed() -> None:
+    """A point that moves alike tilts its shaft by another angle where that slopes more."""
+    text = (EXAMPLES / "launch.toml").read_text()
+    (words,) = moves_in_words(Answer(cardan.Scene.parse(text))["moves"])
+    found = re.match(r"Tilt shaft 2 down towards the output by (\d\.\d\d)° with a shim", words)
+    assert found
+    for size, verdict in ((float(found[1]), "within"), (float(found[1]) - 0.02, "beyond")):
+        after = text.replace('"3.0 down"]', f'"{3.0 + size:.2f} down"]')
+        assert Answer(cardan.Scene.parse(after)).verdict == verdict
+
+
+def test_working_angles_are_those_of_the_drawing_in_any_order_of_states() -> None:
+    text = (EXAMPLES / "launch.toml").read_text().replace("teeth = 24", "gauge_deg = 0.25")
+    for torques in ("[-100, 150, 600]", "[600, -100, 150]"):
+        found = certainty(cardan.Scene.parse(text.replace("[-100, 150, 600]", torques)))
+        for each in found.angles:
+            assert each.least is not None
+            assert each.largest is not None
+            assert math.degrees(each.least) == pytest.approx(2.5, abs=0.05)
+            assert math.degrees(each.largest) == pytest.approx(3.5, abs=0.05)
+
+
+def test_the_page_says_what_a_workshop_can_do() -> None:
+    answer = Answer(parsed(rest=LIMITS))
+    data = live(answer)
+    assert data
+    told = " ".join(data["data"]["shims"])
+    for words in ("Tilt shaft 3 up", "Lower joint 2", "of what the gauge may hide", "as sent"):
+        assert words in told
+    points = live(Answer(cardan.Scene.parse(STARTERS["truck-shaft"].text)))
+    assert points
+    assert points["data"]["shims"] is None
 
 
 def test_yokes_turn_by_teeth() -> None:

@@ -263,7 +263,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         None,
         r"unknown key 'a\nb'; known are title, units, driveline, bearing, load, sweep, angles, "
         "limits, tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, "
-        "study, states, optimise, output",
+        "study, states, wind_up, optimise, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",
@@ -277,7 +277,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] no shafts or joints; give one of: bends_deg; points_m; points_mm; directions; "
         "slopes_vertical_deg with slopes_horizontal_deg; "
         "projected_bends_vertical_deg with projected_bends_horizontal_deg; "
-        "double_joint_deg with joint_distance_mm with synchronous_deg",
+        "readings_deg; double_joint_deg with joint_distance_mm with synchronous_deg",
     ),
     (
         JOINT + "points_mm = [[0, 0, 0]]\ndirections = [[1, 0, 0]]",
@@ -1014,7 +1014,9 @@ def test_description_is_the_format() -> None:
 
 
 def test_every_key_of_a_driveline_is_in_a_form() -> None:
-    used = {key for form in FORMS for key in form.keys + form.optional + form.further}
+    used = {
+        key for form in FORMS for key in form.keys + form.optional + form.further + form.measures
+    }
     assert used | {TEETH, *LENGTHS} == {si_key(key) for key in FORMAT["driveline"].keys}
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cardan
+from cardan.app.answers.answer import Answer
 from cardan.app.scene.machine import machine_data
 
 POINTS = "[[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]"
@@ -110,7 +111,7 @@ def test_the_page_moves_what_turns() -> None:
         ('points = "3-4"', 'shafts = "3"', "shafts need readings_deg or slopes_vertical_deg in"),
         ('axis = "z"', 'axis = "w"', 'axis is \'w\'; it is "x", "y", "z" or three numbers'),
         ('axis = "z"', "axis = [0, 0, 0]", "axis is [0, 0, 0]; an axis needs a direction"),
-        ("about_mm = [3450, -250, 45]", "", "axis needs about_mm"),
+        ("about_mm = [3450, -250, 45]", "", "deg_per_kNm needs about_mm, a point of the axis"),
         ("deg_per_kNm = 1.5", "", "deg_per_kNm is missing; or give mm_per_kNm"),
     ],
 )
@@ -125,6 +126,14 @@ def test_torques_are_needed() -> None:
         parsed(states="")
     with pytest.raises(ValueError, match="no torque for"):
         cardan.Scene.parse(f"{LINE}[states]\nnames = ['a']\n'points_mm.2.y' = [-46]\n{AXLE}")
+
+
+def test_rates_in_other_units_are_told() -> None:
+    tilt = "[[wind_up]]\nshafts = 2\ndeg_per_kNm = {}\n"
+    line = "[driveline]\nreadings_deg = [-3, -6, -3]\n"
+    for rate, count in ((6, 0), (0.006, 1), (0, 0)):
+        found = Answer(parsed(tilt.format(rate), line=line))["remarks"]
+        assert len([each for each in found if each.about == "[[wind_up]]"]) == count
 
 
 def test_a_point_turns_once() -> None:

@@ -124,6 +124,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
             "known_ratings": reach["ratings"],
         },
         "fixed": sorted(set_by_states(scene)),
+        "shims": _shims(answer) if scene.is_measured else None,
         "given": given(scene),
         "source": {
             "name": Path(scene.name).name,
@@ -253,6 +254,13 @@ def _shown(unit: str, digits: str = "") -> dict[str, Any]:
         own = DIGITS[f"{digits}_{us}" if f"{digits}_{us}" in DIGITS else digits or us]._asdict()
         found["us"] = {"unit": ENDINGS[us].symbol, "size": ENDINGS[us].size, "digits": own}
     return found
+
+
+def _shims(answer: Answer) -> list[str]:
+    """What a workshop can do, which no move in a drawing is, and how certain the verdict is."""
+    parts = [PARTS[name].sentences(answer[name]) for name in ("moves", "readings")]
+    found = [sentence for sentences in parts for sentence in sentences]
+    return [*found, "Of the scene as sent. Enter new readings to see what a shim does."]
 
 
 def _with_source(value: Judged, row: Row) -> str:

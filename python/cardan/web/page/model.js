@@ -39,6 +39,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
  * @property {import("./numbers.js").Measured} torques
  * @property {string[]} verdicts from the worst
  * @property {{reach: number, teeth: number[], known_ratings: number[]}} search for what would help
+ * @property {string[] | null} shims what would help a driveline that was read with an inclinometer, as sent
  * @property {[string, number][]} fixed what the states set, so that it cannot be suggested
  * @property {string} title of the scene
  * @property {string} core the digest of its sources

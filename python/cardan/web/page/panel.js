@@ -220,6 +220,8 @@ export class Panel {
       button.addEventListener("click", () => take(without));
     }
     this.ways.classList.add("pale");
+    // They are of the machine before.
+    this.ways.querySelectorAll("button").forEach((button) => (button.disabled = true));
   }
 
   /**
@@ -230,6 +232,11 @@ export class Panel {
   offer(found, apply) {
     this.ways.replaceChildren();
     this.ways.classList.remove("pale");
+    const { shims } = this.model.sent;
+    if (shims) {
+      for (const words of shims) made("p", "", this.ways, words);
+      return;
+    }
     const isPart = this.model.sent.others.length > 0;
     for (const suggestion of found.slice(0, OFFERED)) {
       const button = made("button", "", this.ways);

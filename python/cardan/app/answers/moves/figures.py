@@ -11,9 +11,9 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer, JudgedFigure
 from cardan.app.answers.rows import count, figure, optional, word
-from cardan.app.scene.machine import machine_of, rules_of
+from cardan.app.scene.machine import machine_of, moving, rules_of
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.driveline import has_lengths
+from cardan.app.scene.sections.driveline import READINGS, has_lengths
 from cardan.design.limits import PRESETS
 from cardan.design.machine import Change, Machine
 
@@ -69,7 +69,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
         if (change.variable, change.item) not in held
     )
     if scene.is_measured:
-        moves = _in_workshop(moves, machine, of_lengths=has_lengths(scene.line))
+        moves = _in_workshop(moves, machine, scene)
     return tuple(moves)
 
 
@@ -108,7 +108,7 @@ def set_by_states(scene: Scene) -> set[tuple[str, int]]:
     return found
 
 
-def _in_workshop(moves: Iterable[Move], machine: Machine, *, of_lengths: bool) -> Iterator[Move]:
+def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Iterator[Move]:
     """What shims and spacers can do, which are put under the parts: no move aside or along."""
     line = machine.states[0]
     last = line.n_joints
@@ -122,9 +122,33 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, *, of_lengths: bool) -
             rise = lengths[shaft] * np.sin(rises[shaft]) + shift
             level = lengths[shaft] * np.cos(rises[shaft])
             tilt = float(np.arctan2(rise, level) - rises[shaft])
+            if move.verdict == "within":
+                tilt = _least_tilt(scene, shaft, tilt)
             yield replace(move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt)
-        elif move.axis == "y" and of_lengths:
+        elif move.axis == "y" and has_lengths(scene.line):
             yield replace(move, axis="up")
+
+
+def _least_tilt(scene: Scene, shaft: int, near: float) -> float:
+    """The least tilt that suffices; a point that moves tilts its shaft less where that slopes."""
+    assert scene.layout is not None
+    path, read = f"{READINGS}.{shaft}", scene.layout.driveline[READINGS][shaft]
+    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+
+    def suffices(tilt: float) -> bool:
+        lines = scene.drivelines({path: read + math.degrees(tilt)})
+        judged = (one for one in moving(scene, lines, load).figures() if not np.isnan(one.limit))
+        return all(one.verdict == "within" for one in judged)
+
+    short, enough = 0.9 * near, 1.1 * near
+    if scene.states and any(axis.key == path for axis in scene.states.axes):
+        return near
+    if not suffices(enough):
+        return near
+    for _ in range(40):
+        middle = 0.5 * (short + enough)
+        short, enough = (short, middle) if suffices(middle) else (middle, enough)
+    return enough
 
 
 def _move(change: Change, scene: Scene, untried: str) -> Move:

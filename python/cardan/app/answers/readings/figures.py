@@ -13,6 +13,7 @@ from cardan.app.answers.rows import figure, item, numbers, parts, word
 from cardan.app.scene.machine import moving
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import READINGS
+from cardan.app.scene.study.states import States
 from cardan.arrays import FloatArray
 from cardan.design.limits import PRESETS
 from cardan.design.machine import RANKS, MachineFigure
@@ -77,10 +78,10 @@ def find(answer: Answer) -> ReadingFigures | None:
         angles = (WorkingAngle(joint, float(bend), None, None) for joint, bend in enumerate(bends))
         return ReadingFigures(tuple(read.tolist()), tuple(angles), None, None, None, None, "")
     off = scene.gauge_deg * spread_evenly(_SAMPLES, len(read))
-    hidden = [*_hidden(scene, off)]
-    least, largest = hidden[0].bends.min(axis=0), hidden[0].bends.max(axis=0)
+    (drawn,) = _hidden(scene, off, None)
+    least, largest = drawn.bends.min(axis=0), drawn.bends.max(axis=0)
     ends = zip(bends.tolist(), least.tolist(), largest.tolist(), strict=True)
-    ranks, decides = _judged(scene, hidden)
+    ranks, decides = _judged(scene, [*_hidden(scene, off, scene.states)])
     within, acceptable = (
         None if ranks is None else float(np.mean(ranks <= RANKS.index(rank)))
         for rank in ("within", "tolerable")
@@ -104,9 +105,9 @@ def _as_read(answer: Answer) -> Iterator[str]:
     yield from (name for part, name in _AS_READ.items() if getattr(answer.scene, part) is not None)
 
 
-def _hidden(scene: Scene, off: FloatArray) -> Iterator[Driveline]:
+def _hidden(scene: Scene, off: FloatArray, states: States | None) -> Iterator[Driveline]:
     """The drivelines that the gauge may hide, of the drawing or in every state."""
-    layout, states = scene.layout, scene.states
+    layout = scene.layout
     assert layout is not None
     axes, count = (states.axes, states.count) if states else ((), 1)
     values = layout.values(axes, count)
@@ -140,8 +141,15 @@ def _name(each: MachineFigure) -> str:
     return name if each.item is None else f"{name} of {each.kind.per} {each.item}"
 
 
+def _reading(inclination: float) -> str:
+    way = "up" if inclination > 0.0 else "down"
+    return f"{given(abs(inclination), 'deg')} {way}" if inclination else "level"
+
+
 def sentences(found: ReadingFigures) -> Iterator[str]:
-    """Say how certain the verdict is, and where the gauge is too coarse."""
+    """Say what was read, how certain the verdict is, and where the gauge is too coarse."""
+    read = ", ".join(map(_reading, found.inclinations))
+    yield f"Read towards the output, shaft by shaft: {read}."
     if found.gauge is None:
         return
     off = given(found.gauge, "deg")

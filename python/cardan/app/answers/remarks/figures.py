@@ -31,6 +31,9 @@ _SMALLEST = 1e-3
 """A length in m below which no pin, tube or spline is wide, and no bearing far from an end."""
 
 _FASTEST = 20_000.0
+
+# Rad, by which nothing that yields under a torque turns so little that it is worth its section.
+_STIFF = 1e-3
 """A speed in rpm that no universal joint reaches."""
 
 _LEAST_BEND = 0.5
@@ -54,6 +57,7 @@ def find(answer: Answer) -> tuple[Remark, ...]:
         _angles,
         _recorded,
         _tubes,
+        _wind_up,
         _small,
         _speeds,
         _states,
@@ -208,6 +212,21 @@ def _speeds(scene: Scene) -> Iterator[Remark]:
         yield Remark(
             "[angles]" if scene.speed_recorded else "[load]",
             f"the drive turns at {quantity(speed, 'rpm')}, faster than universal joints do",
+        )
+
+
+def _wind_up(scene: Scene) -> Iterator[Remark]:
+    """Rates in other units: nothing that yields turns so little under all torques of its states."""
+    states, layout = scene.states, scene.layout
+    if not (scene.wind_ups and states and layout):
+        return
+    drawn, own = scene.line, scene.drivelines()
+    apart = np.linalg.norm(own.directions - drawn.directions, axis=-1).max()
+    if 0.0 < apart < _STIFF:
+        yield Remark(
+            "[[wind_up]]",
+            f"no shaft turns by more than {quantity(apart, 'deg')} under the torques of [states]; "
+            "rates are per kN m, and torques in N m",
         )
 
 

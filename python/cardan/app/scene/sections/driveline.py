@@ -321,8 +321,11 @@ def _described(values: Mapping[str, Any], scene: Reading) -> Described:
     elif GAUGE in values and READINGS not in values:
         raise ArgumentValueError(GAUGE, f"belongs to {READINGS}, which is not given")
     form, keys = filled(own, recorded.bends if recorded else None)
-    DRIVELINE.check_counts(values, len(keys[form.keys[0]]) - form.ends)
+    if form.measures:
+        # What is measured must fit before there is a driveline.
+        DRIVELINE.check_counts(values, len(keys[READINGS]) - form.ends)
     line = make_driveline(form, keys)
+    DRIVELINE.check_counts(values, line.n_joints)
     points = next((key for key in own if key.startswith("points")), None)
     if points and lengths:
         raise ArgumentValueError(lengths, f"does not go with {points}, which says it already")
@@ -355,7 +358,12 @@ def _slopes(meaning: str, argument: str) -> Key:
 
 
 _READING = Directed(
-    Number(-90, 90, above=True, below=True, what="a reading", unit="deg"),
+    Number(
+        -60,
+        60,
+        what='of a gauge that counts from the vertical write "87.0 from vertical down"; a reading',
+        unit="deg",
+    ),
     ("up", "down"),
     {
         "deg": (float, True),

@@ -123,7 +123,7 @@ WIND_UP: Section[tuple[WindUp, ...]] = Section(
     _wind_ups,
     together=(("points", "shafts"),),
     needed=(("points", "shafts"), ("deg_per_kNm", "mm_per_kNm")),
-    with_key=(("about_mm", "deg_per_kNm"), ("axis", "about_mm")),
+    with_key=(("about_mm", "deg_per_kNm"),),
     repeated=True,
     always=True,
 )
