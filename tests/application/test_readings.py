@@ -91,11 +91,7 @@ def test_how_a_reading_is_written(text: str, degrees: float) -> None:
             '"87.0 down"',
             "readings_deg[0] is -87.0 deg; of a gauge that counts from t",
         ),
-        (
-            "readings_deg = [",
-            'readings_deg = ["59 up", "59 down"]\n#',
-            "give joint 0 a bend of 118",
-        ),
+        ('"3.0 down", "1.2 down"', '"59 up", "59 down"', "readings_deg give joint 0 a bend of 1"),
         ('"45 left"', '"45"', "offsets_mm[2] is '45' without a direction; write \"45 left\""),
         ('0, "45 left"', '400, "45 left"', "offsets_mm go aside by 400 along shaft 0, which is 35"),
         (", 45]", "]", "offsets_mm has length 4; it needs 5, one per point"),
