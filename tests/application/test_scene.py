@@ -517,9 +517,9 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "a sweep takes at most 10000000 steps",
     ),
     (
-        section("output") + "curves = 'a.xlsx'",
+        section("output") + "curves = 'a.ods'",
         4,
-        "[output] curves is 'a.xlsx'; it must end in .csv or .npz or .parquet",
+        "[output] curves is 'a.ods'; it must end in .csv or .npz or .parquet or .xlsx",
     ),
     (
         section("output") + "picture = 'a.csv'",

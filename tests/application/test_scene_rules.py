@@ -116,6 +116,7 @@ ACROSS_KEYS = (
     r"closed_forms do not go with recorded bends$",
     r"\[study\] \S+ does not go with recorded bends$",
     r"\[study\] \w+ needs a section \[load\]$",
+    r"\[(study|states)\] .* has no sheets; leave out sheet = ",
     r"\[study\] \w+ is not in \[\w+\]; a study can vary ",
     r"\[study\] \w+ does not go with \w+ of \[load\]; vary that$",
     r"\[study\] \S+ varies \S+, which varies already$",

@@ -135,7 +135,7 @@ TWO = "[driveline]\nbends_deg = [8.5, 9]\n"
         JOINT + "[output]\nquantities = ['angle', 'angle']",
         JOINT + "[output]\nreduce = 'peek'",
         JOINT + "[output]\nshafts = [-1]",
-        JOINT + "[output]\ncurves = 'a.xlsx'",
+        JOINT + "[output]\ncurves = 'a.ods'",
         JOINT + "[output]\ncurves = '../a.csv'",
         JOINT + "[output]\nworkers = 0",
     ],

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar, cast, get_args
 
 import click
 
+from cardan.app.answers.sheets import write_answer
 from cardan.app.files import columns
 from cardan.app.files.whole_file import check_writable
 from cardan.app.scene.language.units import System, shown_in
 from cardan.app.scene.scene import BallJointScene, Scene
-from cardan.arrays import import_optional
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -71,6 +71,7 @@ def file_option(name: str, text: str) -> Callable[[_Function], _Function]:
 
 
 picture_as_well = file_option("--output", "Picture to write as well.")
+workbook_as_well = file_option("--workbook", "Spreadsheet to write as well, as .xlsx.")
 
 
 def missing_samples(missing: int, count: int, where: str) -> str:
@@ -81,12 +82,32 @@ def missing_samples(missing: int, count: int, where: str) -> str:
 
 def check_output(scene: Scene | BallJointScene, path: Path) -> None:
     """Refuse a file that cannot be written or that the scene reads, before the work is done."""
-    recording = scene.recording if isinstance(scene, Scene) else None
-    if recording and path.exists() and path.samefile(recording):
-        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
+    for section, file in scene.files.items() if isinstance(scene, Scene) else ():
+        if path.exists() and path.samefile(file):
+            what = "recording" if section == "angles" else f"file of [{section}]"
+            raise ValueError(f"{path} is the {what} that the scene reads; it would be overwritten")
     check_picture(path)
-    if path.suffix == ".parquet":
-        import_optional("pyarrow", "table")
+    columns.check_library(path)
+
+
+def check_workbook(path: Path | None, scene: Scene | BallJointScene | None = None) -> None:
+    """Refuse a workbook that cannot be written or that the scene reads."""
+    if path is None:
+        return
+    if path.suffix != ".xlsx":
+        raise ValueError(f"--workbook {path} must end in .xlsx")
+    if scene:
+        check_output(scene, path)
+    else:
+        check_writable(path)
+        columns.check_library(path)
+
+
+def write_workbook(data: Mapping[str, Any], path: Path | None) -> str:
+    """Write an answer as a workbook if one is asked for, and return the line that says so."""
+    if path is None:
+        return ""
+    return f"wrote {path} ({write_answer(data, path)} sheets)"
 
 
 def check_picture(path: Path) -> None:

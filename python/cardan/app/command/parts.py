@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,12 +22,15 @@ from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text
 from cardan.app.command.options import (
     check_output,
+    check_workbook,
     file_argument,
     file_option,
     in_units,
     json_option,
     picture_as_well,
     scene_argument,
+    workbook_as_well,
+    write_workbook,
 )
 from cardan.app.command.terminal import as_json_text, say
 from cardan.app.files.whole_file import check_writable, whole_file
@@ -42,8 +44,9 @@ from cardan.app.scene.scene import Scene
 @click.command()
 @scene_argument
 @picture_as_well
+@workbook_as_well
 @json_option
-def life(scene: Path, output: Path | None, as_json: bool) -> None:
+def life(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
     """Say how long the joints of a driveline last, how hot they run and which size would suffice.
 
     The section [joints] of the scene describes the joints or names a table of their sizes. [life]
@@ -58,7 +61,7 @@ def life(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan life conveyor.toml --output life.svg
       cardan life conveyor.toml --json
     """
-    answer = _answer(scene, output)
+    answer = _answer(scene, output, workbook)
     needed(answer)
     parts = list(answer.parts("life"))
     _say(
@@ -75,6 +78,7 @@ def life(scene: Path, output: Path | None, as_json: bool) -> None:
         ),
         {part.name: part.data(each) for part, each in parts},
         output,
+        workbook,
         as_json=as_json,
     )
 
@@ -82,8 +86,9 @@ def life(scene: Path, output: Path | None, as_json: bool) -> None:
 @click.command()
 @scene_argument
 @picture_as_well
+@workbook_as_well
 @json_option
-def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
+def tolerances(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
     """Show how manufacturing and assembly errors affect a driveline.
 
     The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
@@ -99,17 +104,20 @@ def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan tolerances shaft.toml --output tolerances.svg
       cardan tolerances shaft.toml --json
     """
-    answer = _answer(scene, output)
+    answer = _answer(scene, output, workbook)
     found = answer.needed("tolerances")
     text = PARTS["tolerances"].text
-    _say(answer, "tolerances", lambda: text(found), data_of(found), output, as_json=as_json)
+    _say(
+        answer, "tolerances", lambda: text(found), data_of(found), output, workbook, as_json=as_json
+    )
 
 
 @click.command()
 @scene_argument
 @picture_as_well
+@workbook_as_well
 @json_option
-def torsion(scene: Path, output: Path | None, as_json: bool) -> None:
+def torsion(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
     """Find the resonances of compliant shafts, the torques in them and unstable speeds.
 
     The section [torsion] of the scene gives inertias, stiffnesses or tubes, damping and the range
@@ -129,7 +137,7 @@ def torsion(scene: Path, output: Path | None, as_json: bool) -> None:
       cardan torsion shaft.toml --output response.svg
       cardan torsion shaft.toml --json
     """
-    answer = _answer(scene, output)
+    answer = _answer(scene, output, workbook)
     found, loaded = answer.needed("torsion"), answer.scene
     left_out = "states" if loaded.states else "study" if loaded.study else ""
     note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
@@ -139,13 +147,15 @@ def torsion(scene: Path, output: Path | None, as_json: bool) -> None:
         lambda: PARTS["torsion"].text(found) + (f"\n\n{note}" if left_out else ""),
         data_of(found) | {"files": [] if output is None else [str(output)]},
         output,
+        workbook,
         as_json=as_json,
     )
 
 
-def _answer(path: Path, output: Path | None) -> Answer:
-    """The answer to a scene, after a look whether the picture can be written."""
+def _answer(path: Path, output: Path | None, workbook: Path | None) -> Answer:
+    """The answer to a scene, after a look whether picture and workbook can be written."""
     scene = in_units(Scene.load(path))
+    check_workbook(workbook, scene)
     if output is not None:
         check_output(scene, output)
     return Answer(scene)
@@ -157,6 +167,7 @@ def _say(
     text: Callable[[], str],
     data: Mapping[str, Any],
     output: Path | None,
+    workbook: Path | None,
     *,
     as_json: bool,
 ) -> None:
@@ -170,20 +181,30 @@ def _say(
         title,
         lambda: "\n\n".join(filter(None, (title, text(), wrote))),
         data,
+        workbook,
         as_json=as_json,
     )
 
 
 def _print(
-    name: Kind, title: str, text: Callable[[], str], data: Mapping[str, Any], *, as_json: bool
+    name: Kind,
+    title: str,
+    text: Callable[[], str],
+    data: Mapping[str, Any],
+    workbook: Path | None,
+    *,
+    as_json: bool,
 ) -> None:
-    say(as_json_text(answer_of(name, title, **data)) if as_json else text())
+    whole = answer_of(name, title, **data)
+    wrote = write_workbook(whole, workbook)
+    say(as_json_text(whole) if as_json else "\n\n".join(filter(None, (text(), wrote))))
 
 
 @click.command()
 @scene_argument
+@workbook_as_well
 @json_option
-def phase(scene: Path, as_json: bool) -> None:
+def phase(scene: Path, workbook: Path | None, as_json: bool) -> None:
     """Say how to set the yokes so that the last shaft turns as evenly as possible.
 
     Each setting is an angle and a sense, looking from the drive towards the output. If the scene
@@ -197,8 +218,11 @@ def phase(scene: Path, as_json: bool) -> None:
       cardan phase shaft.toml --json
     """
     loaded = in_units(Scene.load(scene))
+    check_workbook(workbook, loaded)
     title, found = loaded.title, yoke_settings(loaded)
-    _print("phase", title, lambda: yoke_text(title, found), data_of(found), as_json=as_json)
+    _print(
+        "phase", title, lambda: yoke_text(title, found), data_of(found), workbook, as_json=as_json
+    )
 
 
 @click.command()
@@ -215,6 +239,7 @@ def phase(scene: Path, as_json: bool) -> None:
 @click.option(
     "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
 )
+@workbook_as_well
 @json_option
 def identify(
     file: Path,
@@ -226,6 +251,7 @@ def identify(
     intermediate: str | None,
     drive_speed: str | None,
     radians: bool,
+    workbook: Path | None,
     as_json: bool,
 ) -> None:
     """Find the bend that a recording of a driveline shows.
@@ -252,6 +278,7 @@ def identify(
             raise click.UsageError(f"{option} needs --drive-speed")
     if intermediate is not None and driven is None:
         raise click.UsageError("--intermediate needs --driven")
+    check_workbook(workbook)
     found = identified(
         file,
         drive,
@@ -268,18 +295,22 @@ def identify(
         found.path,
         lambda: part_text(found.path, found, sentences(found), radians=radians),
         data_of(found, radians=radians),
+        workbook,
         as_json=as_json,
     )
 
 
 @click.command()
 @scene_argument
-@file_option("--to", "Scene to write; default: NAME.optimised.toml in the folder of the scene.")
+@file_option("--to", "Scene to write; default: NAME.optimised.toml beside the scene.")
 @file_option(
     "--picture", "Also draw the quantity over each variable and each state, before and after."
 )
+@workbook_as_well
 @json_option
-def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
+def optimise(
+    scene: Path, to: Path | None, picture: Path | None, workbook: Path | None, as_json: bool
+) -> None:
     """Find the best values of what a scene lets change, over all its states.
 
     The section [optimise] names the keys that may change, how far, what to minimise and which
@@ -300,7 +331,8 @@ def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) 
     if loaded.optimisation is None:
         raise ValueError(f"{scene}: section [optimise] is missing; it says what may change")
     target = scene.with_suffix(".optimised.toml") if to is None else to
-    _check_target(text, scene, target)
+    _check_target(loaded, scene, target)
+    check_workbook(workbook, loaded)
     if picture:
         check_output(loaded, picture)
     found = optimised(loaded)
@@ -321,22 +353,21 @@ def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) 
         loaded.title,
         lambda: "\n\n".join(filter(None, texts)),
         data_of(found) | {"files": files},
+        workbook,
         as_json=as_json,
     )
 
 
-def _check_target(text: str, path: Path, target: Path) -> None:
+def _check_target(scene: Scene, path: Path, target: Path) -> None:
     """Refuse to overwrite the scene, or to write one that does not find the files it names."""
     if target.resolve() == path.resolve() or (target.exists() and target.samefile(path)):
         raise ValueError(f"--to {target} is the scene itself; it is never overwritten")
     if target.suffix != ".toml":
         raise ValueError(f"--to {target} must end in .toml")
     if target.resolve().parent != path.resolve().parent:
-        given = tomllib.loads(text)
-        for section, key in (("angles", "file"), ("joints", "sizes")):
-            if key in given.get(section, {}):
-                raise ValueError(
-                    f"--to {target} must be in the folder of the scene, from which [{section}] "
-                    "names its file"
-                )
+        for section in scene.files:
+            raise ValueError(
+                f"--to {target} must be in the folder of the scene, from which [{section}] "
+                "names its file"
+            )
     check_writable(target)

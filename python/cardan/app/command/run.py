@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,14 +30,18 @@ from cardan.app.command.options import (
     angle_option,
     check_output,
     check_picture,
+    check_workbook,
     in_units,
     into_option,
     json_option,
     missing_samples,
     scene_argument,
     units_given,
+    workbook_as_well,
+    write_workbook,
 )
 from cardan.app.command.terminal import as_json_text, progress_bar, say, say_before_files
+from cardan.app.files.columns import check_rows
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.schema import describe
@@ -68,9 +73,16 @@ SCENE is a TOML file with these sections and keys:
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Evaluate the study on this dask cluster.")
 @angle_option
+@workbook_as_well
 @json_option
 def run(
-    scene: Path, into: Path, local: int | None, scheduler: str | None, radians: bool, as_json: bool
+    scene: Path,
+    into: Path,
+    local: int | None,
+    scheduler: str | None,
+    radians: bool,
+    workbook: Path | None,
+    as_json: bool,
 ) -> None:
     """Evaluate a scene: print the main results, write curves, study and picture.
 
@@ -87,11 +99,12 @@ def run(
     A file appears complete or not at all.
     """
     given = in_units(load_scene(scene))
+    check_workbook(workbook, given)
     on_cluster = local is not None or scheduler is not None
     if isinstance(given, BallJointScene):
         if on_cluster:
             raise ValueError("a ball joint alone has no study to evaluate in processes")
-        _run_ball_joint(given, into, radians=radians, as_json=as_json)
+        _run_ball_joint(given, into, workbook, radians=radians, as_json=as_json)
         return
     whole = loaded = given
     if on_cluster:
@@ -101,9 +114,18 @@ def run(
         if path.exists() and not path.is_dir():
             raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
     seat = loaded.ball_joint and loaded.ball_joint.picture_file
-    for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
+    of_study = math.prod(loaded.study.shape) if loaded.study else 0
+    for name, rows in (
+        (loaded.curves_file, len(loaded.drive_angle)),
+        (loaded.table_file, of_study),
+        (loaded.picture_file, 0),
+        (seat, 0),
+    ):
         if name:
             check_output(loaded, into / name)
+            check_rows(into / name, rows)
+            if workbook and (into / name).resolve() == workbook.resolve():
+                raise ValueError(f"--workbook {workbook} is a file that the scene writes")
     with progress_bar() as progress:
         result = loaded.run(progress)
     files = _write_files(result, into, radians)
@@ -121,7 +143,10 @@ def run(
     if as_json:
         # The files first: of a study on a cluster they hold the figures.
         written = list(files)
-        say(as_json_text(run_data(answer, turn, study, written, radians=radians)))
+        data = run_data(answer, turn, study, written, radians=radians)
+        if write_workbook(data, workbook):
+            data["files"].append({"file": str(workbook)})
+        say(as_json_text(data))
         return
     if whole.title:
         say_before_files(f"{whole.title}\n")
@@ -139,10 +164,17 @@ def run(
         say_before_files(f"\n{states_text(states_figures(result.study, radians=radians))}")
     elif result.study:
         say_before_files(f"\n{_study_text(result.study, angles, radians)}")
-    for number, entry in enumerate(files):
-        if number == 0:
+    written = []
+    for entry in files:
+        if not written:
             say_before_files()
         say_before_files(wrote(**entry))
+        written.append(entry)
+    if workbook:
+        data = run_data(answer, turn, study, written, radians=radians)
+        if not written:
+            say_before_files()
+        say_before_files(write_workbook(data, workbook))
     if study and not result.study:
         say_before_files(f"\n{_study_text(study, angles, radians)}")
 
@@ -152,18 +184,24 @@ def _study_text(table: StudyTable, angles: DriveAngles, radians: bool) -> str:
     return study_text(found, angles, radians=radians)
 
 
-def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
+def _run_ball_joint(
+    scene: BallJointScene, into: Path, workbook: Path | None, *, radians: bool, as_json: bool
+) -> None:
     if scene.picture_file:
         check_picture(into / scene.picture_file)
-    files, answer = _write_ball_joint(scene.ball_joint, into, scene.title), Answer(scene)
+    answer = Answer(scene)
+    files = list(_write_ball_joint(scene.ball_joint, into, scene.title))
+    data = run_data(answer, None, None, files, radians=radians)
+    if write_workbook(data, workbook):
+        data["files"].append({"file": str(workbook)})
     if as_json:
-        say(as_json_text(run_data(answer, None, None, list(files), radians=radians)))
+        say(as_json_text(data))
         return
     if scene.title:
         say_before_files(f"{scene.title}\n")
     for part, found in answer.parts("run"):
         say_before_files(part.text(found, radians=radians))
-    for entry in files:
+    for entry in data["files"]:
         say_before_files(f"\n{wrote(**entry)}")
 
 

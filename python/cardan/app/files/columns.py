@@ -1,17 +1,19 @@
-"""The formats of files that are written; columns of numbers into CSV, NPZ and Parquet files."""
+"""The formats of files that are written; columns of numbers as CSV, NPZ, Parquet and XLSX."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
+from cardan.app.files.sheets import SHEET_ROWS, write_sheets
 from cardan.app.files.whole_file import Progress, whole_file
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, import_optional
 
 
 def write_columns(
@@ -19,15 +21,32 @@ def write_columns(
 ) -> int:
     """Write arrays of equal size in the format of the path's suffix; return the number of rows.
 
-    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows. A
-    file that cannot be written whole leaves nothing behind.
+    But for NPZ, ``progress`` is called after each block with the rows written and all rows. A file
+    that cannot be written whole leaves nothing behind.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
+    rows = next(iter(table.values())).size
+    check_rows(path, rows)
     with whole_file(path) as file:
         SUFFIXES[suffix](table, file, progress)
-    return next(iter(table.values())).size
+    return rows
+
+
+def check_rows(path: str | PathLike[str], rows: int) -> None:
+    """Refuse more rows than a file of the path's suffix has."""
+    if Path(path).suffix == ".xlsx" and rows >= SHEET_ROWS:
+        raise ValueError(
+            f"{os.fspath(path)}: {rows} rows are too many for a sheet, which has {SHEET_ROWS} with "
+            "the head; .csv, .npz and .parquet take any number"
+        )
+
+
+def check_library(path: str | PathLike[str]) -> None:
+    """Refuse a file whose format needs a library that is not installed."""
+    if needed := _LIBRARIES.get(Path(path).suffix):
+        import_optional(*needed)
 
 
 def _blocks(
@@ -75,14 +94,29 @@ def _write_parquet(
             writer.write_table(pyarrow.table(block, schema=schema))
 
 
+def _write_xlsx(
+    table: Mapping[str, FloatArray], file: IO[bytes], progress: Progress | None
+) -> None:
+    rows = (
+        row
+        for block in _blocks(table, progress)
+        for row in zip(*(column.tolist() for column in block), strict=True)
+    )
+    write_sheets(file, {"table": chain([tuple(table)], rows)})
+
+
 _Writer = Callable[[Mapping[str, FloatArray], IO[bytes], Progress | None], None]
 
 SUFFIXES: Mapping[str, _Writer] = {
     ".csv": _write_csv,
     ".npz": _write_npz,
     ".parquet": _write_parquet,
+    ".xlsx": _write_xlsx,
 }
 """Formats of a file of curves or a study, by suffix."""
+
+_LIBRARIES = {".parquet": ("pyarrow", "table"), ".xlsx": ("openpyxl", "app")}
+"""Modules that formats need, and the extras that bring them."""
 
 PICTURES: Mapping[str, dict[str, Any]] = {
     ".svg": {"Date": None},

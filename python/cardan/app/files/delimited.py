@@ -75,7 +75,7 @@ def _blocks(
     path: str | PathLike[str], names: Sequence[str], size: int, done: int
 ) -> Iterator[list[array[float]]]:
     """Columns of some rows at a time, after those that have been read."""
-    with _rows(path) as (rows, delimiter):
+    with csv_rows(path) as (rows, delimiter):
         header = [name.strip() for name in next(rows, [])]
         filled = ((rows.line_num, row) for row in rows if row)
         begun = list(islice(filled, 1))
@@ -101,10 +101,10 @@ def _blocks(
             read = [array("d") for _ in names]
             for line, row in block:
                 if len(row) != len(header):
-                    raise ValueError(_misfit(line, row, header, delimiter))
+                    raise ValueError(misfit(line, row, header, delimiter))
                 for name, place, column in zip(names, places, read, strict=True):
                     try:
-                        column.append(_number(row[place]))
+                        column.append(number_of(row[place]))
                     except ValueError as error:
                         shown = error if is_table else f"is no number; {_NO_TABLE}"
                         raise ValueError(f"line {line}, column {name!r} {shown}") from None
@@ -123,7 +123,7 @@ def _is_heading(row: Sequence[str], header: Sequence[str]) -> bool:
 
 def _is_word(cell: str) -> bool:
     try:
-        _number(cell)
+        number_of(cell)
     except ValueError:
         return True
     return False
@@ -144,15 +144,15 @@ def _second_heading(
 
 def line_of(path: str | PathLike[str], row: int) -> int:
     """Return the line on which a row of a CSV file ends, the first line 1 and the first row 0."""
-    with _rows(path) as (rows, _):
+    with csv_rows(path) as (rows, _):
         next(rows, None)
         next(islice((filled for filled in rows if filled), row, None), None)
         return int(rows.line_num)
 
 
 @contextmanager
-def _rows(path: str | PathLike[str]) -> Iterator[tuple[Any, str]]:
-    """The rows of a file, header first, and what separates their cells."""
+def csv_rows(path: str | PathLike[str]) -> Iterator[tuple[Any, str]]:
+    """Open the rows of a file, header first, and say what separates their cells."""
     with open(path, encoding="utf-8-sig", newline="") as file:
         first = file.readline()
         file.seek(0)
@@ -168,7 +168,8 @@ def _first_missing(names: Sequence[str], header: Sequence[str]) -> str:
     return next(name for name in names if name not in header)
 
 
-def _misfit(line: int, row: Sequence[str], header: Sequence[str], delimiter: str) -> str:
+def misfit(line: int, row: Sequence[Any], header: Sequence[Any], delimiter: str) -> str:
+    """Say that a row has not as many cells as the header."""
     cells = f"{len(row)} cell{'s' if len(row) > 1 else ''}"
     rule = "every row must have as many cells as the header"
     if delimiter == "," and len(row) > len(header):
@@ -179,7 +180,7 @@ def _misfit(line: int, row: Sequence[str], header: Sequence[str], delimiter: str
 def _fast_numbers(
     rows: Sequence[Sequence[str]], places: Sequence[int], width: int
 ) -> list[array[float]] | None:
-    """Columns of rows in which Python reads each cell as ``_number`` does; ``None`` of others."""
+    """Columns of rows in which Python reads each cell as ``number_of`` does; ``None`` of others."""
     if any(len(row) != width for row in rows):
         return None
     read = []
@@ -198,8 +199,8 @@ def _fast_numbers(
     return read
 
 
-def _number(cell: str) -> float:
-    """The number of a cell, or NaN; the error says what the cell is instead."""
+def number_of(cell: str) -> float:
+    """Return the number of a cell, or NaN; the error says what the cell is instead."""
     if not cell or cell.isspace():
         return math.nan
     number: float | None = None
@@ -223,7 +224,7 @@ def _hint(cell: str) -> str:
 
 def _is_number(cell: str) -> bool:
     try:
-        return not math.isnan(_number(cell))
+        return not math.isnan(number_of(cell))
     except ValueError:
         return bool(_hint(cell))
 

@@ -115,12 +115,17 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
     unit of a number there is ``size`` of that in which it changes.
     """
     known = map_of(scene.text)
-    found = [*_points(scene, known), *_phases(scene, known), *_others(scene, known)]
+    of_states, elsewhere = _states(scene, known)
+    found = [*_points(scene, known), *_phases(scene, known), *of_states, *_others(scene, known)]
     for piece in found:
+        numbers = piece["numbers"]
+        piece["numbers"] = [each for each in numbers if _changed(each) not in elsewhere]
         for number in piece["numbers"]:
             section, key = _place(scene, number["variable"], number["item"])
             number["size"] = size_of(_as_given(scene, section, key))
-    return sorted(found, key=lambda piece: int(piece["start"]))
+    return sorted(
+        (piece for piece in found if piece["numbers"]), key=lambda piece: int(piece["start"])
+    )
 
 
 def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:
@@ -145,9 +150,6 @@ def _points(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
     for point, row in enumerate(_items(known, f"driveline.{_as_given(scene, 'driveline', name)}")):
         for number, span in enumerate(row.items):
             yield _piece(scene.text, span, [(span, ("point", point, number))])
-    for axis in _set_by_states(scene, name):
-        points = sorted(point for point, _ in axis.entries(scene.line.n_joints + 2))
-        yield from _of_states(scene, known, axis, [("point", i, axis.component) for i in points])
 
 
 def _phases(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
@@ -158,9 +160,24 @@ def _phases(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
     elif count and "driveline" in known.ends:
         end = known.ends["driveline"]
         yield _written("\nphases_deg = ", ["0"] * count, each, (end, end))
-    for axis in _set_by_states(scene, "phases_deg"):
-        shafts = sorted(entry + 1 for entry, _ in axis.entries(count))
-        yield from _of_states(scene, known, axis, [("phase", shaft, None) for shaft in shafts])
+
+
+def _states(scene: Scene, known: Map) -> tuple[list[dict[str, Any]], set[Changed]]:
+    """What the states set, and what of it stands elsewhere: in a table that the scene names."""
+    joints = scene.line.n_joints
+    found: list[dict[str, Any]] = []
+    elsewhere: set[Changed] = set()
+    for axis in _set_by_states(scene):
+        is_point = axis.name != "phases_deg"
+        entries = sorted(entry for entry, _ in axis.entries(joints + 2 if is_point else joints - 1))
+        each: list[Changed] = [
+            ("point", entry, axis.component) if is_point else ("phase", entry + 1, None)
+            for entry in entries
+        ]
+        pieces = list(_of_states(scene, known, axis, each))
+        found += pieces
+        elsewhere |= set() if pieces else set(each)
+    return found, elsewhere
 
 
 def _others(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
@@ -179,9 +196,10 @@ def _others(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
         yield from _listed(scene.text, span, joints)
 
 
-def _set_by_states(scene: Scene, name: str) -> list[Axis]:
+def _set_by_states(scene: Scene) -> list[Axis]:
+    names = (f"points_{scene.length_unit}", "phases_deg")
     axes = scene.states.axes if scene.states else ()
-    return [each for each in axes if each.name == name and not each.is_added and not each.rotation]
+    return [each for each in axes if each.name in names and not each.is_added and not each.rotation]
 
 
 def _of_states(
@@ -254,6 +272,10 @@ def _piece(text: str, span: Span, numbers: Iterable[tuple[Span, Changed]]) -> di
 def _number(span: Span, of: Changed) -> dict[str, Any]:
     variable, item, axis = of
     return {"start": span.start, "end": span.end, "variable": variable, "item": item, "axis": axis}
+
+
+def _changed(number: dict[str, Any]) -> Changed:
+    return number["variable"], number["item"], number["axis"]
 
 
 def _items(known: Map, path: str) -> tuple[Span, ...]:

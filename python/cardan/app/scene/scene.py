@@ -38,7 +38,7 @@ from cardan.app.scene.sections.optimise import OPTIMISE
 from cardan.app.scene.sections.output import OUTPUT
 from cardan.app.scene.sections.slip import SLIP, Slip
 from cardan.app.scene.sections.steering import STEERING, SteeringColumn
-from cardan.app.scene.sections.study import STATES, STUDY
+from cardan.app.scene.sections.study import STATES, STUDY, with_columns
 from cardan.app.scene.sections.sweep import ANGLES, DRIVE_ANGLES, SWEEP
 from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
@@ -100,15 +100,19 @@ class Reading:
     Attributes:
         document: the file.
         folder: to which its paths are relative.
-        given: values by section and key.
+        given: values by section and key, those from tables among them.
     """
 
     def __init__(self, document: Document, folder: Path, recorded: Angles | None = None) -> None:
         """Take a file, and the next angles of a recording that is read in parts."""
-        self.document, self.folder, self.given = document, folder, document.sections
+        self.document, self.folder, self.given = document, folder, dict(document.sections)
         self._made: dict[str, Any] = {} if recorded is None else {ANGLES.name: recorded}
         with document.within(""):
             self._check_sections()
+        for section in (STUDY, STATES):
+            if "file" in (values := self.given.get(section.name, {})):
+                with document.within(section.name, "file"):
+                    self.given[section.name] = with_columns(section, values, folder)
 
     def __getitem__(self, section: Section[Made]) -> Made:
         """Return what is made of a section."""
@@ -211,6 +215,7 @@ class Scene:
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any; with [states] the figures of each.
         recording: file that the drive angles come from, if any.
+        files: the files that it reads, by the section that names each.
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
         picture_file: name of the file for the picture, if any.
@@ -284,6 +289,7 @@ class Scene:
     curves_file: str | None = made_of(OUTPUT, "curves")
     table_file: str | None = made_of(OUTPUT, "table")
     picture_file: str | None = made_of(OUTPUT, "picture")
+    files: Mapping[str, Path] = field(default_factory=dict)
     decimal_commas: tuple[tuple[int, str], ...] = ()
     text: str = field(default="", repr=False)
     given: Mapping[str, Mapping[str, str]] = field(default_factory=dict, repr=False)
@@ -392,6 +398,7 @@ class Scene:
                 whole, attribute = reading[section], own.metadata["attribute"]
                 made[own.name] = getattr(whole, attribute, None) if attribute else whole
         made |= {"decimal_commas": document.decimal_commas(), "text": document.text}
+        made["files"] = {name: folder / file for name, file in document.files.items()}
         made["given"] = document.given
         return cls(document.name, reading.layout, **made)
 

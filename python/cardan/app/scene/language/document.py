@@ -12,7 +12,7 @@ from os import PathLike, fspath
 from typing import Any
 
 from cardan.app.scene.language.errors import Location, SceneError, as_file_has_it, path_of
-from cardan.app.scene.language.rules import InUnit, shown
+from cardan.app.scene.language.rules import FileName, InUnit, shown
 from cardan.app.scene.language.section import Section
 from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
@@ -108,9 +108,9 @@ class Document:
                     raise ArgumentValueError(key, problem)
                 given[si] = key
                 checked[si if isinstance(rule, InUnit) else key] = rule.read(Location(key), value)
-        for broken in _broken(section, given):
+        for wrong in broken(section, given):
             with self.within(name):
-                raise broken
+                raise wrong
         self.given[name] = given
         return checked
 
@@ -197,8 +197,18 @@ class Document:
             return f"known are {', '.join(known)}"
         return units_of(key, known) or nearest(key, known)
 
+    @property
+    def files(self) -> dict[str, str]:
+        """The files that it reads, by the section that names each."""
+        return {
+            section: values[key]
+            for section, values in self.sections.items()
+            for key, entry in self.format[section].keys.items()
+            if isinstance(entry.rule, FileName) and entry.rule.folders and key in values
+        }
 
-def _broken(section: Section[Any], values: Mapping[str, str]) -> Iterator[ValueError]:
+
+def broken(section: Section[Any], values: Mapping[str, str]) -> Iterator[ValueError]:
     """Yield what is wrong with the choice of keys, which are given as the file has them."""
     for one, other in section.together:
         if one in values and other in values:

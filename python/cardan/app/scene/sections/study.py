@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cardan.app.files.sheets import TABLES, Table, read_table
+from cardan.app.scene.language.document import broken, nested
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import TEXTS, ListOf, Number, Rule
+from cardan.app.scene.language.rules import TEXTS, FileName, ListOf, Number, Rule, Text
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
-from cardan.app.scene.language.units import si_key
+from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
@@ -32,7 +35,7 @@ from cardan.app.scene.study.axes import (
 from cardan.app.scene.study.states import States
 from cardan.app.scene.study.study import Study
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentError, ArgumentValueError, nearest
 
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 
@@ -50,6 +53,94 @@ def varied_keys(
             if name == si_key(name) and name not in without:
                 found[name] = Key(rule, f"{meaning} this key of [{section.name}]")
     return found
+
+
+# --- columns of a table ---------------------------------------------------------------------------
+
+
+def _of_table(rows: str) -> dict[str, Key]:
+    """The keys that name a table; ``rows`` says what its rows are."""
+    return {
+        "file": Key(
+            FileName(TABLES, folders=True),
+            f"table whose heads are keys as here, {rows}; path from the folder of the scene, its "
+            f"name ends in {' or '.join(TABLES)}",
+            kind="file",
+        ),
+        "sheet": Key(Text(), "of an .xlsx file: the sheet, if it has several"),
+    }
+
+
+_IN_ROWS = {
+    "study": _of_table("with the values of each key below its head, from which the grid is made"),
+    "states": _of_table("with one state per row"),
+}
+
+
+def with_columns(section: Section[Any], values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the values of [study] or [states] with those of the table that it names.
+
+    A column of a study ends with its last value. States need a value in each row.
+
+    Raises:
+        ImportError: openpyxl is missing.
+        OSError: the table cannot be read.
+        ValueError: as for ``read_table``; a head that is no key or is given already, or a value
+            that breaks the rule of its key.
+    """
+    table = read_table(folder / values["file"], values.get("sheet"))
+    of_table = _IN_ROWS[section.name]
+    found = {key: value for key, value in values.items() if key not in of_table}
+    known = [key for key in section.keys if key not in of_table]
+    for head in table.columns:
+        key, _, _ = head.partition(".")
+        if key not in known:
+            hint = units_of(key, known) or nearest(key, alike(key, known))
+            raise table.error(head, f"is no key of [{section.name}]; {hint}")
+        for other in found:
+            if other != key and si_key(other) == si_key(key):
+                raise table.error(head, f"and {other} are both given; give one of them")
+        read = _column(section, table, head)
+        if not isinstance(read, dict):
+            if key in found:
+                raise table.error(head, _TWICE)
+            found[key] = read
+            continue
+        there = found.setdefault(key, {})
+        for place, steps in read.items():
+            if place in there:
+                raise table.error(head, _TWICE)
+            found[key] = there = {**there, place: steps}
+    for problem in broken(section, {si_key(key): key for key in found}):
+        raise problem
+    return found
+
+
+_TWICE = "gives what the scene or another column gives as well"
+
+
+def _column(section: Section[Any], table: Table, head: str) -> Any:  # noqa: ANN401 - of the rule
+    """The cells of a column as the rule of its key reads them."""
+    key = head.partition(".")[0]
+    rule = section.keys[key].rule
+    cells = table.texts(head) if rule is TEXTS else table.numbers(head)
+    last = max((row for row, cell in enumerate(cells) if cell is not None), default=-1)
+    if last < 0:
+        raise table.error(head, "has no values")
+    if section is STUDY:
+        cells = cells[: last + 1]
+    for row, cell in enumerate(cells):
+        if cell is None:
+            needs = "values follow below it" if section is STUDY else "each state needs a value"
+            raise table.error(head, f"is empty; {needs}", row)
+    try:
+        return rule.read(Location(key), nested({head: cells})[key])
+    except ArgumentError as error:
+        at = next((part for part in error.place if isinstance(part, int)), None)
+        raise table.error(head, error.problem, at) from None
+
+
+# --- the sections ---------------------------------------------------------------------------------
 
 
 def _check_units(varied: Varied, scene: Reading) -> None:
@@ -105,11 +196,13 @@ STUDY: Section[Study | None] = Section(
     "study",
     "keys to vary; several keys make a grid, with one driveline per row of the table",
     {
+        **_IN_ROWS["study"],
         **varied_keys("values for", without=(TEETH, GAUGE)),
         "bearing": Key(BEARING_AXES, "values for the position of a [[bearing]], by its number"),
     },
     _study,
     together=(*LOAD.together, LENGTHS),
+    with_key=(("sheet", "file"),),
     fewest=1,
     always=True,
     help_on_paths="Give a key of [driveline], [load] or a [[bearing]] the value "
@@ -185,9 +278,10 @@ STATES: Section[States | None] = Section(
     "states",
     "positions in which the same driveline runs, such as ride heights: one value per state "
     "for each key",
-    {**_OF_STATES, **varied_keys("one value per state for")},
+    {**_IN_ROWS["states"], **_OF_STATES, **varied_keys("one value per state for")},
     _states,
     together=LOAD.together,
+    with_key=(("sheet", "file"),),
     fewest=1,
     paths=True,
     recorded_bends=False,
