@@ -51,8 +51,8 @@ def wound_up(
     >>> line = cardan.Driveline.from_points([[0, 0, 0], [0.3, 0, 0], [1.7, -0.2, 0], [2, -0.2, 0]])
     >>> axle = {"about": [1.9, -0.2, 0.0], "turn": 5e-5}
     >>> line.wound_up([0.0, 1000.0], [2, 3], **axle).bends_deg.round(3)
-    array([[8.13 , 8.13 ],
-           [8.537, 5.672]])
+    array([[ 8.13 ,  8.13 ],
+           [ 8.529, 11.394]])
     """
     line._geometry.check_ideal("what follows the torque is")
     if not has_lengths(line):

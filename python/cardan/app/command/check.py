@@ -34,7 +34,7 @@ def check(scene: Path, workbook: Path | None, as_json: bool) -> int:
     """Compare a scene with the limits of driveshaft catalogues and of practice.
 
     By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
-    [limits] of the scene adds the limits of kinds of machines or of makers (preset = "truck", or
+    [limits] of the scene adds limits of kinds of machines or of makers (preset = "truck", or
     ["spicer", "gm"]) or your own figures, and each limit is printed with its source. With a speed
     given, the excitation by the last shaft and by the shafts between two joints is printed as well.
 
