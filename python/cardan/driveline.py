@@ -56,14 +56,13 @@ class Driveline:
 
     A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft 0 drives. Angles
     are in radians and quantities in SI units, unless a name or keyword says otherwise. Make one
-    with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
-    ``from_projected_bends``, ``from_readings`` or ``from_double_joint``; leading dimensions are the
-    batch. Drivelines are immutable: their arrays are read-only, and ``with_phases`` makes a new
-    one. Methods, and those of their results, refuse values that are not real numbers and indices
-    that are not integers with a ``TypeError``, and shafts and joints that do not exist with an
-    ``IndexError``. ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and
-    ``cardan.Sweep`` are what it takes besides angles, and ``cardan.optimise`` searches the best
-    layout. Of dask arrays, all constructors but the last two make a
+    with a constructor, ``from_bends`` and others; leading dimensions are the batch. Drivelines are
+    immutable: their arrays are read-only, and ``with_phases`` makes a new one. Methods, and those
+    of their results, refuse values that are not real numbers and indices that are not integers with
+    a ``TypeError``, and shafts and joints that do not exist with an ``IndexError``.
+    ``cardan.OUTPUTS`` lists what ``evaluate`` computes, ``cardan.Load`` and ``cardan.Sweep`` are
+    what it takes besides angles, and ``cardan.optimise`` searches the best layout. Of dask arrays,
+    all constructors but ``from_readings`` and ``from_double_joint`` make a
     ``cardan.interop.lazy.LazyDriveline``, which is evaluated in pieces and anywhere.
 
     Let ``u_i`` be the unit vector along shaft ``i`` in the direction of power flow. The bend of

@@ -48,8 +48,11 @@ class Table:
 
     def error(self, head: str, problem: str, row: int | None = None) -> ValueError:
         """Return the error that a column, or its cell in a row, has a problem."""
+        return ValueError(f"{self._place(head, row)} {problem}")
+
+    def _place(self, head: str, row: int | None) -> str:
         place = "" if row is None else f"{self.rows[row]}, "
-        return ValueError(f"{self.name}, {place}column {head!r} {problem}")
+        return f"{self.name}, {place}column {head!r}"
 
     def texts(self, head: str) -> list[Any]:
         """Return a column as texts, numbers of a sheet as well."""
@@ -71,7 +74,7 @@ class Table:
             try:
                 number = number_of(cell.replace(",", ".") if has_comma else cell or "")
             except ValueError as error:
-                raise self.error(head, str(error), row) from None
+                raise ValueError(f"{self._place(head, row)} {error}") from None
             found.append(None if cell is None else number)
         return found
 
