@@ -226,7 +226,7 @@ function show(cardan, sent) {
   button("link").addEventListener("click", async () => {
     const [page] = location.href.split("#");
     const isCopied = await copy(`${page}#${model.address}`);
-    const where = location.protocol === "file:" ? " It needs this file at its place: send that as well." : "";
+    const where = location.protocol === "file:" ? " Send this file as well: whoever has it opens it and adds what follows # to its address." : "";
     said(isCopied ? `The link is copied.${where}` : "This browser does not let a page copy; the address has it.");
   });
   button("save").addEventListener("click", () => {
