@@ -41,6 +41,9 @@ NO_CHANGE = r"; it is the range of the change, which must contain 0$"
 NO_RANGE = r"; the first must be below the second$"
 TWICE = r" is given twice, with quotes and without$"
 NO_RISE = r"; it must be above 'from', \S+$"
+NO_DIRECTION = r" without a direction; write | is \[0, 0, 0\]; an axis needs a direction$"
+TWO_DIRECTIONS = r", with a sign and '\w+'; give one of them$"
+TOO_STEEP = r"; (of a gauge that .*; a reading|an offset) must lie within "
 
 
 def _only_the_reader(value: object, message: str) -> bool:
@@ -48,8 +51,9 @@ def _only_the_reader(value: object, message: str) -> bool:
         return any(_only_the_reader(entry, message) for entry in value.values())
     if isinstance(value, str):
         return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
+    own = (NO_DIRECTION, TWO_DIRECTIONS, TOO_STEEP)
     return bool(
-        re.search("|".join((ONE_STEP, FALLING, NO_CHANGE, NO_RANGE, TWICE, NO_RISE)), message)
+        re.search("|".join((ONE_STEP, FALLING, NO_CHANGE, NO_RANGE, TWICE, NO_RISE, *own)), message)
     )
 
 
@@ -124,6 +128,7 @@ ACROSS_KEYS = (
     # Points, directions and slopes that make no driveline.
     r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_|readings_)\w*( and \w+)? "
     r"?(give|are|\[)",
+    *(NO_DIRECTION, TWO_DIRECTIONS, TOO_STEEP),
     r"\[driveline\] offsets_mm go aside by \S+ along shaft \d",
     r"\[driveline\] \w+ has length \d+; it needs \d+, one per point$",
     r"\[driveline\] pivot_wear_mm puts the pivot beyond the joints, ",

@@ -284,7 +284,8 @@ def test_printed_figures_are_those_of_the_json(path: Path) -> None:
             figures = [float(text.partition(" ")[0]) for text in texts]
             assert texts[1].endswith(f" {ENDINGS[us].symbol}")
             expected = UNITS[row.unit].factor * number / ENDINGS[us].size
-            step = 10.0 ** -len(texts[1].partition(" ")[0].partition(".")[2])
+            mantissa, _, power = texts[1].partition(" ")[0].partition("e")
+            step = 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
             # What was given in SI units has six digits.
             assert abs(figures[1] - expected) <= max(step, 1e-6 * abs(expected))
             coarse = abs(figures[0] / ENDINGS[us].size - expected)
