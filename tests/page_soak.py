@@ -2,8 +2,8 @@
 
 ``python tests/page_soak.py MINUTES``. Handles are dragged, keys pressed, numbers typed, right and
 wrong ones, changes undone, suggestions taken, states chosen and addresses read. Between the rounds
-the page must have all figures, its console no message, and its heap and the memory of its module no
-more than after the first rounds.
+the page must have all figures, its console no message, its heap no more than after the first rounds,
+and the memory of its module no more than after half of them.
 """
 
 from __future__ import annotations
@@ -111,7 +111,9 @@ def main() -> None:
                 memory = browser.execute_script("return cardanPage.memory()")
                 sizes.append((heap / 1e6, memory / 1e6))
             print(path.stem, len(sizes), "rounds, MB:", sizes[1], sizes[-1], flush=True)
-            if sizes[-1][0] > 1.2 * sizes[1][0] + 1.0 or sizes[-1][1] > sizes[1][1] + 1.0:
+            # The memory of a module never shrinks: one search takes most, and none later more.
+            most = sizes[len(sizes) // 2][1] + 1.0
+            if sizes[-1][0] > 1.2 * sizes[1][0] + 1.0 or sizes[-1][1] > most:
                 raise SystemExit(f"{path.stem}: memory grows, in MB: {sizes}")
     browser.quit()
 
