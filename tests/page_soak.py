@@ -2,8 +2,8 @@
 
 ``python tests/page_soak.py MINUTES``. Handles are dragged, keys pressed, numbers typed, right and
 wrong ones, changes undone, suggestions taken, states chosen and addresses read. Between the rounds
-the page must have all figures, its console no message, its heap no more than after the first rounds,
-and the memory of its module no more than after half of them.
+the page must have all figures, its console no message, its heap no more than after the first
+rounds, and the memory of its module no more than after half of them.
 """
 
 from __future__ import annotations
