@@ -28,7 +28,7 @@ def outlined(text: re.Match[str]) -> str:
 
 
 measured = picture(cardan.Scene.parse(cardan.scene.STARTERS["readings"].text))
-# A file of its own has no page around it.
+# Outside a page its colours are not defined.
 measured = measured.replace("var(--page, white)", "white").replace("currentColor", draw.INK)
 texts = r'<text x="(.*?)" y="(.*?)" text-anchor="(.*?)".*?>(.*?)</text>'
 measured = re.sub(texts, outlined, measured)

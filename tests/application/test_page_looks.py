@@ -514,7 +514,7 @@ def test_texts_of_the_drawing_are_apart_and_arrows_within_it(
 def test_texts_of_what_comes_near_are_apart(
     browser: webdriver.Chrome, answered: Answers, tmp_path: Path
 ) -> None:
-    """Forces where bearings lie together, slopes beside them, joints above each other."""
+    """Labels of forces, slopes and joints stay apart where parts are close together."""
     screen(browser, 390, 900)
     opened(browser, answered(TRUCK).page, tmp_path)
     for address in ("bearing.2=-1050", "bearing.2=-900&bearing.1=80", "point.2.x=-1150"):

@@ -93,7 +93,7 @@ def bars(heading: str, items: Sequence[tuple[str, float, str]]) -> dict[str, Any
 def plain(
     values: FloatArray, beside: FloatArray, scale: float = 0.0, digits: int = 5
 ) -> list[float | None]:
-    """Return values as plain data, rounded to a part of the range of the values beside them.
+    """Return values as plain data, rounded to a fraction of the range of all values in the chart.
 
     What is not a number is ``None``.
     """

@@ -23,7 +23,7 @@ def write_answer(data: Mapping[str, Any], path: str | PathLike[str]) -> int:
 def sheets_of(data: Mapping[str, Any]) -> dict[str, list[tuple[Cell, ...]]]:
     """Return the rows of each sheet, the head first, of an answer as plain data for JSON.
 
-    The first sheet has what is said of the whole: title, verdict, what is beyond its limit. Each
+    The first sheet summarises: title, verdict, what is beyond its limit. Each
     part has a sheet, and each list of a part as well, with a row for each item. Heads are the keys
     of the JSON, which end in the unit. What figures are in each state is in one sheet for each part
     or list.

@@ -129,7 +129,7 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
 
 
 def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:
-    """Section and key that give what changes, "" without one of its own."""
+    """Return the section and the key that give what changes; "" if no key does."""
     if variable == "bearing" and scene.layout:
         return f"bearing.{item}", scene.layout.mounting.bearings[item].key
     own = given(scene)["torque"] if variable == "torque" else None
