@@ -17,7 +17,8 @@ What there is, by what it is for:
 * Limits: ``Limits``, ``Limit``, ``Check``, ``Finding``, and ``Machine`` for all states at once.
 * Wear and forces: ``Life``, ``Losses``, ``Lengths``, ``SplineForce``, ``Slides``, ``tube`` with
   ``Tube``, ``BallJoint``.
-* Vibration: ``TorsionalSystem``, ``FreeRunning``.
+* Vibration: ``TorsionalSystem``, ``TorqueHarmonic``, ``Coupling``, ``firing_harmonics``,
+  ``FreeRunning``.
 * Inexact drivelines: ``Tolerances``, ``OrderTolerances``.
 * From measurements: ``identify`` and ``identify_two_joints``, with ``Identification`` and
   ``TwoJoints``.
@@ -76,7 +77,10 @@ if TYPE_CHECKING:
     from cardan.reference import approximations as approximations
     from cardan.tolerances import Tolerances as Tolerances
     from cardan.tolerances.order_tolerances import OrderTolerances as OrderTolerances
+    from cardan.torsion import Coupling as Coupling
+    from cardan.torsion import TorqueHarmonic as TorqueHarmonic
     from cardan.torsion import TorsionalSystem as TorsionalSystem
+    from cardan.torsion import firing_harmonics as firing_harmonics
     from cardan.torsion.tube import Tube as Tube
     from cardan.torsion.tube import tube as tube
     from cardan.wear.axial_travel import Slides as Slides
@@ -111,7 +115,7 @@ else:
         "optimisation": "ActiveLimit Optimum optimise",
         "tolerances": "Tolerances",
         "tolerances.order_tolerances": "OrderTolerances",
-        "torsion": "TorsionalSystem",
+        "torsion": "Coupling TorqueHarmonic TorsionalSystem firing_harmonics",
         "torsion.tube": "Tube tube",
         "wear.axial_travel": "Slides",
         "wear.life": "Life",

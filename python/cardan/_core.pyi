@@ -214,13 +214,18 @@ class Torsion:
         line: _Numbers,
         shafts: list[_Flat],
         load: list[_Flat],
+        engine: tuple[
+            float | None, list[tuple[int, float, float, float]], list[tuple[Any, ...]]
+        ],
     ) -> Torsion: ...
     def natural_frequencies(self) -> _Flat: ...
+    def modes(self) -> list[tuple[float, list[float]]]: ...
+    def period_turns(self) -> float: ...
     def steady(
         self,
         system: _Numbers,
         speed: _Flat,
-        orders: list[int],
+        orders: list[float],
         tolerance: float,
         workers: int | None,
     ) -> _Records: ...

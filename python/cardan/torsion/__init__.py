@@ -9,6 +9,7 @@ from cardan.torsion.analyses import (
     StabilityMap,
     UnstableRange,
 )
+from cardan.torsion.excitation import Coupling, TorqueHarmonic, firing_harmonics
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.system import TorsionalSystem
 from cardan.torsion.transient import TorsionalMotion, Transient
@@ -17,6 +18,7 @@ from cardan.torsion.tube import Tube, tube
 __all__ = [
     "BendRule",
     "Coexisting",
+    "Coupling",
     "LargestTorque",
     "Mode",
     "Orbit",
@@ -25,10 +27,12 @@ __all__ = [
     "Stability",
     "StabilityMap",
     "SteadyState",
+    "TorqueHarmonic",
     "TorsionalMotion",
     "TorsionalSystem",
     "Transient",
     "Tube",
     "UnstableRange",
+    "firing_harmonics",
     "tube",
 ]

@@ -57,22 +57,23 @@ class Searched:
         return np.array(_REASONS)[self._failures]
 
 
-def small(multipliers: ComplexArray) -> NDArray[np.bool_]:
+def small(multipliers: NDArray[Any]) -> NDArray[np.bool_]:
     """Return whether no multiplier of the last axis is larger than 1 by more than rounding."""
     return np.asarray((np.abs(multipliers) <= 1.0 + 1e-9).all(axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
 class Orbit(Searched):
-    """One period, half a turn of the drive, at equally spaced drive angles.
+    """One period at equally spaced mean angles of the drive.
 
     Attributes:
-        drive_angle: in rad, ``(samples,)``, from 0 up to but not including pi.
-        angle_error: angle of every shaft end relative to the drive in rad, input end before output
+        drive_angle: mean speed times time in rad, ``(samples,)``, from 0 up to but not including the
+            period.
+        angle_error: angle of every shaft end relative to that in rad, input end before output
             end, ``(n + 1, 2, ..., samples)``. Without load and vibration its mean is 0.
         speed: speed of every shaft end in rad/s, ``(n + 1, 2, ..., samples)``.
         acceleration: acceleration of every shaft end in rad/s², ``(n + 1, 2, ..., samples)``.
-        drive_torque: torque in N m that keeps the speed of the drive constant, ``(..., samples)``.
+        drive_torque: torque of the drive in N m beside harmonic torques, ``(..., samples)``.
         torque: torque of every compliant shaft in N m, ``(compliant, ..., samples)``.
         compliant: the compliant shafts.
     """
@@ -91,16 +92,42 @@ class Stability(Searched):
     """Whether small deviations from the periodic orbit grow.
 
     Attributes:
-        multipliers: Floquet multipliers of half a turn of the drive, largest modulus first,
-            ``(..., 2 * compliant)``.
+        multipliers: Floquet multipliers of a period, largest modulus first, ``(..., 2 *
+            compliant)``; one more of a free drive, without the multiplier 1 of a shift in time.
+        drive_torque_slope: derivative of the mean torque of a free drive by its mean speed in
+            N m s/rad, ``(...)``; NaN of a held one.
+        speed_multiplier: the multiplier with which the speed of the whole driveline returns,
+            ``(...)``; NaN of a held drive.
+        drive_slope: of the system.
+        period_turns: of the system.
     """
 
     multipliers: ComplexArray
+    drive_torque_slope: FloatArray
+    speed_multiplier: FloatArray
+    drive_slope: float
+    period_turns: float
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether no multiplier is larger than 1 + 1e-9, ``(...)``; false without an orbit."""
-        return np.asarray(self.found & small(self.multipliers))
+        """Whether no multiplier is larger than 1 + 1e-9, ``(...)``; false without an orbit.
+
+        A free drive whose torque is not said to fall with its speed is governed: its
+        ``speed_multiplier`` does not count.
+        """
+        sizes = np.abs(self.multipliers)
+        if self.drive_slope == 0.0:
+            of_speed = self.multipliers == self.speed_multiplier[..., np.newaxis]
+            sizes = np.where(of_speed, 0.0, sizes)
+        return np.asarray(self.found & small(sizes))
+
+    @property
+    def needed_slope(self) -> FloatArray:
+        """How much the torque of the drive must at least lose with its speed in N m s/rad.
+
+        ``(...)``; 0 where a constant torque will do. NaN of a held drive.
+        """
+        return np.maximum(-self.drive_torque_slope, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,15 +159,20 @@ class Coexisting(Searched):
 
 @dataclass(frozen=True, eq=False)
 class SteadyState(Searched):
-    """The periodic motion at constant drive speed, over one period, half a turn of the drive.
+    """The periodic motion at mean drive speed.
 
-    A quantity is ``mean + Re(sum(orders * exp(1j * m * angle)))`` with the drive angle and the
-    order ``m``, so the modulus of an order is its peak amplitude. Odd orders are 0.
+    A quantity is ``mean + Re(sum(orders * exp(1j * m * angle)))`` with the mean angle of the drive,
+    its mean speed times time, and the order ``m``, so the modulus of an order is its peak amplitude.
+    Joints alone excite even orders.
 
     Attributes:
         torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ...)``.
         torque_min: least torque, the true extremum between samples.
         torque_max: largest torque.
+        drive_torque_mean: mean torque of the drive in N m, ``(...)``: the load and what the dampings
+            take, by the balance of energy.
+        drive_speed_min: least speed of the drive in rad/s, ``(...)``.
+        drive_speed_max: largest speed of the drive.
         torque_orders: orders of the torque, ``(compliant, ..., orders)``.
         angle_orders: orders of the angle of every shaft end in rad, input end before output end,
             ``(n + 1, 2, ..., orders)``.
@@ -152,10 +184,13 @@ class SteadyState(Searched):
     torque_mean: FloatArray
     torque_min: FloatArray
     torque_max: FloatArray
+    drive_torque_mean: FloatArray
+    drive_speed_min: FloatArray
+    drive_speed_max: FloatArray
     torque_orders: ComplexArray
     angle_orders: ComplexArray
     speed_orders: ComplexArray
-    orders: NDArray[np.int64]
+    orders: FloatArray
     compliant: tuple[int, ...]
     _system: TorsionalSystem = field(repr=False)
     _speed: FloatArray = field(repr=False)
@@ -179,7 +214,7 @@ class SteadyState(Searched):
         The ``torque`` of a shaft is that behind the joint before it.
 
         Args:
-            samples: number of equally spaced drive angles over half a turn, at least 1.
+            samples: number of equally spaced mean drive angles over one period, at least 1.
             outputs: names from ``cardan.OUTPUTS`` that need a load, tilts or pins.
             shafts: as of ``Driveline.evaluate``, like all following arguments.
 

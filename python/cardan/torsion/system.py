@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
@@ -24,11 +25,12 @@ from cardan.arrays import (
 from cardan.arrays.errors import (
     ArgumentTypeError,
     ArgumentValueError,
+    check_choice,
     check_elements,
     check_shape,
     exclusive,
 )
-from cardan.arrays.indices import checked_orders, integer
+from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.torsion.analyses import (
     bend_rules,
@@ -38,6 +40,7 @@ from cardan.torsion.analyses import (
     stability_map,
     unstable_ranges,
 )
+from cardan.torsion.excitation import ENDS, Coupling, TorqueHarmonic
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (
     Equations,
@@ -50,6 +53,10 @@ from cardan.torsion.transient import (
 )
 
 _PARAMETERS = ("inertias", "stiffnesses", "dampings", "load_torque", "load_damping")
+# An orbit of more orders would need more points than the native module allows.
+_MOST_ORDER = 256
+_ORDER_RULE = f"; an order must be positive and at most {_MOST_ORDER}"
+_ENGINE = ("drive", "drive_slope", "harmonics")
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False, slots=True)
@@ -57,8 +64,8 @@ class TorsionalSystem:
     """A driveline whose shafts are torsion springs, or a batch of such drivelines.
 
     Shaft ``i`` has an inertia at its input end and one at its output end, a stiffness between them
-    and a damping. The input end of shaft 0 turns at constant speed; the output end of the last
-    shaft carries the load. Lagrange's equations of this chain are solved exactly, that is with the
+    and a damping. The input end of shaft 0 is held at constant speed or free; the output end of the
+    last shaft carries the load. Lagrange's equations of this chain are solved exactly, that is with the
     nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
     rigid rotation, which is no solution behind a joint.
 
@@ -80,12 +87,24 @@ class TorsionalSystem:
             and a constant inertia ``J`` it is ``d/(2 sqrt(c J))``.
         load_torque: constant torque in N m that brakes the last shaft.
         load_damping: viscous load on the last shaft in N m s/rad.
+        drive: ``"held"`` at constant speed, so that an inertia at the input end of shaft 0 has no
+            effect, or ``"free"``: that inertia is the drive's and counts, and a torque drives it
+            whose mean keeps the mean speed. It must be said where that inertia is not 0.
+        drive_slope: of a free drive: what its torque loses with its speed in N m s/rad.
+        harmonics: torques that vary with the angles of shaft ends, for the whole batch. Their
+            orders and the joints' order 2 have a common divisor of at least 1/8.
+        couplings: by the compliant shaft that each of them makes, whose stiffness is infinite in
+            ``stiffnesses``; for the whole batch.
+        loss_factors: constant damping per cycle of each shaft, ``(n + 1,)``, the tangent of the loss
+            angle; 0 by default.
 
     Raises:
         TypeError: no driveline, values that are not real numbers.
         ValueError: a negative or infinite inertia or damping, a stiffness that is not positive, a
             load that is not finite, no compliant shaft, a compliant shaft without an inertia that
-            is rigidly connected to its output end, shapes that do not fit.
+            is rigidly connected to its output end, shapes that do not fit; an inertia at the drive
+            without a word on the drive, a negative slope, orders that do not close, a coupling that
+            is not monotonic.
 
     Attributes:
         line: the driveline.
@@ -96,6 +115,10 @@ class TorsionalSystem:
         dampings: as given, or by the damping ratios.
         load_torque: as given.
         load_damping: as given.
+        drive: ``"held"`` or ``"free"``.
+        drive_slope: as given.
+        harmonics: as given.
+        couplings: as given; loss factors of other shafts are couplings as well.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
@@ -117,6 +140,10 @@ class TorsionalSystem:
     dampings: FloatArray
     load_torque: FloatArray
     load_damping: FloatArray
+    drive: Literal["held", "free"]
+    drive_slope: float
+    harmonics: tuple[TorqueHarmonic, ...]
+    couplings: Mapping[int, Coupling]
     _core: _core.Torsion
 
     def __init__(
@@ -129,6 +156,11 @@ class TorsionalSystem:
         damping_ratios: ArrayLike | None = None,
         load_torque: ArrayLike = 0.0,
         load_damping: ArrayLike = 0.0,
+        drive: Literal["held", "free"] | None = None,
+        drive_slope: float = 0.0,
+        harmonics: Iterable[TorqueHarmonic] = (),
+        couplings: Mapping[int, Coupling] | None = None,
+        loss_factors: ArrayLike | None = None,
     ) -> None:
         """Check the arguments and pass them to the native module."""
         if not isinstance(line, Driveline):
@@ -137,6 +169,10 @@ class TorsionalSystem:
         line._geometry.check_ideal("torsional systems are computed")
         shafts = line.n_joints + 1
         springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
+        made = _couplings(couplings, loss_factors, springs)
+        springs = springs.copy()
+        for shaft, coupling in made.items():
+            springs[..., shaft] = coupling.stiffness_at(float(np.mean(load_torque)))
         rule = "; a stiffness must be positive, infinite for a rigid shaft"
         check_elements("stiffnesses", springs, springs > 0.0, rule)
         is_compliant = (springs < np.inf).reshape(-1, shafts)[:1]
@@ -151,10 +187,25 @@ class TorsionalSystem:
             "load_torque": (finite("load_torque", load_torque), 0),
             "load_damping": (not_negative("load_damping", load_damping), 0),
         }
+        if drive is None and np.any(given["inertias"][0][..., 0, 0] != 0.0):
+            raise ArgumentValueError(
+                "drive",
+                "is missing, and there is an inertia at the input end of shaft 0: the drive is "
+                "'free', and this is its inertia, or it is 'held' at constant speed, and the "
+                "inertia has no effect",
+            )
+        check_choice("drive", drive or "held", ("held", "free"))
         shape, full = together(given, driveline=line.shape)
         compliant = tuple(int(i) for i in np.flatnonzero(is_compliant))
         self._keep(
-            line=line, shape=shape, compliant=compliant, **dict(zip(given, full, strict=True))
+            line=line,
+            shape=shape,
+            compliant=compliant,
+            drive=drive or "held",
+            drive_slope=float(finite("drive_slope", drive_slope)),
+            harmonics=tuple(harmonics),
+            couplings=MappingProxyType(made),
+            **dict(zip(given, full, strict=True)),
         )
         if damping_ratios is not None:
             ratios = not_negative("damping_ratios", damping_ratios)
@@ -176,7 +227,15 @@ class TorsionalSystem:
         lines = np.arange(math.prod(self.line.shape)).reshape(self.line.shape)
         lines = np.broadcast_to(lines, self.shape).ravel()
         own = [getattr(self, name).ravel() for name in _PARAMETERS]
-        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:])
+        engine = (
+            self.drive_slope if self.drive == "free" else None,
+            [
+                (2 * own.shaft + ENDS.index(own.end), float(own.order), own.cos, own.sin)
+                for own in self.harmonics
+            ],
+            [own._fields(shaft) for shaft, own in self.couplings.items()],
+        )
+        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:], engine)
         object.__setattr__(self, "_core", core)
 
     def __repr__(self) -> str:
@@ -185,7 +244,14 @@ class TorsionalSystem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parameters."""
-        return (_restored, (self.line, {name: getattr(self, name) for name in _PARAMETERS}))
+        return (_restored, (self.line, self._given()))
+
+    def _given(self) -> dict[str, Any]:
+        """The arguments that make this system."""
+        given = {name: getattr(self, name) for name in (*_PARAMETERS, *_ENGINE)}
+        springs = self.stiffnesses.copy()
+        springs[..., list(self.couplings)] = np.inf
+        return given | {"stiffnesses": springs, "couplings": dict(self.couplings)}
 
     modes = modes
     bend_rules = bend_rules
@@ -205,7 +271,7 @@ class TorsionalSystem:
             line: the driveline; by default the same.
             stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
         """
-        given: dict[str, Any] = {name: getattr(self, name) for name in _PARAMETERS}
+        given = self._given()
         given |= {} if stiffnesses is None else {"stiffnesses": stiffnesses}
         return TorsionalSystem(self.line if line is None else line, **given)
 
@@ -213,8 +279,9 @@ class TorsionalSystem:
         """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.
 
         They are those of the mean system: every inertia is its mean over a turn as it acts on the
-        next compliant shaft before it, and joints transmit one to one. The drive is held at
-        constant speed.
+        next compliant shaft before it, and joints transmit one to one. The rotation of a free drive
+        with the whole driveline, which some programs list as 0 Hz first, is not among them. The
+        stiffness of a coupling is that at the load torque.
         """
         return self._core.natural_frequencies().reshape(*self.shape, len(self.compliant))
 
@@ -228,6 +295,11 @@ class TorsionalSystem:
         """
         return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
 
+    @property
+    def period_turns(self) -> float:
+        """The turns of the drive in one period: 0.5 by the joints, 2 with half orders."""
+        return self._core.period_turns()
+
     def steady(
         self,
         speed: ArrayLike,
@@ -236,7 +308,7 @@ class TorsionalSystem:
         tolerance: float = 1e-9,
         workers: SupportsIndex | None = None,
     ) -> SteadyState:
-        """Return the periodic motion at constant drive speeds.
+        """Return the periodic motion at mean drive speeds.
 
         The orbit is found by collocation and Newton's method on a mesh that is refined until the
         tolerance is met. Where Newton's method does not converge, the orbit of the straight
@@ -246,21 +318,22 @@ class TorsionalSystem:
 
         Args:
             speed: of the drive in rad/s; broadcasts against the batch.
-            orders: positive integers up to 256, ``(m,)`` or one.
+            orders: positive numbers up to 256, ``(m,)`` or one; those that do not repeat in the
+                period are 0.
             tolerance: permitted error relative to the largest value, from 1e-12 to 1e-3.
             workers: largest number of threads, as of ``Driveline.evaluate``. Results do not depend
                 on it.
 
         Raises:
-            TypeError: orders that are not integers.
+            TypeError: orders that are not real numbers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
         wanted = _orders(orders)
         m, ends, count = len(self.compliant), self.line.n_joints + 1, len(wanted)
-        of, each = (self._core.steady, wanted.tolist()), 3 * m + 2 * count * (m + 2 * ends)
+        of, each = (self._core.steady, wanted.tolist()), 3 * m + 3 + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
-        sizes = np.cumsum([m, m, m, 2 * m * count])
-        mean, least, most, torques, angles = np.split(records, sizes, axis=-1)
+        sizes = np.cumsum([m, m, m, 3, 2 * m * count])
+        mean, least, most, of_drive, torques, angles = np.split(records, sizes, axis=-1)
         angle_orders = _moved(_complex(angles).reshape(*shape, ends, 2, count), 2, len(shape))
         rates = 1j * wanted * np.where(failures == 0, speeds, np.nan)[..., np.newaxis]
         return SteadyState(
@@ -269,6 +342,9 @@ class TorsionalSystem:
             torque_mean=_moved(mean, 1, len(shape)),
             torque_min=_moved(least, 1, len(shape)),
             torque_max=_moved(most, 1, len(shape)),
+            drive_torque_mean=of_drive[..., 0],
+            drive_speed_min=of_drive[..., 1],
+            drive_speed_max=of_drive[..., 2],
             torque_orders=_moved(_complex(torques).reshape(*shape, m, count), 1, len(shape)),
             angle_orders=angle_orders,
             speed_orders=rates * angle_orders,
@@ -287,7 +363,7 @@ class TorsionalSystem:
         tolerance: float = 1e-9,
         workers: SupportsIndex | None = None,
     ) -> Orbit:
-        """Return one period, half a turn of the drive, of every shaft end and torque.
+        """Return one period, ``period_turns`` of the drive, of every shaft end and torque.
 
         Args:
             speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
@@ -306,7 +382,7 @@ class TorsionalSystem:
         return Orbit(
             found=failures == 0,
             _failures=failures,
-            drive_angle=np.asarray(np.arange(count) * (np.pi / count), dtype=np.float64),
+            drive_angle=np.asarray(np.arange(count) * (2.0 * np.pi * self.period_turns / count)),
             angle_error=angles,
             speed=speeds,
             acceleration=accelerations,
@@ -324,12 +400,28 @@ class TorsionalSystem:
         ``speed = natural frequency`` is unstable only if ``tan(bend/2)**2`` of the equivalent bend
         exceeds the damping ratio (leading order; Mathieu's first region).
 
+        The whole driveline with a free drive is slowed down and comes back to its speed with the
+        ``speed_multiplier``. Where ``drive_torque_slope`` plus the slope of the drive is negative,
+        as beyond a resonance, it runs away from this speed (Sommerfeld).
+
         Args:
             speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
         """
-        of, each = (self._core.multipliers,), 4 * len(self.compliant)
+        of, each = (self._core.multipliers,), 2 * self._multipliers + 2
         _, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        return Stability(failures == 0, failures, _complex(records))
+        return Stability(
+            failures == 0,
+            failures,
+            multipliers=_complex(records[..., :-2]),
+            drive_torque_slope=records[..., -2],
+            speed_multiplier=records[..., -1],
+            drive_slope=self.drive_slope,
+            period_turns=self.period_turns,
+        )
+
+    @property
+    def _multipliers(self) -> int:
+        return 2 * len(self.compliant) + (self.drive == "free")
 
     def coexisting(
         self,
@@ -352,9 +444,10 @@ class TorsionalSystem:
             most: number of orbits that are returned, at least 1.
         """
         orbits, m = integer("most", most, 1), len(self.compliant)
-        of, each = (self._core.coexisting, orbits), 1 + 7 * m * orbits
+        one = 3 * m + 2 * self._multipliers
+        of, each = (self._core.coexisting, orbits), 1 + one * orbits
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        of_orbits = records[..., 1:].reshape(*shape, orbits, 7 * m)
+        of_orbits = records[..., 1:].reshape(*shape, orbits, one)
         mean, least, largest, multipliers = np.split(of_orbits, [m, 2 * m, 3 * m], axis=-1)
         return Coexisting(
             found=failures == 0,
@@ -457,9 +550,41 @@ def _restored(line: Driveline, given: dict[str, Any]) -> TorsionalSystem:
     return TorsionalSystem(line, **given)
 
 
-def _orders(orders: ArrayLike) -> NDArray[np.int64]:
-    # An orbit of more orders would need more points than the native module allows.
-    return np.atleast_1d(checked_orders(orders, 256))
+def _orders(orders: ArrayLike) -> FloatArray:
+    given = np.atleast_1d(finite("orders", orders))
+    check_elements("orders", given, (given > 0.0) & (given <= _MOST_ORDER), _ORDER_RULE)
+    check_shape("orders", given, given.ndim == 1, "they must be a list of numbers, (m,)")
+    return given
+
+
+def _couplings(
+    couplings: Mapping[int, Coupling] | None, loss_factors: ArrayLike | None, springs: FloatArray
+) -> dict[int, Coupling]:
+    """Return the couplings by their shafts, with those that loss factors make of springs."""
+    shafts = springs.shape[-1]
+    made: dict[int, Coupling] = {}
+    for shaft, own in sorted((couplings or {}).items()):
+        if not isinstance(own, Coupling):
+            raise ArgumentTypeError("couplings", f"has {own!r}; it must be a Coupling", (shaft,))
+        if not 0 <= shaft < shafts:
+            problem = f"names shaft {shaft}; the last one is {shafts - 1}"
+            raise ArgumentValueError("couplings", problem)
+        if np.any(springs[..., shaft] < np.inf):
+            problem = "is the only compliance of its shaft, whose stiffness must be inf"
+            raise ArgumentValueError("couplings", problem, (shaft,))
+        made[shaft] = own
+    if loss_factors is None:
+        return made
+    factors = not_negative("loss_factors", loss_factors)
+    check_shape("loss_factors", factors, factors.shape == (shafts,), f"it must be ({shafts},)")
+    for shaft in np.flatnonzero(factors).tolist():
+        spring = springs[..., shaft]
+        if shaft not in made and not (np.all(spring < np.inf) and np.ptp(spring) == 0.0):
+            problem = "is that of a rigid shaft or of one whose stiffness varies in the batch"
+            raise ArgumentValueError("loss_factors", problem, (shaft,))
+        own = made.get(shaft) or Coupling(float(spring.flat[0]))
+        made[shaft] = replace(own, loss_factor=float(factors[shaft]))
+    return made
 
 
 def _complex(pairs: FloatArray) -> NDArray[np.complex128]:

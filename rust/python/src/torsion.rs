@@ -2,7 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use cardan::dynamics::{self, AtDrive, Failure, Instant, Runs, ShaftEnds};
+use cardan::dynamics::{
+    self, AtDrive, Coupling, Drive, Failure, Instant, Runs, ShaftEnds, TorqueHarmonic,
+};
 use cardan::{Execution, TorsionalSystem, check_length, unravel};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -19,6 +21,12 @@ const MIN_INTERRUPTIBLE: usize = 64;
 /// the number of its failure.
 type Records<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u8>>);
 
+/// The slope of a free drive; end, order, cosine and sine of harmonic torques; couplings.
+type Engine = (Option<f64>, Vec<(usize, f64, f64, f64)>, Vec<CouplingFields>);
+
+/// The fields of [`Coupling`] in order.
+type CouplingFields = (usize, Option<f64>, Vec<[f64; 2]>, f64, bool, f64, Vec<[f64; 2]>);
+
 /// Torsional systems, all with the same shafts compliant.
 #[pyclass(frozen, name = "Torsion", module = "cardan._core")]
 pub(crate) struct NativeTorsion(Vec<TorsionalSystem>);
@@ -34,7 +42,13 @@ impl NativeTorsion {
         line: PyReadonlyArray1<'_, i64>,
         shafts: [Input<'_>; 3],
         load: [Input<'_>; 2],
+        engine: Engine,
     ) -> PyResult<Self> {
+        let (drive, harmonics, couplings) = engine;
+        let drive = drive.map_or(Drive::Held, |slope| Drive::Free { slope });
+        let harmonic = |&(end, order, cos, sin): &_| TorqueHarmonic { end, order, cos, sin };
+        let harmonics: Vec<_> = harmonics.iter().map(harmonic).collect();
+        let couplings: Vec<_> = couplings.into_iter().map(coupling).collect();
         let n = lines.batch().joints();
         let line = slice("line", &line)?;
         let [inertias, stiffnesses, dampings] = &shafts;
@@ -80,6 +94,9 @@ impl NativeTorsion {
                 };
                 let load = [torques[i], viscous[i]];
                 let system = TorsionalSystem::new(&bends, &twists, &phases, of_shafts, load)
+                    .and_then(|system| system.with_drive(drive))
+                    .and_then(|system| system.with_harmonics(&harmonics))
+                    .and_then(|system| system.with_couplings(&couplings))
                     .map_err(|error| error.within(&unravel(i, &shape)))
                     .or_raise()?;
                 systems.push(system);
@@ -96,24 +113,36 @@ impl NativeTorsion {
         found.into_pyarray(py)
     }
 
-    /// Mean, least and largest torques, orders of the torques and of the angles of shaft ends.
+    /// The natural frequencies of the only system in rad/s, and the shapes of their modes, flat.
+    fn modes(&self) -> PyResult<Vec<(f64, Vec<f64>)>> {
+        Ok(self.only()?.modes())
+    }
+
+    /// The turns of the drive in a period.
+    fn period_turns(&self) -> f64 {
+        self.0.first().map_or(0.5, TorsionalSystem::period_turns)
+    }
+
+    /// Mean, least and largest torques, mean torque and least and largest speed of the drive, orders
+    /// of the torques and of the angles of shaft ends.
     fn steady<'py>(
         &self,
         py: Python<'py>,
         system: PyReadonlyArray1<'py, i64>,
         speed: Input<'py>,
-        orders: Vec<usize>,
+        orders: Vec<f64>,
         tolerance: f64,
         workers: Option<usize>,
     ) -> PyResult<Records<'py>> {
-        let record = self.size(|m, ends| 3 * m + 2 * orders.len() * (m + ends));
+        let record =
+            self.size(|m, ends| 3 * m + dynamics::OF_DRIVE + 2 * orders.len() * (m + ends));
         let input = (system, speed, tolerance);
         self.records(py, &input, record, workers, |runs, out, failures, execution| {
             dynamics::steady_of_batch(runs, &orders, out, failures, execution);
         })
     }
 
-    /// Floquet multipliers.
+    /// Floquet multipliers, the slope of the mean drive torque and the multiplier of the speed.
     fn multipliers<'py>(
         &self,
         py: Python<'py>,
@@ -122,12 +151,12 @@ impl NativeTorsion {
         tolerance: f64,
         workers: Option<usize>,
     ) -> PyResult<Records<'py>> {
-        let record = self.size(|m, _| 4 * m);
+        let record = self.0.first().map_or(0, |system| 2 * system.multipliers() + 2);
         let input = (system, speed, tolerance);
         self.records(py, &input, record, workers, dynamics::multipliers_of_batch)
     }
 
-    /// Angles, speeds and accelerations of all shaft ends and torques over half a turn.
+    /// Angles, speeds and accelerations of all shaft ends and torques over one period.
     fn orbits<'py>(
         &self,
         py: Python<'py>,
@@ -154,7 +183,8 @@ impl NativeTorsion {
         tolerance: f64,
         workers: Option<usize>,
     ) -> PyResult<Records<'py>> {
-        let each = |m: usize| dynamics::coexisting_record(m).saturating_mul(most);
+        let multipliers = self.0.first().map_or(0, TorsionalSystem::multipliers);
+        let each = |m: usize| dynamics::coexisting_record(m, multipliers).saturating_mul(most);
         let record = self.size(|m, _| each(m).saturating_add(1));
         let input = (system, speed, tolerance);
         self.records(py, &input, record, workers, |runs, out, failures, execution| {
@@ -173,7 +203,7 @@ impl NativeTorsion {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let [drive_angle, drive_speed, load_torque] = drive_and_load;
         let system = self.only()?;
-        let m = system.unknowns();
+        let m = system.compliant();
         let state = slice("state", &state)?;
         check_length("state", state.len(), 1, 2 * m).or_raise()?;
         let (errors, speeds) = state.split_at(m);
@@ -193,8 +223,8 @@ impl NativeTorsion {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let [drive_speed, load_torque] = drive_and_load;
         let system = self.only()?;
-        let mut state = vec![0.0; 2 * system.unknowns()];
-        let (errors, speeds) = state.split_at_mut(system.unknowns());
+        let mut state = vec![0.0; 2 * system.compliant()];
+        let (errors, speeds) = state.split_at_mut(system.compliant());
         system.rigid_state(drive_speed, load_torque, errors, speeds);
         Ok(state.into_pyarray(py))
     }
@@ -207,7 +237,7 @@ impl NativeTorsion {
         rows: Input<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let system = self.only()?;
-        let m = system.unknowns();
+        let m = system.compliant();
         let rows = slice("rows", &rows)?;
         let count = rows.len() / (2 * m + 2);
         check_length("rows", rows.len(), count, 2 * m + 2).or_raise()?;
@@ -227,6 +257,21 @@ impl NativeTorsion {
     }
 }
 
+/// A coupling from its fields.
+fn coupling(fields: CouplingFields) -> Coupling {
+    let (shaft, stiffness, twist_torque, play, contact_damping, loss_factor, stiffness_by_mean) =
+        fields;
+    Coupling {
+        shaft,
+        stiffness,
+        twist_torque,
+        play,
+        contact_damping,
+        loss_factor,
+        stiffness_by_mean,
+    }
+}
+
 impl NativeTorsion {
     /// The system, if there is only one.
     fn only(&self) -> PyResult<&TorsionalSystem> {
@@ -238,7 +283,7 @@ impl NativeTorsion {
 
     /// A size of all systems from the numbers of compliant shafts and of shaft ends.
     fn size(&self, of: impl Fn(usize, usize) -> usize) -> usize {
-        self.0.first().map_or(0, |system| of(system.unknowns(), 2 * system.shafts()))
+        self.0.first().map_or(0, |system| of(system.compliant(), 2 * system.shafts()))
     }
 
     fn records<'py>(

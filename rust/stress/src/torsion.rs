@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use cardan::dynamics::{Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};
+use cardan::dynamics::{OF_DRIVE, Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};
 use cardan::{Execution, ShaftEnds, TorsionalSystem};
 
 use crate::error_table::{ErrorTable, RowLimits};
@@ -129,17 +129,23 @@ struct Vibration {
 fn evaluate(system: &TorsionalSystem, speed: f64) -> Option<Vibration> {
     let systems = std::slice::from_ref(system);
     let runs = Runs { systems, system: &[0], speed: &[speed], tolerance: TOLERANCE };
-    let (m, ends) = (system.unknowns(), 2 * system.shafts());
-    let mut steady = vec![f64::NAN; 3 * m + 2 * ORDERS.len() * (m + ends)];
+    let (m, ends) = (system.compliant(), 2 * system.shafts());
+    let mut steady = vec![f64::NAN; 3 * m + OF_DRIVE + 2 * ORDERS.len() * (m + ends)];
     let mut orbit = vec![f64::NAN; SAMPLES * (3 * ends + m + 1)];
-    let mut multipliers = vec![f64::NAN; 4 * m];
+    let mut multipliers = vec![f64::NAN; 2 * system.multipliers() + 2];
     let mut failures = [None; 3];
     let [one, two, three] = &mut failures;
     let alone = || Execution { workers: Some(1), ..Execution::default() };
-    steady_of_batch(&runs, &ORDERS, &mut steady, std::slice::from_mut(one), alone());
+    steady_of_batch(
+        &runs,
+        &ORDERS.map(|order| order as f64),
+        &mut steady,
+        std::slice::from_mut(one),
+        alone(),
+    );
     orbits_of_batch(&runs, SAMPLES, &mut orbit, std::slice::from_mut(two), alone());
     multipliers_of_batch(&runs, &mut multipliers, std::slice::from_mut(three), alone());
-    let multipliers = multipliers.as_chunks().0.to_vec();
+    let multipliers = multipliers[..4 * m].as_chunks().0.to_vec();
     failures.iter().all(Option::is_none).then_some(Vibration { steady, orbit, multipliers })
 }
 
@@ -152,7 +158,7 @@ fn judge(line: &VibratingDriveline, speed: f64, found: &mut TorsionErrors) {
     let speed = speed * frequencies[0];
     let Some(core) = evaluate(&system, speed) else { return };
     let place = |name: &str| format!("{name} of {line:?} at {speed:?} rad/s");
-    let (m, count) = (system.unknowns(), inertias.len());
+    let (m, count) = (system.compliant(), inertias.len());
     let value = |row: usize, i: usize| core.orbit[row * SAMPLES + i];
     // From the core's own start, if that is one: its angles and speeds there.
     let (leads, of_pieces) = line.leads();
@@ -293,7 +299,7 @@ fn judge_series(line: &VibratingDriveline, speed: f64, steady: &[f64], found: &m
     take(1, steady[2], extreme(1.0));
     for (i, order) in ORDERS.iter().enumerate() {
         for part in 0..2 {
-            take(2, steady[3 + 2 * i + part], amplitudes[order / 2 - 1][part]);
+            take(2, steady[3 + OF_DRIVE + 2 * i + part], amplitudes[order / 2 - 1][part]);
         }
     }
 }

@@ -1,19 +1,21 @@
 //! Many systems and speeds: every sample is independent of all others, so results do not depend on
 //! the threads.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::dynamics::lanes::LANES;
+use crate::dynamics::coupling::Law;
+use crate::dynamics::lanes::{LANES, ZERO, all};
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::pool::Pool;
 use crate::dynamics::search::{Found, OrbitGoal, Search};
-use crate::dynamics::system::{PieceState, TorsionalSystem};
+use crate::dynamics::system::{Drive, PieceState, TorsionalSystem};
 use crate::mechanics::phasing::is_set;
-use crate::number::elementary::norm;
+use crate::number::elementary::{ln, norm};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::{threads, work_off};
@@ -69,13 +71,12 @@ impl Runs<'_> {
                     return;
                 }
                 let runs = systems.iter().zip(speeds).map(|(&i, &speed)| (&self.systems[i], speed));
-                let runs: Vec<_> = runs.collect();
-                let searches =
-                    runs.iter().map(|&(system, speed)| Search::at(system, speed, goal)).collect();
+                let (systems, found) = settled(pool, runs, goal);
                 let mut done = vec![];
-                let found = pool.run(searches).into_iter().zip(runs);
-                let places = out.chunks_mut(record).zip(failures);
-                for ((found, (system, speed)), (out, failure)) in found.zip(places) {
+                let places = out.chunks_mut(record).zip(failures).zip(speeds);
+                for ((found, system), ((out, failure), &speed)) in
+                    found.into_iter().zip(&systems).zip(places)
+                {
                     match found {
                         Ok(found) => done.push(Done { system, speed, found, out }),
                         Err(reason) => {
@@ -90,23 +91,87 @@ impl Runs<'_> {
     }
 }
 
+/// The orbits of runs, of which each kind of law needs its own method.
+fn orbits(
+    pool: &mut Pool<'_>,
+    runs: &[(&TorsionalSystem, f64)],
+    goal: OrbitGoal,
+) -> Vec<Result<Found, Failure>> {
+    let any = |of: fn(&Law) -> bool| {
+        runs.iter().any(|(system, _)| system.springs.iter().any(|spring| of(&spring.law)))
+    };
+    if any(|law| !law.is_linear()) {
+        runs.iter().map(|(system, speed)| system.shoot(*speed, goal, pool)).collect()
+    } else if any(|law| law.loss_factor > 0.0) {
+        runs.iter().map(|(system, speed)| system.balance(*speed, goal, pool)).collect()
+    } else {
+        pool.run(runs.iter().map(|(system, speed)| Search::at(system, *speed, goal)).collect())
+    }
+}
+
+/// The orbits of runs, and the systems with the stiffnesses that belong to the mean torques of the
+/// orbits, which hardly depend on the stiffnesses.
+fn settled<'a>(
+    pool: &mut Pool<'_>,
+    runs: impl Iterator<Item = (&'a TorsionalSystem, f64)>,
+    goal: OrbitGoal,
+) -> (Vec<Cow<'a, TorsionalSystem>>, Vec<Result<Found, Failure>>) {
+    const ROUNDS: usize = 12;
+    let (mut systems, mut speeds) = (vec![], vec![]);
+    for (system, speed) in runs {
+        let load = std::iter::repeat(system.static_load(speed));
+        systems.push(system.at_means(load).map_or(Cow::Borrowed(system), Cow::Owned));
+        speeds.push(speed);
+    }
+    let mut found: Vec<Result<Found, Failure>> = vec![];
+    let mut changed: Vec<usize> = (0..systems.len()).collect();
+    for round in 0..=ROUNDS {
+        let runs: Vec<_> = changed.iter().map(|&i| (systems[i].as_ref(), speeds[i])).collect();
+        let results = orbits(pool, &runs, goal);
+        if round == 0 {
+            found = results;
+        } else {
+            for (&i, result) in changed.iter().zip(results) {
+                found[i] = result;
+            }
+        }
+        changed.retain(|&i| {
+            let Ok(of) = &found[i] else { return false };
+            let other = systems[i].at_means(of.torques.iter().map(|series| series.mean));
+            let differs = other.is_some();
+            if let Some(other) = other {
+                systems[i] = Cow::Owned(other);
+            }
+            differs
+        });
+        if changed.is_empty() {
+            break;
+        }
+    }
+    changed.into_iter().for_each(|i| found[i] = Err(Failure::NotFound));
+    (systems, found)
+}
+
+/// The numbers of a record of [`steady_of_batch`] that describe the drive.
+pub const OF_DRIVE: usize = 3;
+
 /// The steady state of each run. A record holds, for `m` compliant shafts and `n + 1` shafts: mean
-/// (`m`), least (`m`) and largest torque (`m`) of the compliant shafts in N m, the complex orders
-/// of these torques (`m`, orders, 2) and those of the angles of all shaft ends in rad (`n + 1`, 2,
+/// (`m`), least (`m`) and largest torque (`m`) of the compliant shafts in N m, the mean torque of the
+/// drive in N m, its least and its largest speed in rad/s, the complex orders of the torques (`m`, orders, 2) and those of the angles of all shaft ends in rad (`n + 1`, 2,
 /// orders, 2).
 ///
 /// The torque is `mean + Re Σ X_o e^{ioα}` with the drive angle `α`; the angles likewise.
 pub fn steady_of_batch(
     runs: &Runs<'_>,
-    orders: &[usize],
+    orders: &[f64],
     results: &mut [f64],
     failures: &mut [Option<Failure>],
     execution: Execution<'_>,
 ) {
     let Some(first) = runs.systems.first() else { return };
-    let (m, ends) = (first.unknowns(), 2 * first.shafts());
-    let record = 3 * m + 2 * orders.len() * (m + ends);
-    let order = orders.iter().copied().max().unwrap_or(0);
+    let (m, ends) = (first.compliant(), 2 * first.shafts());
+    let record = 3 * m + OF_DRIVE + 2 * orders.len() * (m + ends);
+    let order = orders.iter().fold(0.0, |most: f64, order| order.max(most));
     let goal = OrbitGoal { tolerance: runs.tolerance, order, stability: false };
     runs.each(goal, (results, record), failures, execution, |pool, mut done| {
         done.sort_by_key(|run| run.found.orbit.intervals);
@@ -116,9 +181,10 @@ pub fn steady_of_batch(
             for s in 0..m {
                 put_torques(pool, lanes, s, m);
             }
+            put_drive(pool, lanes, m);
             let (mut systems, mut orbits, mut outs) = (vec![], vec![], vec![]);
             for Done { system, speed, found, out } in lanes {
-                let (torques, angles) = out[3 * m..].split_at_mut(2 * m * orders.len());
+                let (torques, angles) = out[3 * m + OF_DRIVE..].split_at_mut(2 * m * orders.len());
                 let places = torques.chunks_exact_mut(2);
                 let series =
                     found.torques.iter().flat_map(|of| orders.iter().map(|&o| of.order(o)));
@@ -143,12 +209,30 @@ pub(super) fn put_torques(pool: &mut Pool<'_>, lanes: &mut [Done<'_, '_>], shaft
     let [least, most] = pool.extremes(&series);
     for (l, run) in lanes.iter_mut().enumerate() {
         run.out[shaft] = run.found.torques[shaft].mean;
-        (run.out[m + shaft], run.out[2 * m + shaft]) = (least[l], most[l]);
+        let [least, most] = run.found.extremes.as_ref().map_or([least[l], most[l]], |of| of[shaft]);
+        (run.out[m + shaft], run.out[2 * m + shaft]) = (least, most);
     }
 }
 
-/// The Floquet multipliers of half a turn of the drive about the orbit of each run. A record holds
-/// the real and imaginary parts of two multipliers per compliant shaft, largest modulus first.
+/// Mean torque, least and largest speed of the drive of runs on meshes of the same size.
+fn put_drive(pool: &mut Pool<'_>, lanes: &mut [Done<'_, '_>], m: usize) {
+    let slopes: Option<Vec<&FourierSeries>> =
+        lanes.iter().map(|run| run.found.drive.slope.as_ref()).collect();
+    let [least, most] = slopes.map_or([ZERO; 2], |slopes| pool.extremes(&slopes));
+    for (l, run) in lanes.iter_mut().enumerate() {
+        let speeds = [least[l], most[l]].map(|slope| run.speed * (1.0 + slope));
+        run.out[3 * m..][..OF_DRIVE].copy_from_slice(&[
+            run.found.drive.torque,
+            speeds[0],
+            speeds[1],
+        ]);
+    }
+}
+
+/// The stability of each run. A record holds the real and imaginary parts of the Floquet multipliers
+/// of a period about the orbit, largest modulus first, without the one of a free drive that is 1
+/// because its orbit may begin at any time; then, NaN if the drive is held, the derivative of the
+/// mean drive torque by the mean speed in N m s/rad and the multiplier that belongs to the speed.
 pub fn multipliers_of_batch(
     runs: &Runs<'_>,
     results: &mut [f64],
@@ -156,22 +240,57 @@ pub fn multipliers_of_batch(
     execution: Execution<'_>,
 ) {
     let Some(first) = runs.systems.first() else { return };
-    let record = 4 * first.unknowns();
-    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: true };
-    runs.each(goal, (results, record), failures, execution, |_, done| {
-        for Done { found, out, .. } in done {
-            for (place, x) in out.chunks_exact_mut(2).zip(multipliers(&found.orbit)) {
-                place.copy_from_slice(&[x.re, x.im]);
+    let record = 2 * first.multipliers() + 2;
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0.0, stability: true };
+    runs.each(goal, (results, record), failures, execution, |pool, mut done| {
+        done.sort_by_key(|run| run.found.orbit.intervals);
+        let alike =
+            |x: &Done<'_, '_>, y: &Done<'_, '_>| x.found.orbit.intervals == y.found.orbit.intervals;
+        for lanes in done.chunk_by_mut(alike).flat_map(|alike| alike.chunks_mut(LANES)) {
+            let mut slopes = all(f64::NAN);
+            if lanes[0].system.is_free() {
+                let runs: Vec<_> = lanes.iter().map(|run| (run.system, run.speed)).collect();
+                let orbits: Vec<_> = lanes.iter().map(|run| &run.found.orbit).collect();
+                slopes = pool.torque_slopes(&runs, &orbits);
+                for (l, run) in lanes.iter().enumerate() {
+                    slopes[l] = run.found.drive.torque_slope.unwrap_or(slopes[l]);
+                }
+            }
+            for (l, Done { system, speed, found, out }) in lanes.iter_mut().enumerate() {
+                let known = multipliers(system, *speed, &found.orbit);
+                for (place, x) in out.chunks_exact_mut(2).zip(&known) {
+                    place.copy_from_slice(&[x.re, x.im]);
+                }
+                out[record - 2] = slopes[l];
+                out[record - 1] = system.speed_multiplier(*speed, slopes[l], &known);
             }
         }
     });
 }
 
 /// The Floquet multipliers about an orbit, largest modulus first.
-pub(super) fn multipliers(orbit: &Orbit) -> Vec<Complex<f64>> {
+pub(super) fn multipliers(
+    system: &TorsionalSystem,
+    speed: f64,
+    orbit: &Orbit,
+) -> Vec<Complex<f64>> {
     let size = 2 * orbit.unknowns;
-    let mut found: Vec<Complex<f64>> =
-        DMatrix::from_row_slice(size, size, &orbit.monodromy).complex_eigenvalues().data.into();
+    let mut map = DMatrix::from_row_slice(size, size, &orbit.monodromy);
+    if system.is_free() {
+        // A shift in time is no disturbance: the map leaves the slopes of the state as they are. In
+        // axes of which that is the first the others are apart (Householder's reflection).
+        let (y, v) = orbit.state(0);
+        let mut slopes =
+            DVector::from_iterator(size, v.iter().map(|v| 1.0 + v).chain(v.iter().copied()));
+        let mut equation = MotionEquation::new(system, speed, orbit.mean_torque);
+        equation.accelerations(0.0, y, v, &mut slopes.as_mut_slice()[orbit.unknowns..]);
+        let mut normal = slopes;
+        normal[0] += normal.norm().copysign(normal[0]);
+        normal.normalize_mut();
+        let reflection = DMatrix::identity(size, size) - 2.0 * &normal * normal.transpose();
+        map = (&reflection * map * &reflection).view((1, 1), (size - 1, size - 1)).into_owned();
+    }
+    let mut found: Vec<Complex<f64>> = map.complex_eigenvalues().data.into();
     // Conjugates have equal moduli up to rounding; the sign orders them.
     let key = |x: &Complex<f64>| (norm(*x), x.re, x.im);
     found.sort_by(|x, y| {
@@ -183,7 +302,25 @@ pub(super) fn multipliers(orbit: &Orbit) -> Vec<Complex<f64>> {
     found
 }
 
-/// One period of each run at equally spaced drive angles over half a turn. A record holds, for
+impl TorsionalSystem {
+    /// How many multipliers a period has.
+    pub fn multipliers(&self) -> usize {
+        2 * self.unknowns() - usize::from(self.is_free())
+    }
+
+    /// The real multiplier that is nearest to the one with which the speed of the whole driveline
+    /// returns: the load and the losses, less the slope of the drive, brake its mean inertia.
+    fn speed_multiplier(&self, speed: f64, torque_slope: f64, among: &[Complex<f64>]) -> f64 {
+        let Drive::Free { slope } = self.drive else { return f64::NAN };
+        let period = PI * self.half_turns as f64 / speed;
+        let expected = -(slope + torque_slope) * period / self.total_inertia();
+        let real = among.iter().filter(|x| x.im == 0.0 && x.re > 0.0).map(|x| x.re);
+        let apart = |x: &f64| (ln(*x) - expected).abs();
+        real.min_by(|x, y| apart(x).total_cmp(&apart(y))).unwrap_or(f64::NAN)
+    }
+}
+
+/// One period of each run at equally spaced drive angles. A record holds, for
 /// `n + 1` shafts, the angles of all shaft ends relative to the drive in rad (`n + 1`, 2, samples),
 /// their speeds in rad/s and their accelerations in rad/s² (the same), the torques of the `m`
 /// compliant shafts in N m (`m`, samples) and the torque of the drive in N m (samples).
@@ -195,8 +332,8 @@ pub fn orbits_of_batch(
     execution: Execution<'_>,
 ) {
     let Some(first) = runs.systems.first() else { return };
-    let (m, ends) = (first.unknowns(), 2 * first.shafts());
-    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: false };
+    let (m, ends) = (first.compliant(), 2 * first.shafts());
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0.0, stability: false };
     let record = samples * (3 * ends + m + 1);
     runs.each(goal, (results, record), failures, execution, |_, done| {
         for run in done {
@@ -207,16 +344,18 @@ pub fn orbits_of_batch(
 
 /// The record of one run.
 fn put_samples(Done { system, speed, found, out }: Done<'_, '_>, samples: usize) {
-    let (m, ends, orbit) = (system.unknowns(), 2 * system.shafts(), found.orbit);
-    let mut equation = MotionEquation::new(system, speed);
+    let (m, ends, orbit) = (system.compliant(), 2 * system.shafts(), found.orbit);
+    let mut equation = MotionEquation::new(system, speed, orbit.mean_torque);
     let roots = roots_of_unity(orbit.intervals);
-    let through = |of: &dyn Fn(usize) -> f64| FourierSeries::through(of, &roots);
-    let positions: Vec<FourierSeries> = (0..m).map(|u| through(&|k| orbit.state(k).0[u])).collect();
-    let slopes: Vec<FourierSeries> = (0..m).map(|u| through(&|k| orbit.state(k).1[u])).collect();
+    let unknowns = 0..orbit.unknowns;
+    let through = |of: &dyn Fn(usize) -> f64| FourierSeries::through(system.half_turns, of, &roots);
+    let positions: Vec<FourierSeries> =
+        unknowns.clone().map(|u| through(&|k| orbit.state(k).0[u])).collect();
+    let slopes: Vec<FourierSeries> = unknowns.map(|u| through(&|k| orbit.state(k).1[u])).collect();
     let mut pieces: Vec<PieceState> = vec![];
-    let mut accelerations = vec![0.0; m];
+    let mut accelerations = vec![0.0; orbit.unknowns];
     for i in 0..samples {
-        let angle = PI * i as f64 / samples as f64;
+        let angle = PI * system.half_turns as f64 * i as f64 / samples as f64;
         let at = |series: &[FourierSeries]| -> Vec<f64> {
             series.iter().map(|series| series.at(angle)[0]).collect()
         };
@@ -232,7 +371,8 @@ fn put_samples(Done { system, speed, found, out }: Done<'_, '_>, samples: usize)
         for (s, torque) in equation.last_torques().iter().enumerate() {
             put(3 * ends + s, *torque);
         }
-        put(3 * ends + m, equation.at_drive()[0]);
+        let PieceState { slope, curvature, .. } = pieces[0];
+        put(3 * ends + m, equation.at_drive(slope, curvature)[0]);
     }
 }
 
@@ -258,15 +398,15 @@ mod tests {
     fn bits(which: &[usize], speed: &[f64], execution: Execution<'_>) -> Vec<u64> {
         let systems = systems();
         let runs = Runs { systems: &systems, system: which, speed, tolerance: 1e-9 };
-        let orders = [1, 2, 4];
+        let orders = [1.0, 2.0, 4.0];
         let count = which.len();
-        let record = 6 + 2 * 3 * (2 + 6);
+        let record = 6 + OF_DRIVE + 2 * 3 * (2 + 6);
         let mut steady = vec![0.0; count * record];
-        let mut multipliers = vec![0.0; count * 8];
+        let mut multipliers = vec![0.0; count * 10];
         let (mut failures, mut others) = (vec![None; count], vec![None; count]);
         steady_of_batch(&runs, &orders, &mut steady, &mut failures, execution);
         multipliers_of_batch(&runs, &mut multipliers, &mut others, execution);
-        let records = steady.chunks(record).zip(multipliers.chunks(8));
+        let records = steady.chunks(record).zip(multipliers.chunks(10));
         records.flat_map(|(x, y)| x.iter().chain(y)).map(|x| x.to_bits()).collect()
     }
 

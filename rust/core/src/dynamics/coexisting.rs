@@ -11,10 +11,10 @@ use crate::run::execution::Execution;
 /// relative to the drive's speed. One state has one motion.
 const DIFFERENT: f64 = 1e-4;
 
-/// A record of [`coexisting_of_batch`], per orbit, for `m` compliant shafts: mean, least and largest
-/// torque of each, and the real and imaginary parts of the multipliers.
-pub fn coexisting_record(compliant: usize) -> usize {
-    7 * compliant
+/// A record of [`coexisting_of_batch`], per orbit: mean, least and largest torque of each compliant
+/// shaft, and the real and imaginary parts of the multipliers.
+pub fn coexisting_record(compliant: usize, multipliers: usize) -> usize {
+    3 * compliant + 2 * multipliers
 }
 
 /// Up to `most` orbits of each run: their number, which may be larger, then the records of
@@ -28,9 +28,9 @@ pub fn coexisting_of_batch(
     execution: Execution<'_>,
 ) {
     let Some(first) = runs.systems.first() else { return };
-    let m = first.unknowns();
-    let each = coexisting_record(m);
-    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: true };
+    let m = first.compliant();
+    let each = coexisting_record(m, first.multipliers());
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0.0, stability: true };
     let record = 1 + most * each;
     runs.each(goal, (results, record), failures, execution, |pool, done| {
         for Done { system, speed, found, out } in done {
@@ -44,7 +44,9 @@ pub fn coexisting_of_batch(
                 }
                 let [Done { found, .. }] = lane;
                 let peak = record[m..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-                record.extend(multipliers(&found.orbit).iter().flat_map(|x| [x.re, x.im]));
+                record.extend(
+                    multipliers(system, speed, &found.orbit).iter().flat_map(|x| [x.re, x.im]),
+                );
                 records.push((peak, record));
             }
             records[1..].sort_by(|(x, _), (y, _)| x.total_cmp(y));

@@ -22,7 +22,7 @@ pub struct Instant<'a> {
 /// What the drive moves directly.
 #[derive(Clone, Copy, Debug)]
 pub struct AtDrive {
-    /// The torque in N m that keeps the speed of the drive constant.
+    /// The torque in N m that keeps the speed of the drive constant, beside harmonic torques.
     pub torque: f64,
     /// The inertia in kg m² of the shafts before the first compliant one.
     pub inertia: f64,
@@ -33,7 +33,7 @@ impl TorsionalSystem {
     pub fn accelerations(&self, instant: Instant<'_>, out: &mut [f64]) -> AtDrive {
         let (mut equation, slopes) = self.in_time(instant);
         equation.accelerations(instant.drive_angle, instant.errors, &slopes, out);
-        let [torque, inertia] = equation.at_drive();
+        let [torque, inertia] = equation.at_drive(instant.drive_speed, 0.0);
         AtDrive { torque, inertia }
     }
 
@@ -45,7 +45,7 @@ impl TorsionalSystem {
         let Instant { drive_angle: angle, errors, .. } = instant;
         let (ends, mut pieces) = (2 * self.shafts(), vec![]);
         out[2 * ends..].copy_from_slice(equation.torques(angle, errors, &slopes));
-        let unaccelerated = vec![0.0; self.unknowns()];
+        let unaccelerated = vec![0.0; self.compliant()];
         equation.pieces(angle, [errors, &slopes, &unaccelerated], &mut pieces);
         self.shaft_ends(&pieces, |end, [error, speed, _]| {
             (out[end], out[ends + end]) = (error, speed);
@@ -62,7 +62,7 @@ impl TorsionalSystem {
         errors: &mut [f64],
         speeds: &mut [f64],
     ) {
-        let mut accelerations = vec![0.0; self.unknowns()];
+        let mut accelerations = vec![0.0; self.compliant()];
         let equation = MotionEquation::in_time(self, drive_speed, load_torque);
         equation.rigid(0.0, [errors, speeds, &mut accelerations]);
         for slope in speeds {

@@ -1,9 +1,11 @@
-//! Torsional vibration of drivelines with compliant shafts: the periodic orbit at constant drive
-//! speed, its stability, natural frequencies, and the equations in time.
+//! Torsional vibration of drivelines with compliant shafts, whose drive is held at constant speed or
+//! free: the periodic orbit, its stability, natural frequencies, and the equations in time.
 
+mod balance;
 mod batch;
 mod coexisting;
 mod continuation;
+mod coupling;
 mod gauss;
 mod instant;
 mod lanes;
@@ -15,11 +17,13 @@ mod periodic;
 mod pool;
 mod rigid_piece;
 mod search;
+mod shooting;
 mod side_by_side;
 mod system;
 
-pub use batch::{Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};
+pub use batch::{OF_DRIVE, Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};
 pub use coexisting::{coexisting_of_batch, coexisting_record};
+pub use coupling::Coupling;
 pub use instant::{AtDrive, Instant};
 pub use orbit::Failure;
-pub use system::{ShaftEnds, TorsionalSystem};
+pub use system::{Drive, ShaftEnds, TorqueHarmonic, TorsionalSystem};

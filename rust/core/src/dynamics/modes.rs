@@ -9,25 +9,56 @@ use crate::dynamics::rigid_piece::RigidPiece;
 use crate::dynamics::system::TorsionalSystem;
 
 impl TorsionalSystem {
-    /// Undamped natural frequencies in rad/s, lowest first, one per compliant shaft. The drive is
-    /// held at constant speed.
+    /// Undamped natural frequencies in rad/s, lowest first, one per compliant shaft. A held drive
+    /// turns at constant speed; the rotation of a free one with all shafts is not among them. The
+    /// stiffness of a coupling is that at the load torque.
     pub fn natural_frequencies(&self) -> Vec<f64> {
+        self.modes().into_iter().map(|(frequency, _)| frequency).collect()
+    }
+
+    /// The natural frequencies with their shapes: the amplitudes of the angles of input end and
+    /// output end of every shaft, of which the largest is 1.
+    pub fn modes(&self) -> Vec<(f64, Vec<f64>)> {
+        let free = usize::from(self.is_free());
         let m = self.unknowns();
-        let inertias: Vec<f64> = self.pieces[1..].iter().map(mean_inertia).collect();
+        let inertias: Vec<f64> = self.pieces[1 - free..].iter().map(mean_inertia).collect();
         let scale = |s: usize, u: usize| 1.0 / (inertias[s] * inertias[u]).sqrt();
         let mut matrix = DMatrix::<f64>::zeros(m, m);
-        for (s, spring) in self.springs.iter().enumerate() {
-            matrix[(s, s)] += spring.stiffness * scale(s, s);
+        for (place, spring) in self.springs.iter().enumerate() {
+            let stiffness = spring.law.stiffness_at(self.load_torque);
+            let s = place + free;
+            matrix[(s, s)] += stiffness * scale(s, s);
             if s > 0 {
-                matrix[(s - 1, s - 1)] += spring.stiffness * scale(s - 1, s - 1);
-                matrix[(s, s - 1)] = -spring.stiffness * scale(s, s - 1);
+                matrix[(s - 1, s - 1)] += stiffness * scale(s - 1, s - 1);
+                matrix[(s, s - 1)] = -stiffness * scale(s, s - 1);
                 matrix[(s - 1, s)] = matrix[(s, s - 1)];
             }
         }
-        let squares = SymmetricEigen::new(matrix).eigenvalues;
-        let mut found: Vec<f64> = squares.iter().map(|square| square.max(0.0).sqrt()).collect();
-        found.sort_by(f64::total_cmp);
-        found
+        let found = SymmetricEigen::new(matrix);
+        let mut order: Vec<usize> = (0..m).collect();
+        order.sort_by(|&i, &j| found.eigenvalues[i].total_cmp(&found.eigenvalues[j]));
+        let ends = self.ends_of_curves();
+        let mode = |&i: &usize| {
+            let mut shape = vec![0.0; 2 * self.shafts()];
+            let mut curves = ends.iter();
+            for (p, piece) in self.pieces.iter().enumerate() {
+                let own = (p + free).checked_sub(1);
+                let turned = own.map_or(0.0, |u| found.eigenvectors[(u, i)] / inertias[u].sqrt());
+                for ends in curves.by_ref().take(1 + piece.followers.len()) {
+                    ends.iter().flatten().for_each(|&end| shape[end] = turned);
+                }
+            }
+            let larger = |most: f64, x: &f64| if x.abs() > most.abs() { *x } else { most };
+            let largest = shape.iter().fold(0.0, larger);
+            shape.iter_mut().for_each(|x| *x /= largest);
+            (found.eigenvalues[i].max(0.0).sqrt(), shape)
+        };
+        order[free..].iter().map(mode).collect()
+    }
+
+    /// The sum of the mean inertias in kg m².
+    pub(super) fn total_inertia(&self) -> f64 {
+        self.pieces.iter().map(mean_inertia).sum()
     }
 }
 

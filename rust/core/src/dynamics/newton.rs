@@ -1,10 +1,13 @@
-//! Periodic orbits by collocation: a step of Newton's method on all intervals of half a turn at once,
+//! Periodic orbits by collocation: a step of Newton's method on all intervals of a period at once,
 //! for several runs side by side.
 //!
 //! On every interval the second derivatives are polynomials through the collocation points, and so
 //! are the slopes. The linearised equations of an interval are condensed to a map from the state at
 //! its start to that at its end; the product of the maps closes the orbit, and its eigenvalues are
 //! the Floquet multipliers. Work grows linearly with the number of intervals.
+//!
+//! The orbit of a free drive may begin anywhere: its mean torque is one more unknown, and that the
+//! mean of the drive's angle error is zero one more equation.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use std::f64::consts::PI;
@@ -20,6 +23,12 @@ pub(super) trait Equations {
 
     /// The unit of errors of the unknowns, from the rows since the last call.
     fn unit(&mut self, lanes: Lanes) -> Pack;
+
+    /// Whether the first unknown is the angle of a free drive, whose mean torque is unknown.
+    fn is_free(&self) -> bool;
+
+    /// Takes the mean torque of a free drive in N m.
+    fn set_mean_torque(&mut self, torque: &Pack);
 }
 
 /// An equation and its derivatives.
@@ -65,6 +74,10 @@ pub(super) struct Newton {
     pub(super) states: Vec<Pack>,
     /// Second derivatives at the collocation points, `(intervals, STAGES, unknowns)`.
     pub(super) accelerations: Vec<Pack>,
+    /// Of a free drive, in N m.
+    pub(super) mean_torque: Pack,
+    /// Half turns of the drive in a period.
+    pub(super) half_turns: usize,
     /// Their changes by the state at the start of the interval, by the constant and by the
     /// parameter, `(intervals, STAGES · unknowns, columns)`.
     condensed: Vec<Pack>,
@@ -79,6 +92,8 @@ pub(super) struct Newton {
     change: Vec<Pack>,
     /// Of the maps.
     columns: usize,
+    /// The sum of the angle errors of a free drive, by the same columns.
+    phase: Vec<Pack>,
     rows: Vec<EquationRow>,
     nearby: Vec<EquationRow>,
 }
@@ -87,10 +102,12 @@ impl Newton {
     /// Copies orbits on meshes of the same size. The last one also fills the lanes that are left.
     pub(super) fn load(&mut self, orbits: &[&Orbit]) {
         let lane = |l: usize| orbits[l.min(orbits.len() - 1)];
+        self.half_turns = lane(0).half_turns;
         make_room(&mut self.states, lane(0).states.len());
         make_room(&mut self.accelerations, lane(0).accelerations.len());
         for l in 0..LANES {
-            let Orbit { states, accelerations, .. } = lane(l);
+            let Orbit { states, accelerations, mean_torque, .. } = lane(l);
+            self.mean_torque[l] = *mean_torque;
             for (pack, x) in self.states.iter_mut().zip(states) {
                 pack[l] = *x;
             }
@@ -98,6 +115,11 @@ impl Newton {
                 pack[l] = *x;
             }
         }
+    }
+
+    /// Length of each of so many intervals in rad.
+    pub(super) fn width(&self, intervals: usize) -> f64 {
+        PI * self.half_turns as f64 / intervals as f64
     }
 
     /// Copies the orbit of a lane back.
@@ -108,6 +130,7 @@ impl Newton {
         for (x, pack) in orbit.accelerations.iter_mut().zip(&self.accelerations) {
             *x = pack[l];
         }
+        (orbit.mean_torque, orbit.half_turns) = (self.mean_torque[l], self.half_turns);
         let m = orbit.unknowns;
         let columns = self.columns;
         let entry = |i: usize| self.product[i / (2 * m) * columns + i % (2 * m)][l];
@@ -118,7 +141,7 @@ impl Newton {
     #[inline(always)]
     pub(super) fn halve(&mut self, lanes: Lanes, m: usize) {
         let intervals = self.states.len() / (2 * m);
-        let width = PI / intervals as f64;
+        let width = self.width(intervals);
         let rule: &Collocation = &COLLOCATION;
         make_room(&mut self.state, 2 * m);
         let (mut states, mut accelerations) =
@@ -156,10 +179,21 @@ impl Newton {
         m: usize,
     ) -> [Option<NewtonStep>; LANES] {
         let intervals = self.states.len() / (2 * m);
-        let width = PI / intervals as f64;
-        // By the state at drive angle 0, then the constant, then by the parameter.
-        let columns = 2 * m + 1 + usize::from(along.is_some());
+        let width = self.width(intervals);
+        // By the state at drive angle 0, then the constant, then by the mean torque of a free drive
+        // and by the parameter.
+        let free = equations.is_free();
+        let columns = 2 * m + 1 + usize::from(free) + usize::from(along.is_some());
         self.columns = columns;
+        equations.set_mean_torque(&self.mean_torque);
+        if let Some(Along { nearby, .. }) = &mut along {
+            nearby.set_mean_torque(&self.mean_torque);
+        }
+        self.phase.clear();
+        make_room(&mut self.phase, if free { columns } else { 0 });
+        if free {
+            (self.phase[0], self.phase[2 * m]) = (all(1.0), self.states[0]);
+        }
         make_room(&mut self.condensed, intervals * STAGES * m * columns);
         make_room(&mut self.defects, intervals * 2 * m);
         make_room(&mut self.map, 2 * m * columns);
@@ -177,7 +211,7 @@ impl Newton {
         for k in 0..=intervals {
             if k < intervals {
                 size = (STAGES * m, STAGES * m + columns);
-                self.linearise(lanes, k, width, equations, along.as_deref_mut(), m);
+                self.linearise(lanes, k, (width, columns), equations, along.as_deref_mut(), m);
             } else {
                 size = (columns - 1, columns);
                 self.close(lanes, m, columns, along.as_deref());
@@ -191,11 +225,9 @@ impl Newton {
         self.change.clear();
         self.change.extend((0..2 * m).map(|i| solutions[i * size.1 + size.0]));
         self.change.push(all(1.0));
-        let mut parameter = ZERO;
-        if columns > 2 * m + 1 {
-            parameter = self.table[2 * m * size.1 + size.0];
-            self.change.push(parameter);
-        }
+        self.change.extend((2 * m..size.0).map(|i| solutions[i * size.1 + size.0]));
+        let mean_torque = if free { self.change[2 * m + 1] } else { ZERO };
+        let parameter = if along.is_some() { self.change[columns - 1] } else { ZERO };
         let change = self.changes(lanes, intervals, width, columns, m);
         let mut damped = ZERO;
         for l in lanes.each() {
@@ -213,6 +245,7 @@ impl Newton {
         for (x, dx) in self.states.iter_mut().zip(&self.defects) {
             *x = lanes.plus_product(*x, damped, *dx);
         }
+        self.mean_torque = lanes.plus_product(self.mean_torque, damped, mean_torque);
         let unit = equations.unit(lanes);
         let mut found = [None; LANES];
         for l in lanes.each() {
@@ -231,14 +264,15 @@ impl Newton {
         &mut self,
         lanes: Lanes,
         interval: usize,
-        width: f64,
+        (width, of_maps): (f64, usize),
         equations: &mut E,
         mut along: Option<&mut Along<'_, E>>,
         m: usize,
     ) {
         let rule: &Collocation = &COLLOCATION;
         let unknowns = STAGES * m;
-        let columns = unknowns + 2 * m + 1 + usize::from(along.is_some());
+        let columns = unknowns + of_maps;
+        let free = equations.is_free();
         make_room(&mut self.table, unknowns * columns);
         for (i, &node) in rule.nodes.iter().enumerate() {
             self.within(lanes, interval, m, [node, width], [&rule.position[i], &rule.speed[i]]);
@@ -263,9 +297,12 @@ impl Newton {
                     constant[l] = -scale[l] * row.residual[l];
                 }
                 entries[unknowns + 2 * m] = constant;
+                if free {
+                    entries[unknowns + 2 * m + 1] = if s == 0 { scale } else { ZERO };
+                }
                 if let Some(Along { by, .. }) = along {
                     let nearby = &self.nearby[s].residual;
-                    let entry = &mut entries[unknowns + 2 * m + 1];
+                    let entry = &mut entries[columns - 1];
                     for l in lanes.each() {
                         entry[l] = -scale[l] * (nearby[l] - row.residual[l]) / *by;
                     }
@@ -378,9 +415,16 @@ impl Newton {
             }
         }
         std::mem::swap(&mut self.product, &mut self.next_product);
+        if interval + 1 < intervals && !self.phase.is_empty() {
+            for (sum, entry) in self.phase.iter_mut().zip(&self.product[..columns]) {
+                *sum = lanes.plus_scaled(*sum, 1.0, *entry);
+            }
+            let error = self.states[(interval + 1) * 2 * m];
+            self.phase[2 * m] = lanes.plus_scaled(self.phase[2 * m], 1.0, error);
+        }
     }
 
-    /// The equations of the state at drive angle 0, and of the parameter.
+    /// The equations of the state at drive angle 0, of the mean torque and of the parameter.
     #[inline(always)]
     fn close<E>(&mut self, lanes: Lanes, m: usize, columns: usize, along: Option<&Along<'_, E>>) {
         self.table.clear();
@@ -391,15 +435,23 @@ impl Newton {
                 row[c] = lanes.plus_scaled(all(f64::from(i == c)), -1.0, from[c]);
             }
             row[columns - 1] = from[2 * m];
-            if along.is_some() {
-                row[2 * m] = lanes.plus_scaled(ZERO, -1.0, from[2 * m + 1]);
+            for (entry, x) in row[2 * m..columns - 1].iter_mut().zip(&from[2 * m + 1..columns]) {
+                *entry = lanes.plus_scaled(ZERO, -1.0, *x);
             }
         }
+        if !self.phase.is_empty() {
+            let row = &mut self.table[2 * m * columns..][..columns];
+            row[..2 * m].copy_from_slice(&self.phase[..2 * m]);
+            row[2 * m..columns - 1].copy_from_slice(&self.phase[2 * m + 1..]);
+            row[columns - 1] = lanes.plus_scaled(ZERO, -1.0, self.phase[2 * m]);
+        }
         if let Some(Along { direction, length, .. }) = along {
-            let row = &mut self.table[2 * m * columns..];
-            for (entry, x) in row.iter_mut().zip(direction.iter().chain([length])) {
+            let (parameter, states) = direction.split_last().unwrap_or((&0.0, &[]));
+            let row = &mut self.table[(columns - 2) * columns..];
+            for (entry, x) in row.iter_mut().zip(states) {
                 *entry = all(*x);
             }
+            (row[columns - 2], row[columns - 1]) = (all(*parameter), all(*length));
         }
     }
 

@@ -1,4 +1,4 @@
-//! A periodic orbit on a mesh of half a turn.
+//! A periodic orbit on a mesh of one period.
 
 use std::f64::consts::PI;
 
@@ -21,18 +21,22 @@ pub enum Failure {
 pub(super) struct Orbit {
     pub(super) unknowns: usize,
     pub(super) intervals: usize,
+    /// Half turns of the drive in a period.
+    pub(super) half_turns: usize,
+    /// The mean torque of a free drive in N m.
+    pub(super) mean_torque: f64,
     /// Unknowns and slopes at the start of each interval, `(intervals, 2, unknowns)`.
     pub(super) states: Vec<f64>,
     /// `(intervals, STAGES, unknowns)`.
     pub(super) accelerations: Vec<f64>,
-    /// The linear map of half a turn about the orbit, on unknowns and slopes, row by row.
+    /// The linear map of a period about the orbit, on unknowns and slopes, row by row.
     pub(super) monodromy: Vec<f64>,
 }
 
 impl Orbit {
     /// Uniform rotation.
-    pub(super) fn at_rest(unknowns: usize, intervals: usize) -> Self {
-        let mut orbit = Self::default();
+    pub(super) fn at_rest(unknowns: usize, intervals: usize, half_turns: usize) -> Self {
+        let mut orbit = Self { half_turns, ..Self::default() };
         orbit.resize(unknowns, intervals);
         orbit
     }
@@ -41,10 +45,10 @@ impl Orbit {
     /// which may leave zeros.
     pub(super) fn start(
         unknowns: usize,
-        intervals: usize,
+        (intervals, half_turns): (usize, usize),
         mut at: impl FnMut(f64, [&mut [f64]; 3]),
     ) -> Self {
-        let mut orbit = Self::at_rest(unknowns, intervals);
+        let mut orbit = Self::at_rest(unknowns, intervals, half_turns);
         let width = orbit.width();
         let (mut y, mut v) = (vec![0.0; unknowns], vec![0.0; unknowns]);
         for (k, state) in orbit.states.chunks_mut(2 * unknowns).enumerate() {
@@ -67,7 +71,7 @@ impl Orbit {
 
     /// Length of an interval in rad.
     pub(super) fn width(&self) -> f64 {
-        PI / self.intervals as f64
+        PI * self.half_turns as f64 / self.intervals as f64
     }
 
     /// Unknowns and slopes at the start of an interval.
@@ -101,6 +105,7 @@ impl Orbit {
         Self {
             states: line(&self.states, &other.states),
             accelerations: line(&self.accelerations, &other.accelerations),
+            mean_torque: part.mul_add(other.mean_torque - self.mean_torque, self.mean_torque),
             monodromy: vec![],
             ..*self
         }

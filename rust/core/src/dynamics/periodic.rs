@@ -1,4 +1,4 @@
-//! Quantities with a period of half a turn, as Fourier series through equally spaced samples.
+//! Periodic quantities as Fourier series through equally spaced samples.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use std::f64::consts::{PI, TAU};
@@ -9,9 +9,11 @@ use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::number::elementary::{norm, turn};
 use crate::number::{reduction, trig};
 
-/// `f(α) = mean + Re Σ amplitudes[n − 1] e^{2niα}`.
+/// `f(α) = mean + Re Σ amplitudes[n − 1] e^{2niα/h}`, where `h` half turns of the drive are a
+/// period.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FourierSeries {
+    pub(super) half_turns: usize,
     pub(super) mean: f64,
     pub(super) amplitudes: Vec<Complex<f64>>,
 }
@@ -22,8 +24,12 @@ pub(super) fn roots_of_unity(count: usize) -> Vec<Complex<f64>> {
 }
 
 impl FourierSeries {
-    /// The series through samples at equal distances over half a turn, a power of two in number.
-    pub(super) fn through(samples: impl Fn(usize) -> f64, roots: &[Complex<f64>]) -> Self {
+    /// The series through samples at equal distances over a period, a power of two in number.
+    pub(super) fn through(
+        half_turns: usize,
+        samples: impl Fn(usize) -> f64,
+        roots: &[Complex<f64>],
+    ) -> Self {
         let count = roots.len();
         let values: Vec<f64> = (0..count).map(samples).collect();
         let scale = 1.0 / count as f64;
@@ -33,7 +39,7 @@ impl FourierSeries {
                 values.iter().enumerate().map(|(k, x)| roots[k * n % count].conj() * *x).sum();
             sum * (2.0 * scale)
         };
-        Self { mean, amplitudes: (1..count / 2).map(amplitude).collect() }
+        Self { half_turns, mean, amplitudes: (1..count / 2).map(amplitude).collect() }
     }
 
     /// The largest amplitude in the upper quarter of the orders: what the samples do not resolve is
@@ -44,19 +50,20 @@ impl FourierSeries {
     }
 
     /// The amplitude of an order of the drive's rotation.
-    pub(super) fn order(&self, order: usize) -> Complex<f64> {
-        let found = if order.is_multiple_of(2) { (order / 2).checked_sub(1) } else { None };
-        found.and_then(|n| self.amplitudes.get(n)).copied().unwrap_or_default()
+    pub(super) fn order(&self, order: f64) -> Complex<f64> {
+        let place = multiple(order, self.half_turns).and_then(|n| n.checked_sub(1));
+        place.and_then(|n| self.amplitudes.get(n)).copied().unwrap_or_default()
     }
 
     /// The value and the first two derivatives by the drive angle.
     pub(super) fn at(&self, angle: f64) -> [f64; 3] {
-        let step = turn(2.0 * angle);
+        let base = 2.0 / self.half_turns as f64;
+        let step = turn(base * angle);
         let mut turn = Complex::new(1.0, 0.0);
         let mut found = [self.mean, 0.0, 0.0];
         for (n, amplitude) in (1..).zip(&self.amplitudes) {
             turn *= step;
-            let (order, term) = (2.0 * f64::from(n), amplitude * turn);
+            let (order, term) = (base * f64::from(n), amplitude * turn);
             found[0] += term.re;
             found[1] -= order * term.im;
             found[2] -= order * order * term.re;
@@ -70,6 +77,14 @@ impl FourierSeries {
     }
 }
 
+/// How often an order of the drive's rotation repeats in a period of so many half turns, if that is
+/// a whole number.
+pub(super) fn multiple(order: f64, half_turns: usize) -> Option<usize> {
+    let times = 0.5 * half_turns as f64 * order;
+    let whole = times.round();
+    ((times - whole).abs() <= 1e-9 * times).then_some(whole as usize)
+}
+
 /// Series with the same number of terms, of several runs side by side.
 #[derive(Debug, Default)]
 pub(super) struct SeriesSideBySide {
@@ -79,7 +94,7 @@ pub(super) struct SeriesSideBySide {
 }
 
 impl SeriesSideBySide {
-    /// The series of so many samples each, at equal distances over half a turn.
+    /// The series of so many samples each, at equal distances over a period.
     #[inline(always)]
     pub(super) fn through(&mut self, lanes: Lanes, samples: &[Pack], roots: &[Complex<f64>]) {
         let count = roots.len();
@@ -99,11 +114,12 @@ impl SeriesSideBySide {
         }
     }
 
-    /// A series of a lane.
-    pub(super) fn of(&self, series: usize, lane: usize) -> FourierSeries {
+    /// A series of a lane, whose period is so many half turns.
+    pub(super) fn of(&self, half_turns: usize, series: usize, lane: usize) -> FourierSeries {
         let terms = &self.terms[series * self.count..][..self.count];
         let term = |[re, im]: &[Pack; 2]| Complex::new(re[lane], im[lane]);
-        FourierSeries { mean: terms[0][0][lane], amplitudes: terms[1..].iter().map(term).collect() }
+        let amplitudes = terms[1..].iter().map(term).collect();
+        FourierSeries { half_turns, mean: terms[0][0][lane], amplitudes }
     }
 
     /// Takes one series of each lane. The last one also fills the lanes that are left. Returns the
@@ -218,7 +234,8 @@ impl SeriesSideBySide {
         values
     }
 
-    /// Values and the first two derivatives by the drive angle, with an angle for each lane.
+    /// Values and the first two derivatives by an angle that is `π` at the end of the period, with an
+    /// angle for each lane.
     #[inline(always)]
     fn at(&self, lanes: Lanes, angles: &Pack) -> [Pack; 3] {
         let [mut sines, mut cosines] = [ZERO; 2];
@@ -257,7 +274,7 @@ mod tests {
     fn series() -> FourierSeries {
         let count = 16;
         let roots = roots_of_unity(count);
-        FourierSeries::through(|k| wave(PI * k as f64 / count as f64), &roots)
+        FourierSeries::through(1, |k| wave(PI * k as f64 / count as f64), &roots)
     }
 
     #[test]
@@ -267,8 +284,8 @@ mod tests {
         let close = |order, amplitude, phase| {
             (series.order(order) - Complex::from_polar(amplitude, phase)).norm() < 1e-14
         };
-        assert!(close(2, 2.0, -0.3) && close(4, 0.5, 1.0));
-        assert!(close(3, 0.0, 0.0) && close(6, 0.0, 0.0) && close(200, 0.0, 0.0));
+        assert!(close(2.0, 2.0, -0.3) && close(4.0, 0.5, 1.0));
+        assert!(close(3.0, 0.0, 0.0) && close(6.0, 0.0, 0.0) && close(200.0, 0.0, 0.0));
         assert!(series.tail() < 1e-14);
         assert!((series.at(0.77)[0] - wave(0.77)).abs() < 1e-13);
         let slope = (wave(0.77 + 1e-5) - wave(0.77 - 1e-5)) / 2e-5;

@@ -1,7 +1,6 @@
 //! Searches that are at the same step go through it side by side.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
-use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use nalgebra::Complex;
@@ -9,8 +8,8 @@ use nalgebra::Complex;
 use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, make_room};
 use crate::dynamics::newton::{Along, Newton, NewtonStep};
 use crate::dynamics::orbit::{Failure, Orbit};
-use crate::dynamics::periodic::{FourierSeries, SeriesSideBySide, roots_of_unity};
-use crate::dynamics::search::{Found, Need, Search, State};
+use crate::dynamics::periodic::{FourierSeries, SeriesSideBySide, multiple, roots_of_unity};
+use crate::dynamics::search::{Driven, Found, Need, Search, State};
 use crate::dynamics::side_by_side::{RunsSideBySide, sines};
 use crate::dynamics::system::TorsionalSystem;
 use crate::mechanics::phasing::is_set;
@@ -110,10 +109,19 @@ impl<'a> Pool<'a> {
             }
         }
         if need == Need::Torques {
-            self.find_torques(intervals, count);
+            let losses = self.find_torques(intervals, count);
             for (l, search) in lanes.iter_mut().enumerate() {
-                let series = (0..search.system.unknowns()).map(|s| self.series.of(s, l));
-                search.take_torques(series.collect());
+                let half_turns = search.system.half_turns;
+
+                let compliant = search.system.compliant();
+                let free = search.system.is_free();
+                let drive = Driven {
+                    torque: losses[l],
+                    slope: free.then(|| self.series.of(half_turns, compliant, l)),
+                    torque_slope: None,
+                };
+                let series = (0..compliant).map(|s| self.series.of(half_turns, s, l));
+                search.take_torques(series.collect(), drive);
             }
         } else {
             let steps = self.improve((need, intervals), count, None);
@@ -145,7 +153,7 @@ impl<'a> Pool<'a> {
         let lanes = Lanes::of(true, 1);
         self.newton.load(&[orbit]);
         self.newton.halve(lanes, orbit.unknowns);
-        let mut fine = Orbit::at_rest(orbit.unknowns, 2 * orbit.intervals);
+        let mut fine = Orbit::at_rest(orbit.unknowns, 2 * orbit.intervals, orbit.half_turns);
         self.newton.store(0, &mut fine);
         fine
     }
@@ -164,7 +172,7 @@ impl<'a> Pool<'a> {
             direction,
             length,
         });
-        let m = runs.torques.len();
+        let m = runs.unknowns();
         compiled_up_to_avx2!(*level, (compact, _stores) => {
             let lanes = Lanes::of(compact, used);
             match need {
@@ -183,13 +191,37 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// Finds the series of the torques of the orbits at hand, in so many lanes.
-    fn find_torques(&mut self, intervals: usize, used: usize) {
+    /// Finds the series of the torques of the orbits at hand, then that of the slope of a free drive,
+    /// in so many lanes. Returns the mean torques of the drives.
+    fn find_torques(&mut self, intervals: usize, used: usize) -> Pack {
         self.roots(intervals);
         let Self { newton, runs, samples, series, roots, .. } = self;
         compiled_up_to_avx2!(self.level, (compact, _stores) => {
-            torque_series(Lanes::of(compact, used), newton, runs, samples, series, roots);
-        });
+            torque_series(Lanes::of(compact, used), newton, runs, samples, series, roots)
+        })
+    }
+
+    /// The derivatives of the mean torques of free drives by their mean speeds in N m s/rad, about
+    /// orbits on meshes of the same size: what one step of Newton's method at a speed a little
+    /// higher and a little lower changes.
+    pub(super) fn torque_slopes(
+        &mut self,
+        runs: &[(&TorsionalSystem, f64)],
+        orbits: &[&Orbit],
+    ) -> Pack {
+        const ASIDE: f64 = 1e-5;
+        let mut found = ZERO;
+        for side in [ASIDE, -ASIDE] {
+            let aside: Vec<_> = runs.iter().map(|(s, speed)| (*s, speed * (1.0 + side))).collect();
+            self.runs.load(&aside);
+            self.newton.load(orbits);
+            self.improve((Need::Step, orbits[0].intervals), runs.len(), None);
+            for (l, (orbit, (_, speed))) in orbits.iter().zip(runs).enumerate() {
+                let change = self.newton.mean_torque[l] - orbit.mean_torque;
+                found[l] += 0.5 * change / (side * speed);
+            }
+        }
+        found
     }
 
     /// Least and largest values of series with the same number of terms, one per lane.
@@ -207,7 +239,7 @@ impl<'a> Pool<'a> {
         &mut self,
         runs: &[(&TorsionalSystem, f64)],
         orbits: &[&Orbit],
-        orders: &[usize],
+        orders: &[f64],
         mut put: impl FnMut(usize, usize, usize, Complex<f64>),
     ) {
         self.runs.load(runs);
@@ -231,7 +263,8 @@ impl<'a> Pool<'a> {
     }
 }
 
-/// The series of the torques of all compliant shafts.
+/// The series of the torques of all compliant shafts and of the slope of a free drive. Returns the
+/// mean torques of the drives.
 #[inline(always)]
 fn torque_series(
     lanes: Lanes,
@@ -240,9 +273,10 @@ fn torque_series(
     samples: &mut Vec<Pack>,
     series: &mut SeriesSideBySide,
     roots: &[Complex<f64>],
-) {
-    let (m, intervals) = (runs.torques.len(), roots.len());
-    let width = PI / intervals as f64;
+) -> Pack {
+    let (m, intervals) = (runs.unknowns(), roots.len());
+    let width = newton.width(intervals);
+    let mut losses = ZERO;
     samples.clear();
     make_room(samples, m * intervals);
     for (k, state) in newton.states.chunks_exact(2 * m).enumerate() {
@@ -251,8 +285,13 @@ fn torque_series(
         for (s, torque) in runs.torques.iter().enumerate() {
             samples[s * intervals + k] = *torque;
         }
+        if runs.free {
+            samples[(m - 1) * intervals + k] = v[0];
+        }
+        runs.add_losses(lanes, v, &mut losses);
     }
     series.through(lanes, samples, roots);
+    lanes.plus_scaled(ZERO, 1.0 / intervals as f64, losses)
 }
 
 /// The sums of the angle errors of all curves times the cosines and the sines of the orders.
@@ -261,19 +300,21 @@ fn angle_orders(
     lanes: Lanes,
     newton: &Newton,
     runs: &RunsSideBySide,
-    orders: &[usize],
+    orders: &[f64],
     sums: &mut Vec<Pack>,
     roots: &[Complex<f64>],
 ) {
-    let (m, intervals) = (runs.torques.len(), roots.len());
-    let width = PI / intervals as f64;
+    let (m, intervals) = (runs.unknowns(), roots.len());
+    let width = newton.width(intervals);
+    let free = usize::from(runs.free);
+    let multiples: Vec<_> = orders.iter().map(|o| multiple(*o, newton.half_turns)).collect();
     let curves = runs.pieces.len() + runs.followers.len();
     sums.clear();
     make_room(sums, 2 * curves * orders.len());
     for (k, state) in newton.states.chunks_exact(2 * m).enumerate() {
         let mut places = sums.chunks_exact_mut(2 * orders.len());
         for (p, piece) in runs.pieces.iter().enumerate() {
-            let error = if p == 0 { &ZERO } else { &state[p - 1] };
+            let error = if p + free == 0 { &ZERO } else { &state[p + free - 1] };
             let sines = sines(lanes, width * k as f64, &piece.offset, error);
             for j in 0..=piece.followers.len() {
                 let curve = match piece.followers.clone().nth(j.wrapping_sub(1)) {
@@ -283,10 +324,9 @@ fn angle_orders(
                     None => *error,
                 };
                 let Some(place) = places.next() else { continue };
-                for (sum, order) in place.chunks_exact_mut(2).zip(orders) {
-                    // Half a turn is a period.
-                    if order.is_multiple_of(2) {
-                        let root = roots[order / 2 * k % intervals];
+                for (sum, multiple) in place.chunks_exact_mut(2).zip(&multiples) {
+                    if let Some(n) = multiple {
+                        let root = roots[n * k % intervals];
                         sum[0] = lanes.plus_scaled(sum[0], root.re, curve);
                         sum[1] = lanes.plus_scaled(sum[1], root.im, curve);
                     }

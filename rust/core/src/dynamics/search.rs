@@ -8,7 +8,8 @@ use crate::dynamics::periodic::FourierSeries;
 use crate::dynamics::system::TorsionalSystem;
 use crate::number::trig;
 
-/// The fewest and the most intervals of half a turn.
+/// The fewest and the most intervals of a period of half a turn. Longer periods have more, in
+/// proportion to a power of two.
 const FEWEST: usize = 8;
 const MOST: usize = 1024;
 
@@ -34,12 +35,12 @@ pub(super) struct OrbitGoal {
     /// Permitted error relative to the largest value.
     pub(super) tolerance: f64,
     /// The highest order of the drive's rotation that the mesh must resolve.
-    pub(super) order: usize,
+    pub(super) order: f64,
     /// Whether the multipliers count.
     pub(super) stability: bool,
 }
 
-/// Where Newton's method begins, on a mesh of so many intervals.
+/// Where Newton's method begins, on a mesh of so many intervals for half a turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Start {
     /// As if every shaft were rigid.
@@ -65,9 +66,24 @@ const STARTS: [Start; 5] = [
 pub(super) struct Found {
     pub(super) orbit: Orbit,
     /// The last step of Newton's method divided by the square of the one before it, per rad.
-    contraction: f64,
+    pub(super) contraction: f64,
     /// The torques of the compliant shafts in N m, of an orbit that has its accuracy.
     pub(super) torques: Vec<FourierSeries>,
+    pub(super) drive: Driven,
+    /// The least and the largest torques of the compliant shafts, where kinks make their series
+    /// converge slowly.
+    pub(super) extremes: Option<Vec<[f64; 2]>>,
+}
+
+/// What the drive does.
+#[derive(Debug, Default)]
+pub(super) struct Driven {
+    /// Its mean torque in N m.
+    pub(super) torque: f64,
+    /// The slope of the angle error of a free drive.
+    pub(super) slope: Option<FourierSeries>,
+    /// The derivative of the mean torque by the mean speed, if it is known.
+    pub(super) torque_slope: Option<f64>,
 }
 
 /// The work that a search asks for next.
@@ -155,7 +171,7 @@ impl<'a> Search<'a> {
 
     /// The same from rigid shafts.
     pub(super) fn near_rigid(system: &'a TorsionalSystem, speed: f64, intervals: usize) -> Self {
-        let state = State::Next(Need::Rigid, intervals);
+        let state = State::Next(Need::Rigid, intervals * system.mesh());
         Self { state, ..Self::new(system, speed, None) }
     }
 
@@ -180,9 +196,12 @@ impl<'a> Search<'a> {
         self.starts = rest;
         (self.steps, self.last, self.contraction) = (0, None, None);
         self.state = match *start {
-            Start::Rigid(intervals) => State::Next(Need::Rigid, intervals),
+            Start::Rigid(intervals) => State::Next(Need::Rigid, intervals * self.system.mesh()),
             Start::Uniform(intervals) => {
-                self.orbit = Orbit::at_rest(self.system.unknowns(), intervals);
+                let Self { system, speed, .. } = self;
+                let intervals = intervals * system.mesh();
+                self.orbit = Orbit::at_rest(system.unknowns(), intervals, system.half_turns);
+                self.orbit.mean_torque = system.static_load(*speed);
                 State::Next(Need::Step, intervals)
             }
             Start::Followed => State::Follow,
@@ -252,7 +271,7 @@ impl<'a> Search<'a> {
         if self.orbit.states.iter().any(|x| x.abs() > FARTHEST) {
             return self.abandon(Failure::NotFound);
         }
-        let Some(goal) = self.goal else { return self.end(vec![]) };
+        let Some(goal) = self.goal else { return self.end(vec![], Driven::default()) };
         let Some(coarse) = &self.coarse else { return self.halve() };
         let fine = &self.orbit;
         let largest = |map: &[f64]| map.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -270,7 +289,8 @@ impl<'a> Search<'a> {
         };
         let settled = settled_by(GAINS.0) || settled_by(GAINS.1) && self.follows_free_vibrations();
         self.changes = changes;
-        if settled && self.orbit.intervals > goal.order {
+        let needed = goal.order * self.system.half_turns as f64;
+        if settled && self.orbit.intervals as f64 > needed {
             self.state = State::Next(Need::Torques, self.orbit.intervals);
         } else {
             self.halve();
@@ -283,19 +303,19 @@ impl<'a> Search<'a> {
     }
 
     /// Takes the torques at the ends of the intervals, which must resolve their own harmonics.
-    pub(super) fn take_torques(&mut self, torques: Vec<FourierSeries>) {
+    pub(super) fn take_torques(&mut self, torques: Vec<FourierSeries>, drive: Driven) {
         let tolerance = self.goal.map_or(COARSE, |goal| goal.tolerance);
         let resolved = self.system.springs.iter().zip(&torques).all(|(spring, series)| {
             let permitted = tolerance * series.largest();
-            series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
+            series.tail() <= permitted.max(10.0 * ROUNDING * spring.law.stiffness_at(0.0))
         });
-        if resolved { self.end(torques) } else { self.halve() }
+        if resolved { self.end(torques, drive) } else { self.halve() }
     }
 
     /// Goes on with intervals of half the length.
     fn halve(&mut self) {
         (self.steps, self.last) = (0, None);
-        if 2 * self.orbit.intervals > MOST {
+        if 2 * self.orbit.intervals > MOST * self.system.mesh() {
             self.coarse = Some(Orbit::default());
             self.abandon(Failure::NotResolved);
         } else {
@@ -309,25 +329,30 @@ impl<'a> Search<'a> {
         self.coarse.as_ref().unwrap_or(&self.orbit)
     }
 
-    fn end(&mut self, torques: Vec<FourierSeries>) {
+    fn end(&mut self, torques: Vec<FourierSeries>, drive: Driven) {
         let orbit = std::mem::take(&mut self.orbit);
         let contraction = self.contraction.unwrap_or_default();
-        self.state = State::Ended(Ok(Found { orbit, contraction, torques }));
+        self.state = State::Ended(Ok(Found { orbit, contraction, torques, drive, extremes: None }));
     }
 }
 
 impl TorsionalSystem {
+    /// How many times as many intervals a mesh has as one of half a turn; a power of two.
+    pub(super) fn mesh(&self) -> usize {
+        self.half_turns.next_power_of_two()
+    }
+
     /// Oscillations of the second order of several amplitudes, largest first, and phases, of all
     /// unknowns from each one on.
     pub(super) fn oscillations(&self) -> impl Iterator<Item = Orbit> {
         const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
         const PHASES: u32 = 8;
-        let m = self.unknowns();
+        let (m, mesh) = (self.unknowns(), (8 * FEWEST * self.mesh(), self.half_turns));
         let sizes = (0..m).flat_map(|from| AMPLITUDES.map(|size| (from, size)));
         sizes.flat_map(move |(from, size)| {
             (0..PHASES).map(move |i| {
                 let phase = TAU * f64::from(i) / f64::from(PHASES);
-                Orbit::start(m, 8 * FEWEST, |angle, [y, v, a]| {
+                Orbit::start(m, mesh, |angle, [y, v, a]| {
                     let (sine, cosine) = trig::sin_cos(2.0 * angle + phase);
                     for (values, value) in [(y, sine), (v, 2.0 * cosine), (a, -4.0 * sine)] {
                         values[from..].fill(size * value);

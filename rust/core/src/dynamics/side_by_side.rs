@@ -1,14 +1,14 @@
 //! The equations of [`motion_equation`](super::motion_equation) for several runs side by side, at
-//! constant speeds of the drive, with their derivatives.
+//! given mean speeds of the drive, with their derivatives.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use crate::dynamics::gauss::{COLLOCATION, STAGES};
 use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::dynamics::newton::{EquationRow, Equations, Newton};
-use crate::dynamics::system::TorsionalSystem;
+use crate::dynamics::rigid_piece::Harmonic;
+use crate::dynamics::system::{Drive, TorsionalSystem};
 use crate::mechanics::chain::Equivalent;
 use crate::mechanics::joint::{self, JointConstants};
 use crate::number::atan::Atan;
@@ -20,12 +20,20 @@ use crate::number::trig;
 pub(super) struct RunsSideBySide {
     pub(super) pieces: Vec<Piece>,
     pub(super) followers: Vec<FollowerPack>,
-    springs: Vec<SpringPack>,
+    pub(super) springs: Vec<SpringPack>,
     load_torque: Pack,
     load_damping: Pack,
+    /// Whether the drive is free, and its slope times the mean speed and its mean torque.
+    pub(super) free: bool,
+    drive_slope: Pack,
+    mean_torque: Pack,
+    /// Half turns of the drive in a period.
+    half_turns: usize,
     square: Pack,
     motions: Vec<PieceMotionPack>,
     pub(super) torques: Vec<Pack>,
+    /// The rates of the twists, relative to the drive's mean speed.
+    rates: Vec<Pack>,
     /// The largest torque of every compliant shaft.
     largest: Vec<Pack>,
 }
@@ -34,8 +42,19 @@ pub(super) struct RunsSideBySide {
 #[derive(Debug)]
 pub(super) struct Piece {
     pub(super) offset: Pack,
+    pin: Pack,
     own_inertia: Pack,
     pub(super) followers: Range<usize>,
+    harmonics: Vec<HarmonicPack>,
+}
+
+/// A harmonic torque of every run.
+#[derive(Debug)]
+struct HarmonicPack {
+    /// As of [`Harmonic`].
+    follower: Option<usize>,
+    order: f64,
+    parts: [Pack; 2],
 }
 
 /// The shaft behind a joint of a piece.
@@ -49,16 +68,19 @@ pub(super) struct FollowerPack {
     turn_cos: Pack,
     turn_sin: Pack,
     pub(super) offset: Pack,
+    pin: Pack,
     inertia: Pack,
-    /// Whether it moves nothing, in every run: neither an inertia nor what is behind the piece.
+    /// Whether it moves nothing, in every run: neither an inertia nor what is behind the piece nor a
+    /// harmonic torque.
     idle: bool,
 }
 
-/// A compliant shaft, with its damping times the speed of the drive.
+/// A compliant shaft in a range of twists, with its damping times the speed of the drive.
 #[derive(Clone, Copy, Debug, Default)]
-struct SpringPack {
-    stiffness: Pack,
-    damping: Pack,
+pub(super) struct SpringPack {
+    pub(super) stiffness: Pack,
+    pub(super) preload: Pack,
+    pub(super) damping: Pack,
 }
 
 /// As of the rigid piece of one run.
@@ -70,6 +92,19 @@ struct PieceMotionPack {
     inertia: Pack,
     inertia_slope: Pack,
     inertia_curvature: Pack,
+    /// The harmonic torques as they act on the piece's angle, and the derivative by it.
+    torque: Pack,
+    torque_slope: Pack,
+}
+
+impl HarmonicPack {
+    /// The torque in a lane at the angle of its shaft, and its slope.
+    #[inline(always)]
+    fn at(&self, l: usize, angle: f64) -> [f64; 2] {
+        let (s, c) = trig::sin_cos_reduced::<f64>(reduction::reduce(self.order * angle));
+        let [cosine, sine] = [self.parts[0][l], self.parts[1][l]];
+        [cosine.mul_add(c, sine * s), self.order * sine.mul_add(c, -(cosine * s))]
+    }
 }
 
 impl FollowerPack {
@@ -126,16 +161,17 @@ impl RunsSideBySide {
     pub(super) fn load(&mut self, runs: &[(&TorsionalSystem, f64)]) {
         let run = |l: usize| runs[l.min(runs.len() - 1)];
         let (first, _) = run(0);
-        let m = first.unknowns();
+        let m = first.compliant();
+        (self.free, self.half_turns) = (first.is_free(), first.half_turns);
         self.pieces.clear();
         self.followers.clear();
         for (p, piece) in first.pieces.iter().enumerate() {
             let start = self.followers.len();
             self.followers.resize(start + piece.followers.len(), FollowerPack::default());
-            let (mut offset, mut own_inertia) = (ZERO, ZERO);
+            let (mut offset, mut pin, mut own_inertia) = (ZERO, ZERO, ZERO);
             for l in 0..LANES {
                 let own = &run(l).0.pieces[p];
-                (offset[l], own_inertia[l]) = (own.offset, own.own_inertia);
+                (offset[l], pin[l], own_inertia[l]) = (own.offset, own.pin, own.own_inertia);
                 for (place, of) in self.followers[start..].iter_mut().zip(&own.followers) {
                     let Equivalent { joint, turn_cos, turn_sin } = of.ideal.equivalent();
                     (place.cos[l], place.cos2[l]) = (joint.cos, joint.cos2);
@@ -143,18 +179,29 @@ impl RunsSideBySide {
                     place.inverse_cos[l] = 1.0 / joint.cos;
                     (place.turn_cos[l], place.turn_sin[l]) = (*turn_cos, *turn_sin);
                     (place.offset[l], place.inertia[l]) = (of.offset, of.inertia);
+                    place.pin[l] = of.pin;
                 }
             }
             if let [others @ .., _] = &mut self.followers[start..] {
-                for follower in others {
-                    follower.idle = follower.inertia == ZERO;
+                for (i, follower) in others.iter_mut().enumerate() {
+                    follower.idle = follower.inertia == ZERO && !piece.turns_at(i);
                 }
             }
             let followers = start..self.followers.len();
-            self.pieces.push(Piece { offset, own_inertia, followers });
+            let harmonic = |(i, &Harmonic { follower, order, .. }): (usize, &Harmonic)| {
+                let mut parts = [ZERO; 2];
+                for l in 0..LANES {
+                    let own = &run(l).0.pieces[p].harmonics[i];
+                    (parts[0][l], parts[1][l]) = (own.parts[0], own.parts[1]);
+                }
+                HarmonicPack { follower, order, parts }
+            };
+            let harmonics = piece.harmonics.iter().enumerate().map(harmonic).collect();
+            self.pieces.push(Piece { offset, pin, own_inertia, followers, harmonics });
         }
         self.motions.resize(m + 1, PieceMotionPack::default());
         make_room(&mut self.torques, m);
+        make_room(&mut self.rates, m);
         self.largest.clear();
         make_room(&mut self.largest, m);
         self.springs.resize(m, SpringPack::default());
@@ -163,36 +210,50 @@ impl RunsSideBySide {
             self.load_torque[l] = system.load_torque;
             self.load_damping[l] = system.load_damping * speed;
             self.square[l] = speed * speed;
+            self.drive_slope[l] = match system.drive {
+                Drive::Held => 0.0,
+                Drive::Free { slope } => slope * speed,
+            };
+            let load = system.static_load(speed);
             for (place, spring) in self.springs.iter_mut().zip(&system.springs) {
-                place.stiffness[l] = spring.stiffness;
-                place.damping[l] = spring.damping * speed;
+                let branch = spring.law.in_range(spring.law.range_at(load));
+                (place.stiffness[l], place.preload[l]) = (branch.stiffness, branch.preload);
+                place.damping[l] = spring.damping * branch.damping * speed;
             }
         }
+    }
+
+    /// The number of unknown angles.
+    pub(super) fn unknowns(&self) -> usize {
+        self.springs.len() + usize::from(self.free)
     }
 
     /// The orbits on meshes of so many intervals if every shaft were rigid and turned by its static
     /// torque.
     #[inline(always)]
     pub(super) fn rigid(&self, lanes: Lanes, newton: &mut Newton, intervals: usize) {
-        let m = self.springs.len();
+        let (m, free) = (self.unknowns(), usize::from(self.free));
+        newton.half_turns = self.half_turns;
         make_room(&mut newton.states, 2 * m * intervals);
         make_room(&mut newton.accelerations, STAGES * m * intervals);
-        let width = PI / intervals as f64;
+        let width = newton.width(intervals);
         let mut load = ZERO;
         for l in lanes.each() {
             load[l] = self.load_damping[l] + self.load_torque[l];
         }
+        newton.mean_torque = load;
         for point in 0..intervals * (1 + STAGES) {
             let (k, stage) = (point / (1 + STAGES), (point % (1 + STAGES)).checked_sub(1));
             let node = stage.map_or(0.0, |i| COLLOCATION.nodes[i]);
             let angle = width * (k as f64 + node);
             let (mut error, mut slope, mut curve) = (ZERO, all(1.0), ZERO);
-            for s in 0..m {
+            for s in 0..self.springs.len() {
                 let piece = &self.pieces[s];
                 let [sines, cosines] = sines(lanes, angle, &piece.offset, &error);
                 let last = self.followers[piece.followers.clone()].last();
                 for l in lanes.each() {
-                    error[l] -= load[l] / self.springs[s].stiffness[l];
+                    let spring = &self.springs[s];
+                    error[l] -= (load[l] - spring.preload[l]) / spring.stiffness[l];
                 }
                 if let Some(follower) = last {
                     for l in lanes.each() {
@@ -203,13 +264,18 @@ impl RunsSideBySide {
                     }
                 }
                 if let Some(i) = stage {
-                    newton.accelerations[(k * STAGES + i) * m + s] = curve;
+                    newton.accelerations[(k * STAGES + i) * m + s + free] = curve;
                 } else {
-                    newton.states[2 * k * m + s] = error;
+                    newton.states[2 * k * m + s + free] = error;
                     for l in lanes.each() {
-                        newton.states[(2 * k + 1) * m + s][l] = slope[l] - 1.0;
+                        newton.states[(2 * k + 1) * m + s + free][l] = slope[l] - 1.0;
                     }
                 }
+            }
+            if self.free && stage.is_none() {
+                (newton.states[2 * k * m], newton.states[(2 * k + 1) * m]) = (ZERO, ZERO);
+            } else if let (true, Some(i)) = (self.free, stage) {
+                newton.accelerations[(k * STAGES + i) * m] = ZERO;
             }
         }
     }
@@ -217,15 +283,24 @@ impl RunsSideBySide {
     /// Finds the motion of every piece and the torque of every compliant shaft.
     #[inline(always)]
     pub(super) fn prepare(&mut self, lanes: Lanes, angle: f64, y: &[Pack], v: &[Pack]) {
+        let free = usize::from(self.free);
         for (p, piece) in self.pieces.iter().enumerate() {
-            let error = if p == 0 { &ZERO } else { &y[p - 1] };
+            let error = if p + free == 0 { &ZERO } else { &y[p + free - 1] };
             let mut found = PieceMotionPack {
                 ratio: all(1.0),
                 inertia: piece.own_inertia,
                 ..PieceMotionPack::default()
             };
             let [sines, cosines] = sines(lanes, angle, &piece.offset, error);
-            for follower in &self.followers[piece.followers.clone()] {
+            for harmonic in piece.harmonics.iter().filter(|own| own.follower.is_none()) {
+                for l in lanes.each() {
+                    let pin = angle + piece.pin[l] + error[l];
+                    let [torque, slope] = harmonic.at(l, pin);
+                    found.torque[l] += torque;
+                    found.torque_slope[l] += slope;
+                }
+            }
+            for (f, follower) in self.followers[piece.followers.clone()].iter().enumerate() {
                 if follower.idle {
                     continue;
                 }
@@ -243,20 +318,49 @@ impl RunsSideBySide {
                     found.angle_error[l] = error;
                     (found.ratio[l], found.ratio_slope[l]) = (r, a);
                 }
+                for harmonic in piece.harmonics.iter().filter(|own| own.follower == Some(f)) {
+                    for l in lanes.each() {
+                        let [own, r, a, _] = follower.motion(l, sines[l], cosines[l]);
+                        let [torque, slope] =
+                            harmonic.at(l, angle + error[l] + own + follower.pin[l]);
+                        // Its power is the torque times the speed of the follower.
+                        found.torque[l] += r * torque;
+                        found.torque_slope[l] += a.mul_add(torque, r * r * slope);
+                    }
+                }
             }
             self.motions[p] = found;
         }
         for (s, spring) in self.springs.iter().enumerate() {
-            let (before, slope) = if s == 0 { (ZERO, ZERO) } else { (y[s - 1], v[s - 1]) };
-            let (own, own_slope) = (y[s], v[s]);
+            let (before, slope) =
+                if s + free == 0 { (ZERO, ZERO) } else { (y[s + free - 1], v[s + free - 1]) };
+            let (own, own_slope) = (y[s + free], v[s + free]);
             let PieceMotionPack { angle_error, ratio, .. } = self.motions[s];
-            let mut torque = ZERO;
+            let (mut torque, mut rates) = (ZERO, ZERO);
             for l in lanes.each() {
                 let twist = before[l] + angle_error[l] - own[l];
                 let rate = ratio[l].mul_add(1.0 + slope[l], -1.0) - own_slope[l];
-                torque[l] = spring.stiffness[l].mul_add(twist, spring.damping[l] * rate);
+                rates[l] = rate;
+                let varying = spring.damping[l].mul_add(rate, spring.preload[l]);
+                torque[l] = spring.stiffness[l].mul_add(twist, varying);
             }
-            self.torques[s] = torque;
+            (self.torques[s], self.rates[s]) = (torque, rates);
+        }
+    }
+
+    /// What the drive must give on an average for the slopes at hand: the power of its own slope, of
+    /// the dampings and of the load over its speed. Torques that depend on angles do no work.
+    #[inline(always)]
+    pub(super) fn add_losses(&self, lanes: Lanes, v: &[Pack], sum: &mut Pack) {
+        let last = self.pieces.len() - 1;
+        for l in lanes.each() {
+            let of_drive = if self.free { self.drive_slope[l] * v[0][l] * v[0][l] } else { 0.0 };
+            let slope = v.last().map_or(0.0, |v| v[l]);
+            let speed = self.motions[last].ratio[l] * (1.0 + slope);
+            sum[l] += self.load_torque[l] + self.load_damping[l] * speed * speed + of_drive;
+            for (spring, rate) in self.springs.iter().zip(&self.rates) {
+                sum[l] = (spring.damping[l] * rate[l]).mul_add(rate[l], sum[l]);
+            }
         }
     }
 }
@@ -275,6 +379,14 @@ impl Equations for RunsSideBySide {
         least
     }
 
+    fn is_free(&self) -> bool {
+        self.free
+    }
+
+    fn set_mean_torque(&mut self, torque: &Pack) {
+        self.mean_torque = *torque;
+    }
+
     #[inline(always)]
     fn rows(
         &mut self,
@@ -284,19 +396,36 @@ impl Equations for RunsSideBySide {
         rows: &mut [EquationRow],
     ) {
         self.prepare(lanes, angle, y, v);
-        let last = self.springs.len() - 1;
-        for (s, row) in rows.iter_mut().enumerate() {
+        let first = usize::from(!self.free);
+        for (u, row) in rows.iter_mut().enumerate() {
             // Copies, which the compiler knows to be apart.
-            let (before, own) = (self.motions[s], self.motions[s + 1]);
-            let spring = self.springs[s];
-            let (slope, acceleration) = (v[s], a[s]);
-            let slope_before = if s == 0 { ZERO } else { v[s - 1] };
-            let (torque, mut most) = (self.torques[s], self.largest[s]);
+            let own = self.motions[u + first];
+            let (slope, acceleration) = (v[u], a[u]);
+            let slope_before = if u == 0 { ZERO } else { v[u - 1] };
+            // The torque that enters the piece: of the shaft before it or of the drive.
+            let (before, spring, torque) = match (u + first).checked_sub(1) {
+                Some(s) => {
+                    let (torque, most) = (self.torques[s], &mut self.largest[s]);
+                    for l in lanes.each() {
+                        most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
+                    }
+                    (self.motions[s], self.springs[s], torque)
+                }
+                None => {
+                    let mut torque = ZERO;
+                    for l in lanes.each() {
+                        torque[l] = (-self.drive_slope[l]).mul_add(slope[l], self.mean_torque[l]);
+                    }
+                    let of_drive =
+                        SpringPack { damping: self.drive_slope, ..SpringPack::default() };
+                    (PieceMotionPack::default(), of_drive, torque)
+                }
+            };
             // The torque that leaves the piece, and its derivatives by this unknown and the next:
             // what the next shaft or the load does.
-            let (behind, next_stiffness, next_damping) = if s < last {
-                let next = self.springs[s + 1];
-                (self.torques[s + 1], next.stiffness, next.damping)
+            let next = self.springs.get(u + first).copied();
+            let (behind, next_stiffness, next_damping) = if let Some(next) = next {
+                (self.torques[u + first], next.stiffness, next.damping)
             } else {
                 let mut load = ZERO;
                 for l in lanes.each() {
@@ -305,7 +434,7 @@ impl Equations for RunsSideBySide {
                 }
                 (load, ZERO, self.load_damping)
             };
-            let coupled = if s < last { -1.0 } else { 0.0 };
+            let coupled = if next.is_some() { -1.0 } else { 0.0 };
             let square = self.square;
             let mut found = EquationRow::default();
             for l in lanes.each() {
@@ -319,9 +448,9 @@ impl Equations for RunsSideBySide {
                 let by_angle =
                     next_stiffness[l].mul_add(ratio, next_damping[l] * ratio_slope * rate);
                 let damping = spring.damping[l];
-                most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
-                found.residual[l] =
-                    ratio.mul_add(behind[l], square[l].mul_add(inertial, -torque[l]));
+                found.residual[l] = ratio
+                    .mul_add(behind[l], square[l].mul_add(inertial, -torque[l]))
+                    - own.torque[l];
                 found.by_acceleration[l] = square[l] * inertia;
                 found.by_slope[0][l] = -damping * before.ratio[l];
                 found.by_slope[1][l] =
@@ -337,10 +466,10 @@ impl Equations for RunsSideBySide {
                         behind[l],
                         square[l].mul_add(inertial_by_angle, spring.stiffness[l]),
                     ),
-                );
+                ) - own.torque_slope[l];
                 found.by_angle[2][l] = coupled * ratio * next_stiffness[l];
             }
-            (self.largest[s], *row) = (most, found);
+            *row = found;
         }
     }
 }

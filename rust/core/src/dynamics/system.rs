@@ -2,16 +2,18 @@
 
 use std::sync::OnceLock;
 
-use crate::dynamics::rigid_piece::RigidPiece;
+use crate::dynamics::coupling::{Coupling, Law};
+use crate::dynamics::rigid_piece::{Harmonic, RigidPiece};
 use crate::error::{Error, Result};
 use crate::mechanics::chain::Transfer;
 
 /// A driveline with compliant shafts, inertias, dampings and a load.
 ///
 /// Shaft `i` has an inertia at its input end and one at its output end, a torsional stiffness
-/// between them and a damping. The input end of shaft 0 turns at constant speed, and the output
-/// end of the last shaft carries the load. Each compliant shaft adds one unknown, the angle of its
-/// output end; the rigid shafts and joints behind it are one piece that follows this angle.
+/// between them and a damping. The input end of shaft 0 turns at constant speed or is free, and the
+/// output end of the last shaft carries the load. Each compliant shaft adds one unknown, the angle of
+/// its output end, and a free drive adds its own; the rigid shafts and joints behind are one piece
+/// that follows this angle.
 #[derive(Clone, Debug)]
 pub struct TorsionalSystem {
     /// The piece that follows the drive, then the one behind each compliant shaft.
@@ -22,21 +24,65 @@ pub struct TorsionalSystem {
     pub(super) load_torque: f64,
     /// Viscous load on the last shaft in N m s/rad.
     pub(super) load_damping: f64,
+    pub(super) drive: Drive,
+    /// Half turns of the drive in the common period of joints and harmonic torques.
+    pub(super) half_turns: usize,
     shafts: usize,
     /// The highest natural frequency in rad/s, once it is known.
     highest: OnceLock<f64>,
 }
 
+/// What the input end of shaft 0 does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Drive {
+    /// It turns at constant speed, and an inertia there has no effect.
+    #[default]
+    Held,
+    /// A torque drives it whose mean keeps the mean speed, and which falls by `slope` in N m s/rad
+    /// with its speed.
+    Free {
+        /// In N m s/rad.
+        slope: f64,
+    },
+}
+
+/// A torque on a shaft end that varies with the angle `ψ` of this end:
+/// `cos · cos(order ψ) + sin · sin(order ψ)` in N m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueHarmonic {
+    /// Twice the number of the shaft, plus 1 for its output end.
+    pub end: usize,
+    /// How often it repeats in a turn of the shaft.
+    pub order: f64,
+    /// In N m.
+    pub cos: f64,
+    /// In N m.
+    pub sin: f64,
+}
+
 /// A compliant shaft.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Spring {
     /// The number of the shaft.
     pub(super) shaft: usize,
-    /// Stiffness in N m/rad.
-    pub(super) stiffness: f64,
+    pub(super) law: Law,
     /// Damping in N m s/rad.
     pub(super) damping: f64,
 }
+
+impl Spring {
+    /// The torque in N m at a twist in rad and its rate in rad/s.
+    pub(super) fn torque(&self, twist: f64, rate: f64) -> f64 {
+        let branch = self.law.branch(twist);
+        branch.stiffness * twist + (self.damping * branch.damping * rate + branch.preload)
+    }
+}
+
+/// The most turns in a common period.
+const TURNS: usize = 8;
+
+/// The highest order of a harmonic torque; higher ones would need more points than are allowed.
+const MOST_ORDER: f64 = 256.0;
 
 /// The properties of the shafts of one driveline with `n` joints.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +138,10 @@ impl TorsionalSystem {
         let compliant = |shaft: &usize| stiffnesses[*shaft] < f64::INFINITY;
         let springs: Vec<Spring> = (0..shafts)
             .filter(compliant)
-            .map(|shaft| Spring { shaft, stiffness: stiffnesses[shaft], damping: dampings[shaft] })
+            .map(|shaft| {
+                let law = Law::linear(stiffnesses[shaft]);
+                Spring { shaft, law, damping: dampings[shaft] }
+            })
             .collect();
         if springs.is_empty() {
             let problem = "are all infinite; at least one shaft must be compliant";
@@ -100,7 +149,7 @@ impl TorsionalSystem {
         }
         // A piece begins at the output end of a shaft and ends at the input end of the next
         // compliant one.
-        let (mut pieces, mut from_drive) = (vec![], Transfer::default());
+        let (mut pieces, mut from_drive) = (Vec::<RigidPiece>::new(), Transfer::default());
         let starts = std::iter::once(None).chain(springs.iter().map(|spring| Some(spring.shaft)));
         for (number, start) in starts.enumerate() {
             let next = springs.get(number).map(|spring| spring.shaft);
@@ -117,20 +166,161 @@ impl TorsionalSystem {
             let between = first.min(last)..last;
             let geometry = [&bends[first..end], &twists[between.clone()], &phases[between]]
                 .map(<[f64]>::to_vec);
-            pieces.push(RigidPiece::new(&mut from_drive, geometry, at(first), &behind));
+            let piece =
+                RigidPiece::new(&mut from_drive, pieces.last(), geometry, at(first), &behind);
+            pieces.push(piece);
             if let (Some(shaft), true) = (start, pieces[number].has_no_inertia()) {
                 let problem = "is 0.0, and so is every inertia that is rigidly connected to it; \
                                the output end of a compliant shaft needs an inertia";
                 return Err(Error::new("inertias", &[shaft, 1], problem));
             }
         }
-        Ok(Self { pieces, springs, load_torque, load_damping, shafts, highest: OnceLock::new() })
+        Ok(Self {
+            pieces,
+            springs,
+            load_torque,
+            load_damping,
+            drive: Drive::Held,
+            half_turns: 1,
+            shafts,
+            highest: OnceLock::new(),
+        })
     }
 
-    /// The system with this share of every bend; 0 is the straight driveline.
+    /// The system with another drive.
+    ///
+    /// # Errors
+    /// A free drive without an inertia, neither itself nor by what is fixed to it; a slope that is
+    /// negative or not finite.
+    pub fn with_drive(mut self, drive: Drive) -> Result<Self> {
+        if let Drive::Free { slope } = drive {
+            if self.pieces[0].has_no_inertia() {
+                let problem = "is 0.0, and so is every inertia that is rigidly connected to it; \
+                               a free drive needs an inertia";
+                return Err(Error::new("inertias", &[0, 0], problem));
+            }
+            if !(0.0..f64::INFINITY).contains(&slope) {
+                let problem = format!(
+                    "is {slope:?}; it is what the torque of the drive loses with its speed, and \
+                     must not be negative"
+                );
+                return Err(Error::new("drive_slope", &[], problem));
+            }
+        }
+        self.drive = drive;
+        self.highest = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The system with torques that vary with the angles of shaft ends, in place of those it has.
+    ///
+    /// # Errors
+    /// A shaft end that does not exist, an order that is not positive, amplitudes that are not
+    /// finite, orders without a common divisor with 2, the joints' order, of at least 1/8.
+    pub fn with_harmonics(mut self, harmonics: &[TorqueHarmonic]) -> Result<Self> {
+        self.pieces.iter_mut().for_each(|piece| piece.harmonics.clear());
+        let ends: Vec<_> = self.ends_of_curves();
+        for (i, &TorqueHarmonic { end, order, cos, sin }) in harmonics.iter().enumerate() {
+            let refused = |problem: String| Err(Error::new("harmonics", &[i], problem));
+            if !(order > 0.0 && order <= MOST_ORDER) {
+                return refused(format!(
+                    "has the order {order:?}; it must be positive and at most {MOST_ORDER}"
+                ));
+            }
+            if !(cos.is_finite() && sin.is_finite()) {
+                return refused(format!("has the amplitudes {cos:?} and {sin:?}, not finite ones"));
+            }
+            let Some(mut curve) = ends.iter().position(|ends| ends.contains(&Some(end))) else {
+                let last = self.shafts - 1;
+                return refused(format!("acts on shaft {}; the last one is {last}", end / 2));
+            };
+            for piece in &mut self.pieces {
+                if let Some(behind) = curve.checked_sub(1 + piece.followers.len()) {
+                    curve = behind;
+                    continue;
+                }
+                let follower = curve.checked_sub(1);
+                piece.harmonics.push(Harmonic { follower, order, parts: [cos, sin] });
+                break;
+            }
+        }
+        let closes = |half_turns: &usize| {
+            let closed = |order: f64| {
+                let times = 0.5 * *half_turns as f64 * order;
+                (times - times.round()).abs() <= 1e-9 * times
+            };
+            harmonics.iter().all(|harmonic| closed(harmonic.order)) && closed(2.0)
+        };
+        self.half_turns = match std::iter::once(1).chain((2..=2 * TURNS).step_by(2)).find(closes) {
+            Some(half_turns) => half_turns,
+            None => {
+                let orders: Vec<f64> = harmonics.iter().map(|harmonic| harmonic.order).collect();
+                let problem = format!(
+                    "have the orders {orders:?}, which with the joints' order 2 repeat after more \
+                     than {TURNS} turns; they need a common divisor of at least 1/{TURNS}"
+                );
+                return Err(Error::new("harmonics", &[], problem));
+            }
+        };
+        Ok(self)
+    }
+
+    /// The system with couplings in place of the springs of compliant shafts.
+    ///
+    /// # Errors
+    /// A shaft that is not compliant, two couplings of one shaft, a table that does not rise, a law
+    /// that is not the only one.
+    pub fn with_couplings(mut self, couplings: &[Coupling]) -> Result<Self> {
+        for coupling in couplings {
+            let found = self.springs.iter_mut().find(|spring| spring.shaft == coupling.shaft);
+            let Some(spring) = found else {
+                let problem = format!("are at shaft {}, which is rigid", coupling.shaft);
+                return Err(Error::new("couplings", &[coupling.shaft], problem));
+            };
+            spring.law = Law::of(coupling)?.at_mean(self.load_torque).0;
+        }
+        self.highest = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The system with the stiffnesses that belong to these mean torques of the compliant shafts in
+    /// N m, if any of them differs.
+    pub(super) fn at_means(&self, torques: impl Iterator<Item = f64>) -> Option<Self> {
+        let laws: Vec<_> =
+            self.springs.iter().zip(torques).map(|(s, torque)| s.law.at_mean(torque)).collect();
+        if !laws.iter().any(|(_, differs)| *differs) {
+            return None;
+        }
+        let mut settled = Self { highest: OnceLock::new(), ..self.clone() };
+        for (spring, (law, _)) in settled.springs.iter_mut().zip(laws) {
+            spring.law = law;
+        }
+        Some(settled)
+    }
+
+    /// The torque in N m that brakes the last shaft at a speed in rad/s.
+    pub(super) fn static_load(&self, speed: f64) -> f64 {
+        self.load_damping.mul_add(speed, self.load_torque)
+    }
+
+    /// The turns of the drive in one period.
+    pub fn period_turns(&self) -> f64 {
+        0.5 * self.half_turns as f64
+    }
+
+    /// Whether the drive is free.
+    pub fn is_free(&self) -> bool {
+        self.drive != Drive::Held
+    }
+
+    /// The system with this share of every bend and every harmonic torque; 0 is the straight
+    /// driveline.
     pub(super) fn bent(&self, share: f64) -> Self {
         let mut from_drive = Transfer::default();
-        let pieces = self.pieces.iter().map(|piece| piece.bent(share, &mut from_drive)).collect();
+        let mut pieces = Vec::<RigidPiece>::new();
+        for piece in &self.pieces {
+            pieces.push(piece.bent(share, &mut from_drive, pieces.last()));
+        }
         let (springs, highest) = (self.springs.clone(), OnceLock::new());
         Self { pieces, springs, highest, ..*self }
     }
@@ -141,8 +331,13 @@ impl TorsionalSystem {
     }
 
     /// The number of compliant shafts.
-    pub fn unknowns(&self) -> usize {
+    pub fn compliant(&self) -> usize {
         self.springs.len()
+    }
+
+    /// The number of unknown angles.
+    pub(super) fn unknowns(&self) -> usize {
+        self.springs.len() + usize::from(self.is_free())
     }
 
     /// The number of shafts.
