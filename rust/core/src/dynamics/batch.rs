@@ -120,7 +120,10 @@ fn settled<'a>(
     let (mut systems, mut speeds) = (vec![], vec![]);
     for (system, speed) in runs {
         let load = std::iter::repeat(system.static_load(speed));
-        systems.push(system.at_means(load).map_or(Cow::Borrowed(system), Cow::Owned));
+        let own = system.at_means(load).map_or(Cow::Borrowed(system), Cow::Owned);
+        // A constant loss factor has no law in time, about which an orbit could be stable.
+        let viscous = goal.stability && own.has_loss_factors();
+        systems.push(if viscous { Cow::Owned(own.viscous()) } else { own });
         speeds.push(speed);
     }
     let mut found: Vec<Result<Found, Failure>> = vec![];
@@ -352,6 +355,7 @@ fn put_samples(Done { system, speed, found, out }: Done<'_, '_>, samples: usize)
     let positions: Vec<FourierSeries> =
         unknowns.clone().map(|u| through(&|k| orbit.state(k).0[u])).collect();
     let slopes: Vec<FourierSeries> = unknowns.map(|u| through(&|k| orbit.state(k).1[u])).collect();
+    let added = system.hysteretic_torques(speed, &found.torques);
     let mut pieces: Vec<PieceState> = vec![];
     let mut accelerations = vec![0.0; orbit.unknowns];
     for i in 0..samples {
@@ -360,6 +364,7 @@ fn put_samples(Done { system, speed, found, out }: Done<'_, '_>, samples: usize)
             series.iter().map(|series| series.at(angle)[0]).collect()
         };
         let (y, v) = (at(&positions), at(&slopes));
+        equation.added = at(&added);
         equation.accelerations(angle, &y, &v, &mut accelerations);
         equation.pieces(angle, [&y, &v, &accelerations], &mut pieces);
         let mut put = |row: usize, value: f64| out[row * samples + i] = value;

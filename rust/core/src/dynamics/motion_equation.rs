@@ -28,6 +28,8 @@ pub(super) struct MotionEquation<'a> {
     drive: Option<[f64; 2]>,
     motions: Vec<PieceMotion>,
     torques: Vec<f64>,
+    /// What constant loss factors add to them, which are not theirs at one angle.
+    pub(super) added: Vec<f64>,
 }
 
 impl<'a> MotionEquation<'a> {
@@ -46,6 +48,7 @@ impl<'a> MotionEquation<'a> {
             drive,
             motions: Vec::with_capacity(size + 1),
             torques: vec![0.0; size],
+            added: vec![0.0; size],
         }
     }
 
@@ -92,7 +95,7 @@ impl<'a> MotionEquation<'a> {
             let motion = &self.motions[s];
             let twist = before + motion.angle_error - own;
             let rate = self.speed * (motion.ratio * slope - own_slope);
-            self.torques[s] = spring.torque(twist, rate);
+            self.torques[s] = spring.torque(twist, rate) + self.added[s];
         }
     }
 

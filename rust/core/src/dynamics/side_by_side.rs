@@ -32,8 +32,9 @@ pub(super) struct RunsSideBySide {
     square: Pack,
     motions: Vec<PieceMotionPack>,
     pub(super) torques: Vec<Pack>,
-    /// The rates of the twists, relative to the drive's mean speed.
-    rates: Vec<Pack>,
+    /// The twists, and their rates relative to the drive's mean speed.
+    pub(super) twists: Vec<Pack>,
+    pub(super) rates: Vec<Pack>,
     /// The largest torque of every compliant shaft.
     largest: Vec<Pack>,
 }
@@ -202,6 +203,7 @@ impl RunsSideBySide {
         self.motions.resize(m + 1, PieceMotionPack::default());
         make_room(&mut self.torques, m);
         make_room(&mut self.rates, m);
+        make_room(&mut self.twists, m);
         self.largest.clear();
         make_room(&mut self.largest, m);
         self.springs.resize(m, SpringPack::default());
@@ -336,16 +338,22 @@ impl RunsSideBySide {
                 if s + free == 0 { (ZERO, ZERO) } else { (y[s + free - 1], v[s + free - 1]) };
             let (own, own_slope) = (y[s + free], v[s + free]);
             let PieceMotionPack { angle_error, ratio, .. } = self.motions[s];
-            let (mut torque, mut rates) = (ZERO, ZERO);
+            let (mut torque, mut twists, mut rates) = (ZERO, ZERO, ZERO);
             for l in lanes.each() {
                 let twist = before[l] + angle_error[l] - own[l];
                 let rate = ratio[l].mul_add(1.0 + slope[l], -1.0) - own_slope[l];
-                rates[l] = rate;
+                (twists[l], rates[l]) = (twist, rate);
                 let varying = spring.damping[l].mul_add(rate, spring.preload[l]);
                 torque[l] = spring.stiffness[l].mul_add(twist, varying);
             }
-            (self.torques[s], self.rates[s]) = (torque, rates);
+            self.torques[s] = torque;
+            (self.twists[s], self.rates[s]) = (twists, rates);
         }
+    }
+
+    /// The speed ratio of a piece in the first lane.
+    pub(super) fn ratio(&self, piece: usize) -> f64 {
+        self.motions[piece].ratio[0]
     }
 
     /// What the drive must give on an average for the slopes at hand: the power of its own slope, of

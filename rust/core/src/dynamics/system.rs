@@ -303,6 +303,12 @@ impl TorsionalSystem {
         self.load_damping.mul_add(speed, self.load_torque)
     }
 
+    /// The highest order of a harmonic torque; 0 without one.
+    pub(super) fn highest_order(&self) -> f64 {
+        let all = self.pieces.iter().flat_map(|piece| &piece.harmonics);
+        all.fold(0.0, |most, harmonic| harmonic.order.max(most))
+    }
+
     /// The turns of the drive in one period.
     pub fn period_turns(&self) -> f64 {
         0.5 * self.half_turns as f64
