@@ -197,9 +197,9 @@ class Motion:
         angle_error: of each shaft end ahead of the drive, ``(n + 1, 2, ...)``; of rigid shafts its
             mean is 0.
         speed: in rad/s, likewise.
-        acceleration: in rad/s², likewise, while the drive keeps its speed.
+        acceleration: in rad/s², likewise, while a held drive keeps its speed.
         torque: of each compliant shaft in N m.
-        drive_torque: that keeps the speed of the drive.
+        drive_torque: of the drive with the harmonics at its end.
     """
 
     angle_error: Array
@@ -632,7 +632,7 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
     count = round(2.0 * system.period_turns * steps)
     time = system.period_turns * math.tau / speed
     m = len(at) // 2
-    # Unknowns are the state and the torque; a held drive has neither.
+    # The torque of a free drive is unknown too; a held one has no unknown.
     scale = np.array([*[1.0] * m, *[speed] * m, float(np.sum(system.inertias)) * speed / time])
     moving = np.arange(2 * m) if system.free else np.delete(np.arange(2 * m), [0, m])
     turn = np.repeat([system.period_turns * math.tau, 0.0], m)
@@ -722,10 +722,10 @@ def collocated(
         return np.concatenate([*off[first:], state[:1, 0] if system.free else state[:0, 0]])
 
     at = np.repeat(initial[first:m], count)
-    scale = np.ones((m - first) * count + 1 - first)
+    scale = np.ones(len(at))
     if system.free:
         at = np.append(at, system.load_torque + system.load_damping * speed)
-        scale[-1] = float(np.sum(system.inertias)) * speed**2
+        scale = np.append(scale, float(np.sum(system.inertias)) * speed**2)
     h = 1e-6
     for _ in range(40):
         off = missed(at[:, np.newaxis] + np.hstack([np.zeros((len(at), 1)), h * np.diag(scale)]))
@@ -743,11 +743,19 @@ def collocated(
     raise ArithmeticError("no periodic motion is found")
 
 
-def drive_torque_slope(system: System, speed: float, *, steps: int = 240) -> float:
-    """Return by how much the mean torque of a free drive grows with its speed [N m s/rad]."""
-    h = 1e-3 * speed
-    above, below = (orbit(system, at, steps=steps) for at in (speed + h, speed - h))
-    return (above.drive_torque_mean - below.drive_torque_mean) / (2.0 * h)
+def drive_torque_slope(
+    system: System, speed: float, find: Callable[[System, float], Orbit] = orbit
+) -> float:
+    """Return by how much the mean torque of the drive grows with its speed [N m s/rad].
+
+    Args:
+        system: whose.
+        speed: mean speed of the drive [rad/s].
+        find: finds its periodic motions.
+    """
+    h = 1e-4 * speed
+    above, below = (find(system, at).drive_torque_mean for at in (speed + h, speed - h))
+    return (above - below) / (2.0 * h)
 
 
 def transient(
