@@ -456,6 +456,8 @@ def period(
 ) -> list[Array]:
     """Return the states after each step of a period, from the drive angle 0.
 
+    A spring that passes a kink and comes back within one step is taken to stay.
+
     Args:
         system: whose stiffnesses depend on no mean torque, and have no loss factor.
         speed: mean speed of the drive [rad/s].
