@@ -415,11 +415,11 @@ def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
     assert orbit.found
     slow = torsion.System(reference.from_bends(bends.tolist()), **own)
     zero = torsion.zero_of(slow, 1)
-    start = np.array([orbit.angle_error[1, 1, 0] + zero, orbit.speed[1, 1, 0]])
-    states = torsion.half_turn(slow, drive, start, 1000)
+    start = np.array([0.0, orbit.angle_error[1, 1, 0] + zero, drive, orbit.speed[1, 1, 0]])
+    states = torsion.period(slow, drive, start, 1000)
     angles = np.arange(1, 1001) * np.pi / 1000
-    assert np.max([abs(state[0] - a - zero) for a, state in zip(angles, states, strict=True)]) > 1.5
-    assert states[-1] - [np.pi, 0.0] == pytest.approx(start, abs=1e-7 * drive)
+    assert np.max([abs(state[1] - a - zero) for a, state in zip(angles, states, strict=True)]) > 1.5
+    assert states[-1] - [np.pi, np.pi, 0.0, 0.0] == pytest.approx(start, abs=1e-7 * drive)
     assert system.stability(drive).stable
 
 

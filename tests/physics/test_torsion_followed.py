@@ -58,15 +58,16 @@ def test_a_stable_orbit_is_found_and_brought_back_by_integration(seed: int, whic
     )
     ends = list(system.compliant)
     zeros = [torsion.zero_of(slow, i) for i in ends]
-    start = np.concatenate([zeros + orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]])
+    angles, speeds = zeros + orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]
+    start = np.concatenate([[0.0], angles, [speed], speeds])
     steps = 160 if (seed, which) in SHORT else 2000
-    at, multipliers, motion = torsion.orbit(slow, speed, start, steps=steps)
-    scale = np.repeat([1.0, speed], len(ends))
-    assert np.abs((at - start) / scale).max() < 1e-4
-    assert np.abs(multipliers).max() == pytest.approx(np.abs(found.multipliers[0]), abs=1e-4)
+    known = torsion.orbit(slow, speed, start, steps=steps)
+    scale = np.repeat([1.0, speed], len(ends) + 1)
+    assert np.abs((known.state - start) / scale).max() < 1e-4
+    assert np.abs(known.multipliers).max() == pytest.approx(np.abs(found.multipliers[0]), abs=1e-4)
     steady = system.steady(speed)
     largest = np.maximum(np.abs(steady.torque_min), np.abs(steady.torque_max))
-    assert np.all(np.abs(motion.torque.max(axis=-1) - steady.torque_max) < 1e-3 * largest)
+    assert np.all(np.abs(known.motion.torque.max(axis=-1) - steady.torque_max) < 1e-3 * largest)
 
 
 def test_a_curve_with_folds_is_followed_around_them() -> None:

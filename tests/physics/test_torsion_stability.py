@@ -197,12 +197,12 @@ def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     # the rigid pieces between springs.
     zeros = np.array([torsion.zero_of(slow, shaft) for shaft in ends])
     angles, speeds = orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]
-    start = np.concatenate([angles + zeros, speeds])
-    known, multipliers, _ = torsion.orbit(slow, drive, start, steps=400)
-    assert known[2:] == pytest.approx(speeds, rel=1e-8)
+    start = np.concatenate([[0.0], angles + zeros, [drive], speeds])
+    known = torsion.orbit(slow, drive, start, steps=400)
+    assert known.state[4:] == pytest.approx(speeds, rel=1e-8)
     found = system.stability(drive).multipliers
     # The coefficients of the characteristic polynomial do not depend on an order.
-    assert np.poly(found) == pytest.approx(np.poly(multipliers), abs=1e-6)
+    assert np.poly(found) == pytest.approx(np.poly(known.multipliers), abs=1e-6)
 
 
 def test_modes_are_those_of_a_chain_of_two_masses() -> None:

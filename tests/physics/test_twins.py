@@ -544,7 +544,8 @@ def test_periodic_motions_and_their_stability(
     assert list(fast.compliant) == slow.compliant
     # What so many steps leave of the steepest.
     steps, close = 160, 8e-6
-    _, known_multipliers, known = torsion.orbit(slow, speed, steps=steps)
+    by_twin = torsion.orbit(slow, speed, steps=steps)
+    known = by_twin.motion
     found = fast.orbit(speed, steps)
     for name in ("speed", "acceleration", "torque", "drive_torque"):
         same(getattr(found, name), np.roll(getattr(known, name), 1, axis=-1), close, name)
@@ -552,7 +553,7 @@ def test_periodic_motions_and_their_stability(
     off = found.angle_error - np.roll(known.angle_error, 1, axis=-1)
     same(off - off[..., :1], 0.0, close)
     multipliers = fast.stability(speed).multipliers
-    same(np.poly(multipliers), np.poly(known_multipliers), close)
+    same(np.poly(multipliers), np.poly(by_twin.multipliers), close)
     steady = fast.steady(speed, [2, 4])
     torque = known.torque
     size = np.max(np.abs(torque))
@@ -580,8 +581,8 @@ def test_motions_in_time() -> None:
     pytest.importorskip("scipy")
     fast, slow = systems([0.3, 0.5], **ONE_SPRING)
     start = fast.orbit(80.0, 1)
-    at = np.concatenate([start.angle_error[[1], 1, 0], start.speed[[1], 1, 0]])
-    at[0] += torsion.zero_of(slow, 1)
+    angle = start.angle_error[1, 1, 0] + torsion.zero_of(slow, 1)
+    at = np.array([0.0, angle, 80.0, start.speed[1, 1, 0]])
     end, steps = 0.04, 240
     known = torsion.transient(slow, lambda t: 80.0 + 500.0 * t, at, end, steps=steps)
     times = np.linspace(0.0, end, steps + 1)
@@ -606,10 +607,11 @@ def test_motions_that_exist_side_by_side() -> None:
     speed = 0.489 * natural
     found = cardan.TorsionalSystem(line, **own).coexisting(speed)
     slow = torsion.System(reference.from_bends(line.bends.tolist()), **own)
-    aside = np.array([[0.0, 0.0], [0.0, 2.0 * speed], [-1.0, 2.0 * speed], [1.0, 2.0 * speed]])
+    aside = np.zeros((4, 4))
+    aside[:, 1], aside[1:, 3] = [0.0, 0.0, -1.0, 1.0], 2.0 * speed
     peaks: list[float] = []
     for start in torsion.rigid(slow, speed) + aside:
-        largest = float(torsion.orbit(slow, speed, start, steps=120)[2].torque.max())
+        largest = float(torsion.orbit(slow, speed, start, steps=120).motion.torque.max())
         if not any(largest == pytest.approx(other, rel=1e-6) for other in peaks):
             peaks.append(largest)
     assert found.count == len(peaks) == 3
