@@ -214,9 +214,7 @@ class Torsion:
         line: _Numbers,
         shafts: list[_Flat],
         load: list[_Flat],
-        engine: tuple[
-            float | None, list[tuple[int, float, float, float]], list[tuple[Any, ...]]
-        ],
+        engine: tuple[float | None, list[tuple[int, float, float, float]], list[tuple[Any, ...]]],
     ) -> Torsion: ...
     def natural_frequencies(self) -> _Flat: ...
     def modes(self) -> list[tuple[float, list[float]]]: ...

@@ -12,53 +12,12 @@ import pytest
 from cardan import reference
 from cardan.reference import torsion
 from cardan.reference.torsion import Coupling, Orbit, System, TorqueHarmonic
-from oracle import read
-
-CASES: dict[int, dict[str, Any]] = {
-    case["case"]: case for case in read("torsion_engine.json")["cases"]
-}
-KINKED = [28, 30, 32, 35, 36]
-SMOOTH = [case for case in CASES if case not in KINKED]
-INF = math.inf
-
-
-def coupling_of(curve: dict[str, list[float]]) -> Coupling:
-    """Return the play or the odd table of a curve with two kinks."""
-    twist, torque, slope = curve["twist"][1], curve["torque"][1], curve["slopes"][2]
-    if torque == 0.0:
-        return Coupling(slope, play=twist)
-    return Coupling(twist=[0.0, twist, twist + 1.0], torque=[0.0, torque, torque + slope])
+from engine_cases import CASES, INF, KINKED, SMOOTH, arguments_of, complexes, phases_of
 
 
 def system_of(case: dict[str, Any]) -> System:
-    couplings = {int(i): coupling_of(curve) for i, curve in case.get("curves", {}).items()}
-    turns = case["p"]
-    return System(
-        reference.from_bends(case["bends"], None, [p - math.pi / 2 for p in turns]),
-        inertias=case["J"],
-        stiffnesses=[INF if k is None or i in couplings else k for i, k in enumerate(case["k"])],
-        dampings=case["d"],
-        load_torque=case["TL"],
-        load_damping=case["bL"],
-        drive="free" if case["free"] else "held",
-        drive_slope=case.get("slope", 0.0),
-        harmonics=[
-            TorqueHarmonic(
-                own["end"] // 2,
-                ("input", "output")[own["end"] % 2],
-                own["order"],
-                own["cos"],
-                own["sin"],
-            )
-            for own in case.get("harmonics", [])
-        ],
-        couplings=couplings,
-        loss_factors=case.get("eta"),
-    )
-
-
-def complexes(orders: dict[str, list[float]]) -> list[complex]:
-    return [complex(*x) for x in orders.values()]
+    line = reference.from_bends(case["bends"], None, phases_of(case))
+    return System(line, **arguments_of(case))
 
 
 def same_motion(case: dict[str, Any], found: Orbit, close: float, sampled: float) -> None:

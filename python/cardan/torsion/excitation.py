@@ -22,8 +22,8 @@ class TorqueHarmonic:
 
     It is ``cos * cos(order * angle) + sin * sin(order * angle)`` with the end's own angle, which is
     that of the drive at the input end of shaft 0. Gas torques of engines, blades of propellers,
-    meshing teeth and pumps are such torques. They depend on an angle alone, so over a period they do
-    no work.
+    meshing teeth and pumps are such torques. They depend on an angle alone, so over a period they
+    do no work.
 
     Attributes:
         shaft: the shaft, counted from 0.
@@ -63,8 +63,8 @@ class Coupling:
     Args:
         stiffness: in N m/rad.
         twist: in rad, rising, ``(points,)``: a progressive coupling. The torque is linear between
-            the points and goes straight on beyond them. If the first point is 0, the other direction
-            is the same.
+            the points and goes straight on beyond them. If the first point is 0, the other
+            direction is the same.
         torque: in N m at these twists, rising, ``(points,)``.
         play: half of the free angle in rad, in which there is no torque.
         contact_damping: whether the damping acts in proportion to the stiffness, so not within the
@@ -184,7 +184,8 @@ def firing_harmonics(
     >>> [(own.order, own.cos) for own in cardan.firing_harmonics(one, [1, 3, 2])]
     [(1.5, 150.0), (3.0, 30.0)]
     """
-    check_choice("strokes", strokes, (2, 4))
+    if strokes not in (2, 4):
+        raise ArgumentValueError("strokes", f"is {strokes!r}; it must be 2 or 4")
     count = len(firing_order)
     if not count or len(set(firing_order)) < count:
         problem = f"is {list(firing_order)!r}; it must name each cylinder once"

@@ -67,8 +67,8 @@ class Orbit(Searched):
     """One period at equally spaced mean angles of the drive.
 
     Attributes:
-        drive_angle: mean speed times time in rad, ``(samples,)``, from 0 up to but not including the
-            period.
+        drive_angle: mean speed times time in rad, ``(samples,)``, from 0 up to but not including
+            the period.
         angle_error: angle of every shaft end relative to that in rad, input end before output
             end, ``(n + 1, 2, ..., samples)``. Without load and vibration its mean is 0.
         speed: speed of every shaft end in rad/s, ``(n + 1, 2, ..., samples)``.
@@ -162,15 +162,15 @@ class SteadyState(Searched):
     """The periodic motion at mean drive speed.
 
     A quantity is ``mean + Re(sum(orders * exp(1j * m * angle)))`` with the mean angle of the drive,
-    its mean speed times time, and the order ``m``, so the modulus of an order is its peak amplitude.
-    Joints alone excite even orders.
+    its mean speed times time, and the order ``m``, so the modulus of an order is its peak
+    amplitude. Joints alone excite even orders.
 
     Attributes:
         torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ...)``.
         torque_min: least torque, the true extremum between samples.
         torque_max: largest torque.
-        drive_torque_mean: mean torque of the drive in N m, ``(...)``: the load and what the dampings
-            take, by the balance of energy.
+        drive_torque_mean: mean torque of the drive in N m, ``(...)``: the load and what the
+            dampings take, by the balance of energy.
         drive_speed_min: least speed of the drive in rad/s, ``(...)``.
         drive_speed_max: largest speed of the drive.
         torque_orders: orders of the torque, ``(compliant, ..., orders)``.

@@ -65,8 +65,8 @@ class TorsionalSystem:
 
     Shaft ``i`` has an inertia at its input end and one at its output end, a stiffness between them
     and a damping. The input end of shaft 0 is held at constant speed or free; the output end of the
-    last shaft carries the load. Lagrange's equations of this chain are solved exactly, that is with the
-    nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
+    last shaft carries the load. Lagrange's equations of this chain are solved exactly, that is with
+    the nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
     rigid rotation, which is no solution behind a joint.
 
     Leading dimensions of all arguments broadcast against the batch of the driveline. Modes, rules
@@ -95,8 +95,8 @@ class TorsionalSystem:
             orders and the joints' order 2 have a common divisor of at least 1/8.
         couplings: by the compliant shaft that each of them makes, whose stiffness is infinite in
             ``stiffnesses``; for the whole batch.
-        loss_factors: constant damping per cycle of each shaft, ``(n + 1,)``, the tangent of the loss
-            angle; 0 by default.
+        loss_factors: constant damping per cycle of each shaft, ``(n + 1,)``, the tangent of the
+            loss angle; 0 by default.
 
     Raises:
         TypeError: no driveline, values that are not real numbers.
@@ -400,6 +400,10 @@ class TorsionalSystem:
         ``speed = natural frequency`` is unstable only if ``tan(bend/2)**2`` of the equivalent bend
         exceeds the damping ratio (leading order; Mathieu's first region).
 
+        A constant loss factor is no law in time: viscous damping takes its place here, with the
+        loss of a vibration at the natural frequency in which the coupling is twisted most. The same
+        goes for ``coexisting``.
+
         The whole driveline with a free drive is slowed down and comes back to its speed with the
         ``speed_multiplier``. Where ``drive_torque_slope`` plus the slope of the drive is negative,
         as beyond a resonance, it runs away from this speed (Sommerfeld).
@@ -466,7 +470,7 @@ class TorsionalSystem:
         speed: OfTime,
         torque: OfTime | None = None,
         drive_torque: OfTimeAndSpeed | None = None,
-        drive_inertia: float = math.inf,
+        drive_inertia: float | None = None,
         start: Literal["rigid", "steady"] | Transient = "rigid",
         breaks: ArrayLike = (),
         events: Event | Sequence[Event] = (),
@@ -487,9 +491,10 @@ class TorsionalSystem:
                 time; by default that of the system. Its sign does not follow the motion: it
                 accelerates a shaft that turns backwards.
             drive_torque: torque in N m on a drive of finite inertia, a number or a function of time
-                and drive speed; 0 by default.
-            drive_inertia: inertia in kg m² in front of shaft 0; infinite by default: the speed is
-                as given.
+                and drive speed. By default 0; of a free drive the mean torque of the steady state
+                at the first speed, less its slope.
+            drive_inertia: inertia in kg m² in front of shaft 0; by default infinite, so that the
+                speed is as given, or 0 of a free drive, whose inertia is that of the system.
             start: ``"rigid"``: the shafts move as if they were rigid and are twisted by the load;
                 ``"steady"``: on the periodic orbit at this speed; or another transient, at whose
                 end this motion begins. A drive of finite inertia then keeps its speed. The drive
@@ -509,7 +514,7 @@ class TorsionalSystem:
             RuntimeError: the integrator does not reach the last time.
             TypeError: values that are neither numbers nor functions, events that are not functions.
             ValueError: times that do not increase, a batch of systems, values out of range, a
-                steady start without an orbit.
+                steady start without an orbit, a constant loss factor.
 
         >>> import numpy as np
         >>> import cardan

@@ -57,12 +57,18 @@ class Equations:
         speed: OfTime,
         torque: OfTime | None,
         drive_torque: OfTimeAndSpeed | None,
-        drive_inertia: float,
+        drive_inertia: float | None,
     ) -> None:
         """Check the drive and the load."""
         if system.shape:
             problem = f"has the batch {system.shape}; a transient is that of one system"
             raise ArgumentValueError("system", problem)
+        lossy = [shaft for shaft, own in system.couplings.items() if own.loss_factor > 0.0]
+        if lossy:
+            problem = "has a loss factor, which is no law in time; give the shaft a damping"
+            raise ArgumentValueError("couplings", problem, (lossy[0],))
+        if drive_inertia is None:
+            drive_inertia = 0.0 if system.drive == "free" else math.inf
         if not drive_inertia >= 0.0:
             problem = f"is {drive_inertia!r}; it must not be negative"
             raise ArgumentValueError("drive_inertia", problem)
@@ -81,7 +87,19 @@ class Equations:
         self._speed = _checked("speed", speed)
         load = float(system.load_torque) if torque is None else torque
         self._load = _checked("torque", load)
+        if drive_torque is None and system.drive == "free" and self.free:
+            drive_torque = self._law()
         self._driven = _checked("drive_torque", 0.0 if drive_torque is None else drive_torque)
+
+    def _law(self) -> OfTimeAndSpeed:
+        """The torque of a free drive: the mean of the steady state, and its slope."""
+        speed, slope = self.speed(0.0), self.system.drive_slope
+        steady = self.system.steady(speed)
+        if not steady.found:
+            problem = f"is missing; the mean torque at {speed} rad/s is not known: {steady.reasons}"
+            raise ArgumentValueError("drive_torque", problem)
+        mean = float(steady.drive_torque_mean)
+        return lambda _, now: mean - slope * (now - speed)
 
     def speed(self, time: float) -> float:
         """The speed of the drive where it is given, or with which it begins."""
@@ -140,8 +158,11 @@ class Equations:
         if not orbit.found:
             raise ArgumentValueError("start", f"is 'steady', but at {speed} rad/s {orbit.reasons}")
         ends = list(self.compliant)
-        angles, speeds = orbit.angle_error[ends, 1, 0], orbit.speed[ends, 1, 0]
-        return np.concatenate([[0.0, speed][: self.first], angles, speeds])
+        lead = orbit.angle_error[0, 0, 0]
+        drive = [lead, orbit.speed[0, 0, 0]][: self.first]
+        return np.concatenate(
+            [drive, orbit.angle_error[ends, 1, 0] - lead, orbit.speed[ends, 1, 0]]
+        )
 
 
 def _checked(name: str, value: Any) -> Any:  # noqa: ANN401 - a number or a function
