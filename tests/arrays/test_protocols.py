@@ -168,7 +168,12 @@ OPTIMUM = cardan.optimise(
     lambda x: Driveline.from_bends([[x[0], 0.1]]), [0.3], [(0.2, 0.4)], starts=1
 )
 TORSIONAL = cardan.TorsionalSystem(
-    LINE, inertias=[0.1] * 3, stiffnesses=[1e4, np.inf, np.inf], dampings=[1.0, 0.0, 0.0]
+    LINE,
+    inertias=[0.1] * 3,
+    stiffnesses=[1e4, np.inf, np.inf],
+    dampings=[1.0, 0.0, 0.0],
+    drive="free",
+    harmonics=[cardan.TorqueHarmonic(0, "input", 1.5, 3.0)],
 )
 OBJECTS = [
     cardan.Answer(SCENE),
@@ -199,6 +204,8 @@ OBJECTS = [
     cardan.tube(0.09, 0.003, length=1.5),
     cardan.Machine(BATCH.reshape(-1), limits={"equivalent_bend": 0.05}),
     TORSIONAL,
+    TORSIONAL.harmonics[0],
+    cardan.Coupling(twist=[0, 0.02, 0.04], torque=[0, 100, 400]),
     TORSIONAL.steady(20.0),
     TORSIONAL.orbit(20.0, 4),
     TORSIONAL.stability(20.0),

@@ -108,6 +108,7 @@ def test_torsion_scales_with_inertia_and_time(
         system = TorsionalSystem(
             line,
             inertias=inertia * np.tile([0.01, 0.04], (n + 1, 1)),
+            drive="held",
             stiffnesses=[math.inf, *[inertia * rate**2 * 4000.0] * n],
             dampings=inertia * rate * 2.0,
             load_torque=inertia * rate**2 * 25.0,

@@ -23,9 +23,13 @@ def system_of(case: dict[str, Any]) -> TorsionalSystem:
     return TorsionalSystem(line, **arguments_of(case))
 
 
-def two(drive: str = "free", **own: Any) -> TorsionalSystem:  # noqa: ANN401
+def two(drive: Any = "free", **own: Any) -> TorsionalSystem:  # noqa: ANN401
     """One joint of 20 degrees between a drive and a compliant shaft."""
-    given = {"inertias": [[0.3, 0], [0, 0.05]], "stiffnesses": [INF, 8000], "dampings": [0, 3]}
+    given: dict[str, Any] = {
+        "inertias": [[0.3, 0], [0, 0.05]],
+        "stiffnesses": [INF, 8000],
+        "dampings": [0, 3],
+    }
     return TorsionalSystem(ONE, drive=drive, **(given | own))
 
 
@@ -84,17 +88,18 @@ def test_multipliers_of_an_independent_model(number: int) -> None:
 def test_natural_frequencies_without_the_rotation_of_all() -> None:
     # M. I. Friswell et al., Dynamics of Rotating Machines, 2010, example 9.7.1.
     line = Driveline.from_bends([0, 0, 0, 0])
-    own = {
+    own: dict[str, Any] = {
         "inertias": [[0.0035, 0], [0.0035, 0], [0.0035, 0], [0.15, 0], [0.05, 0]],
         "stiffnesses": [12e3, 12e3, 14e3, 10e3, INF],
     }
-    for drive, known in (
+    drives: tuple[tuple[Any, list[float]], ...] = (
         ("free", [81.2076, 141.2141, 378.9530, 536.3633]),
         ("held", [22.6280, 83.1631, 308.1916, 518.2375]),
-    ):
+    )
+    for drive, known in drives:
         found = TorsionalSystem(line, drive=drive, **own).natural_frequencies() / (2 * np.pi)
         np.testing.assert_allclose(found, known, atol=5e-5)
-    heavy = {"inertias": [[211.4, 0], [8.3, 0]], "stiffnesses": [9.775e6, INF]}
+    heavy: dict[str, Any] = {"inertias": [[211.4, 0], [8.3, 0]], "stiffnesses": [9.775e6, INF]}
     straight = Driveline.from_bends([0])
     pair = [
         TorsionalSystem(straight, drive=drive, **heavy).natural_frequencies()[0]
@@ -133,7 +138,11 @@ def test_a_huge_drive_is_held() -> None:
     # In proportion to 1/J.
     assert gaps[0] == pytest.approx(gaps[2], rel=1e-2)
     assert gaps[1] == pytest.approx(gaps[3], rel=1e-2)
-    own = {"inertias": [[1e4, 0], [0, 0.05]], "dampings": [0, 4], "load_torque": 30.0}
+    own: dict[str, Any] = {
+        "inertias": [[1e4, 0], [0, 0.05]],
+        "dampings": [0, 4],
+        "load_torque": 30.0,
+    }
     free, held = (two(drive, **own).steady(60.0) for drive in ("free", "held"))
     assert 1e4 * float(free.torque_max[0] - held.torque_max[0]) == pytest.approx(-1.3132, rel=1e-3)
     assert 1e4 * float(free.drive_speed_max - 60.0) == pytest.approx(0.19473, rel=1e-3)
@@ -246,7 +255,7 @@ def test_a_motion_that_begins_on_the_orbit_stays_there() -> None:
 
 def test_stiffness_by_mean_torque() -> None:
     law = Coupling(mean_torque=[0, 100, 300], stiffness_by_mean=[2000, 4000, 9000])
-    own = {"dampings": [0, 2], "load_torque": 150.0}
+    own: dict[str, Any] = {"dampings": [0, 2], "load_torque": 150.0}
     curved = two(stiffnesses=[INF, INF], couplings={1: law}, **own)
     linear = two(stiffnesses=[INF, 5250], **own)
     speeds = [50.0, 100.0, 230.0]
@@ -279,7 +288,7 @@ def test_stiffness_by_mean_torque() -> None:
 
 
 def test_a_loss_factor_against_the_twin() -> None:
-    own = {
+    own: dict[str, Any] = {
         "inertias": [[0.3, 0], [0.0, 0.02], [0.01, 0.05]],
         "stiffnesses": [4000, INF, 20000],
         "dampings": [0, 0, 1],

@@ -8,7 +8,6 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
 
 import cardan
 from cardan import reference
@@ -27,6 +26,7 @@ def system_of(case: dict[str, Any]) -> cardan.TorsionalSystem:
     return cardan.TorsionalSystem(
         line,
         inertias=case["J"],
+        drive="held",
         stiffnesses=[INF if k is None else k for k in case["k"]],
         dampings=case["d"],
         load_torque=case["TL"],
@@ -35,7 +35,9 @@ def system_of(case: dict[str, Any]) -> cardan.TorsionalSystem:
 
 
 def one_joint(
-    bend: float, stiffnesses: list[float], **options: ArrayLike
+    bend: float,
+    stiffnesses: list[float],
+    **options: Any,  # noqa: ANN401
 ) -> cardan.TorsionalSystem:
     """One joint before a flywheel of 0.05 kg m2."""
     line = cardan.Driveline.from_bends([bend], degrees=True)
@@ -218,7 +220,7 @@ def test_natural_frequencies_of_two_masses() -> None:
 
 def test_inertias_of_shafts_are_split_in_half() -> None:
     line = cardan.Driveline.from_bends([0.3])
-    of: dict[str, Any] = {"stiffnesses": [INF, 4000.0], "dampings": 0.5}
+    of: dict[str, Any] = {"stiffnesses": [INF, 4000.0], "dampings": 0.5, "drive": "held"}
     halves = cardan.TorsionalSystem(line, inertias=[[0.1, 0.1], [0.2, 0.2]], **of)
     whole = cardan.TorsionalSystem(line, inertias=[0.2, 0.4], **of)
     assert whole.steady(90.0).torque_max.tolist() == halves.steady(90.0).torque_max.tolist()
@@ -321,7 +323,11 @@ def test_pickles() -> None:
 
 
 LINE = cardan.Driveline.from_bends([0.2, 0.1])
-GOOD: dict[str, Any] = {"inertias": np.full((3, 2), 0.1), "stiffnesses": [INF, 4000.0, INF]}
+GOOD: dict[str, Any] = {
+    "inertias": np.full((3, 2), 0.1),
+    "stiffnesses": [INF, 4000.0, INF],
+    "drive": "held",
+}
 
 
 @pytest.mark.parametrize(
@@ -373,12 +379,7 @@ def test_the_batch_of_a_missing_inertia_is_named() -> None:
 @pytest.mark.parametrize(
     ("call", "kind", "message"),
     [
-        (lambda s: s.steady(100.0, orders=[2, 0]), ValueError, r"orders\[1\] is 0; an order is"),
-        (
-            lambda s: s.steady(100.0, orders=2.5),
-            TypeError,
-            "orders has dtype float64; an order is an",
-        ),
+        (lambda s: s.steady(100.0, orders=[2, 0]), ValueError, r"orders\[1\] is 0\.0; an order must"),
         (lambda s: s.steady("fast"), TypeError, "speed has dtype"),
         (lambda s: s.steady(100.0, tolerance=0.0), ValueError, "tolerance is 0.0; it must be from"),
         (lambda s: s.orbit(100.0, 0), ValueError, "samples is 0; it must be at least 1"),
@@ -445,7 +446,11 @@ def slow_and_stiff(seed: int) -> cardan.TorsionalSystem:
     if seed == 0:
         line = cardan.Driveline.from_bends([30.0, 35.0], [20.0], [70.0], degrees=True)
         return cardan.TorsionalSystem(
-            line, inertias=np.full((3, 2), 0.01), stiffnesses=[INF, 1e4, INF], damping_ratios=0.5
+            line,
+            inertias=np.full((3, 2), 0.01),
+            drive="held",
+            stiffnesses=[INF, 1e4, INF],
+            damping_ratios=0.5,
         )
     random = np.random.default_rng(seed)
     n = int(random.integers(2, 6))
@@ -455,6 +460,7 @@ def slow_and_stiff(seed: int) -> cardan.TorsionalSystem:
     return cardan.TorsionalSystem(
         cardan.Driveline.from_bends(bends, *turns, degrees=True),
         inertias=np.full((n + 1, 2), 0.01),
+        drive="held",
         stiffnesses=stiffnesses,
         damping_ratios=0.5,
     )

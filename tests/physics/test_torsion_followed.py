@@ -26,6 +26,7 @@ def bent(seed: int, which: int) -> tuple[cardan.TorsionalSystem, float]:
         cardan.Driveline.from_bends(bends, twists, phases, degrees=True),
         inertias=10 ** random.uniform(-3.0, -0.5, (n + 1, 2)),
         stiffnesses=stiffnesses,
+        drive="held",
         damping_ratios=random.choice([0.02, 0.05, 0.1, 0.3]),
         load_torque=random.choice([0.0, 50.0, 200.0]),
         load_damping=random.choice([0.0, 0.2]),

@@ -31,6 +31,7 @@ def system_of(stiffnesses: list[float]) -> cardan.TorsionalSystem:
     return cardan.TorsionalSystem(
         LINE,
         inertias=INERTIAS,
+        drive="held",
         stiffnesses=stiffnesses,
         dampings=2.0,
         load_torque=200.0,
@@ -125,6 +126,7 @@ def test_stiff_shafts_carry_the_loads_of_a_rigid_driveline() -> None:
     system = cardan.TorsionalSystem(
         LINE,
         inertias=INERTIAS,
+        drive="held",
         stiffnesses=[INF, 1e10, INF, 1e10],
         dampings=1e3,
         load_torque=torque,

@@ -23,6 +23,7 @@ INERTIAS = np.array([[0.02, 0.01], [0.01, 0.02], [0.015, 0.01], [0.1, 0.05]])
 def system_of(line: cardan.Driveline = LINE, **options: ArrayLike) -> cardan.TorsionalSystem:
     of: dict[str, Any] = {
         "inertias": INERTIAS,
+        "drive": "held",
         "stiffnesses": [INF, 30000.0, 20000.0, INF],
         "dampings": [0.0, 12.0, 8.0, 0.0],
         "load_torque": 300.0,

@@ -27,10 +27,10 @@ CLASSES = ("Driveline", "Machine", "Transmission", "Plan", "TorsionalSystem", "B
 
 # The other public names of the package: they state, choose or carry results of those above.
 CARRIERS = (
-    "ActiveLimit Answer ArgumentError ArgumentTypeError ArgumentValueError Check Derivatives "
-    "EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths Life Limit "
+    "ActiveLimit Answer ArgumentError ArgumentTypeError ArgumentValueError Check Coupling "
+    "Derivatives EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths Life Limit "
     "Limits Load Losses Motion Optimum OrderTolerances Output Result Scene Slides SplineForce "
-    "Steering Tolerances Tube TwoJoints OUTPUTS"
+    "Steering Tolerances TorqueHarmonic Tube TwoJoints OUTPUTS"
 )
 
 SHAPE = "it selects, arranges or labels and computes nothing"
@@ -42,6 +42,7 @@ SOURCES = "formulas of the sources, themselves compared with the core"
 TWINS = {
     "cardan": {
         "approximations": SOURCES,
+        "firing_harmonics": "the sum over cylinders, which tests form cylinder by cylinder",
         "identify identify_two_joints optimise": SEARCH,
         "plots": "pictures of what is computed elsewhere",
         "reference": "the twins themselves",
@@ -105,7 +106,9 @@ TWINS = {
         "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
         "modes bend_rules unstable_ranges stability_map side_by_side speed_response": SEARCH,
-        "changed dampings inertias line load_damping load_torque shape stiffnesses": SHAPE,
+        "period_turns": "torsion.System.period_turns",
+        "changed couplings dampings drive drive_slope harmonics inertias line load_damping "
+        "load_torque shape stiffnesses": SHAPE,
     },
     "Machine": {
         "figures verdict": "design.ranked",
@@ -513,7 +516,8 @@ def systems(bends: list[float], **own: Any) -> tuple[cardan.TorsionalSystem, tor
     twists, phases = [0.5, -0.3][: len(bends) - 1], [0.2, 0.7][: len(bends) - 1]
     line = Driveline.from_bends(bends, twists, phases)
     shafts = reference.from_bends(bends, twists, phases)
-    return cardan.TorsionalSystem(line, **own), torsion.System(shafts, **own)
+    fast = cardan.TorsionalSystem(line, drive="held", **own)
+    return fast, torsion.System(shafts, **own)
 
 
 ONE_SPRING: dict[str, Any] = {

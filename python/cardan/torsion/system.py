@@ -170,9 +170,9 @@ class TorsionalSystem:
         shafts = line.n_joints + 1
         springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
         made = _couplings(couplings, loss_factors, springs)
-        springs = springs.copy()
+        springs, load = springs.copy(), float(finite("load_torque", load_torque).mean())
         for shaft, coupling in made.items():
-            springs[..., shaft] = coupling.stiffness_at(float(np.mean(load_torque)))
+            springs[..., shaft] = coupling.stiffness_at(load)
         rule = "; a stiffness must be positive, infinite for a rigid shaft"
         check_elements("stiffnesses", springs, springs > 0.0, rule)
         is_compliant = (springs < np.inf).reshape(-1, shafts)[:1]
