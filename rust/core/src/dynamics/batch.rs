@@ -223,7 +223,8 @@ fn put_drive(pool: &mut Pool<'_>, lanes: &mut [Done<'_, '_>], m: usize) {
         lanes.iter().map(|run| run.found.drive.slope.as_ref()).collect();
     let [least, most] = slopes.map_or([ZERO; 2], |slopes| pool.extremes(&slopes));
     for (l, run) in lanes.iter_mut().enumerate() {
-        let speeds = [least[l], most[l]].map(|slope| run.speed * (1.0 + slope));
+        let extremes = run.found.extremes.as_ref().and_then(|of| of.get(m).copied());
+        let speeds = extremes.unwrap_or([least[l], most[l]]).map(|slope| run.speed * (1.0 + slope));
         run.out[3 * m..][..OF_DRIVE].copy_from_slice(&[
             run.found.drive.torque,
             speeds[0],
@@ -254,9 +255,12 @@ pub fn multipliers_of_batch(
             if lanes[0].system.is_free() {
                 let runs: Vec<_> = lanes.iter().map(|run| (run.system, run.speed)).collect();
                 let orbits: Vec<_> = lanes.iter().map(|run| &run.found.orbit).collect();
-                slopes = pool.torque_slopes(&runs, &orbits);
+                let known = |run: &Done<'_, '_>| run.found.drive.torque_slope;
+                if !lanes.iter().all(|run| known(run).is_some()) {
+                    slopes = pool.torque_slopes(&runs, &orbits);
+                }
                 for (l, run) in lanes.iter().enumerate() {
-                    slopes[l] = run.found.drive.torque_slope.unwrap_or(slopes[l]);
+                    slopes[l] = known(run).unwrap_or(slopes[l]);
                 }
             }
             for (l, Done { system, speed, found, out }) in lanes.iter_mut().enumerate() {

@@ -14,6 +14,7 @@ pub(super) type Square = [[f64; STAGES]; STAGES];
 pub(super) struct Collocation {
     /// The nodes.
     pub(super) nodes: [f64; STAGES],
+    weights: [f64; STAGES],
     /// `speed[i][j]`: contribution of acceleration `j` to the speed at node `i`.
     pub(super) speed: Square,
     /// The same for the position.
@@ -34,6 +35,18 @@ pub(super) struct Collocation {
 pub(super) static COLLOCATION: LazyLock<Collocation> = LazyLock::new(Collocation::new);
 
 impl Collocation {
+    const EMPTY: Self = Self {
+        nodes: [0.0; STAGES],
+        weights: [0.0; STAGES],
+        speed: [[0.0; STAGES]; STAGES],
+        position: [[0.0; STAGES]; STAGES],
+        end_speed: [0.0; STAGES],
+        end_position: [0.0; STAGES],
+        middle_speed: [0.0; STAGES],
+        middle_position: [0.0; STAGES],
+        halves: [[[0.0; STAGES]; STAGES]; 2],
+    };
+
     fn new() -> Self {
         // Zeros of the Legendre polynomial of degree 4, and their weights, moved to [0, 1].
         let root = (6.0_f64 / 5.0).sqrt();
@@ -43,37 +56,50 @@ impl Collocation {
         let thirty = 30.0_f64.sqrt();
         let (heavy, light) = ((18.0 + thirty) / 72.0, (18.0 - thirty) / 72.0);
         let weights = [light, heavy, heavy, light];
-        let basis = |j: usize, x: f64| -> f64 {
-            let others = (0..STAGES).filter(|&i| i != j);
-            others.map(|i| (x - nodes[i]) / (nodes[j] - nodes[i])).product()
+        let mut rule = Self { nodes, weights, ..Self::EMPTY };
+        let speed = nodes.map(|end| rule.speed_to(end));
+        rule.speed = speed;
+        let half = |start: f64| {
+            nodes.map(|node| std::array::from_fn(|j| rule.basis(j, start + 0.5 * node)))
         };
-        // The quadrature itself integrates polynomials of degree 2 · STAGES − 1 exactly.
-        let integral = |end: f64, of: &dyn Fn(f64) -> f64| -> f64 {
-            nodes.iter().zip(weights).map(|(node, weight)| end * weight * of(end * node)).sum()
-        };
-        let speed_to = |end: f64| -> [f64; STAGES] {
-            std::array::from_fn(|j| integral(end, &|x| basis(j, x)))
-        };
-        let speed = nodes.map(speed_to);
-        // The position is the integral of the polynomial through the speeds at the nodes: the
-        // method of Gauss for the system of first order, which is stable on intervals of any
-        // length. With the integral of the integral of the accelerations, free vibrations whose
-        // period is shorter than an interval would grow.
-        let position_to = |of_speeds: [f64; STAGES]| -> [f64; STAGES] {
-            std::array::from_fn(|j| (0..STAGES).map(|k| of_speeds[k] * speed[k][j]).sum())
-        };
-        let half =
-            |start: f64| nodes.map(|node| std::array::from_fn(|j| basis(j, start + 0.5 * node)));
+        let [end_position, end_speed] = rule.to(1.0);
+        let [middle_position, middle_speed] = rule.to(0.5);
         Self {
-            nodes,
-            speed,
-            position: speed.map(position_to),
-            end_speed: speed_to(1.0),
-            end_position: position_to(speed_to(1.0)),
-            middle_speed: speed_to(0.5),
-            middle_position: position_to(speed_to(0.5)),
+            position: speed.map(|of_speeds| rule.position_to(of_speeds)),
+            end_speed,
+            end_position,
+            middle_speed,
+            middle_position,
             halves: [half(0.0), half(0.5)],
+            ..rule
         }
+    }
+
+    /// The Lagrange polynomial of a node.
+    fn basis(&self, j: usize, x: f64) -> f64 {
+        let others = (0..STAGES).filter(|&i| i != j);
+        others.map(|i| (x - self.nodes[i]) / (self.nodes[j] - self.nodes[i])).product()
+    }
+
+    /// Contributions of the accelerations to the speed at a time. The quadrature itself integrates
+    /// polynomials of degree 2 · STAGES − 1 exactly.
+    fn speed_to(&self, end: f64) -> [f64; STAGES] {
+        let nodes = || self.nodes.iter().zip(self.weights);
+        std::array::from_fn(|j| nodes().map(|(x, w)| end * w * self.basis(j, end * x)).sum())
+    }
+
+    /// The position is the integral of the polynomial through the speeds at the nodes: the method of
+    /// Gauss for the system of first order, which is stable on intervals of any length. With the
+    /// integral of the integral of the accelerations, free vibrations whose period is shorter than
+    /// an interval would grow.
+    fn position_to(&self, of_speeds: [f64; STAGES]) -> [f64; STAGES] {
+        std::array::from_fn(|j| (0..STAGES).map(|k| of_speeds[k] * self.speed[k][j]).sum())
+    }
+
+    /// Contributions of the accelerations to position and speed at a time.
+    pub(super) fn to(&self, time: f64) -> [[f64; STAGES]; 2] {
+        let of_speeds = self.speed_to(time);
+        [self.position_to(of_speeds), of_speeds]
     }
 }
 

@@ -84,17 +84,17 @@ pub(super) struct Newton {
     /// Gaps between the end of each interval and the next one, then changes of the states.
     defects: Vec<Pack>,
     /// The maps of the intervals so far, multiplied.
-    product: Vec<Pack>,
+    pub(super) product: Vec<Pack>,
     next_product: Vec<Pack>,
     map: Vec<Pack>,
-    table: Vec<Pack>,
-    state: Vec<Pack>,
+    pub(super) table: Vec<Pack>,
+    pub(super) state: Vec<Pack>,
     change: Vec<Pack>,
     /// Of the maps.
-    columns: usize,
+    pub(super) columns: usize,
     /// The sum of the angle errors of a free drive, by the same columns.
-    phase: Vec<Pack>,
-    rows: Vec<EquationRow>,
+    pub(super) phase: Vec<Pack>,
+    pub(super) rows: Vec<EquationRow>,
     nearby: Vec<EquationRow>,
 }
 
@@ -184,34 +184,23 @@ impl Newton {
         // and by the parameter.
         let free = equations.is_free();
         let columns = 2 * m + 1 + usize::from(free) + usize::from(along.is_some());
-        self.columns = columns;
         equations.set_mean_torque(&self.mean_torque);
         if let Some(Along { nearby, .. }) = &mut along {
             nearby.set_mean_torque(&self.mean_torque);
         }
-        self.phase.clear();
-        make_room(&mut self.phase, if free { columns } else { 0 });
+        self.begin(intervals, m, columns);
         if free {
+            make_room(&mut self.phase, columns);
             (self.phase[0], self.phase[2 * m]) = (all(1.0), self.states[0]);
-        }
-        make_room(&mut self.condensed, intervals * STAGES * m * columns);
-        make_room(&mut self.defects, intervals * 2 * m);
-        make_room(&mut self.map, 2 * m * columns);
-        make_room(&mut self.state, 2 * m);
-        self.rows.resize(m, EquationRow::default());
-        self.nearby.resize(m, EquationRow::default());
-        make_room(&mut self.next_product, 2 * m * columns);
-        self.product.clear();
-        make_room(&mut self.product, 2 * m * columns);
-        for i in 0..2 * m {
-            self.product[i * columns + i] = all(1.0);
         }
         // The last pass closes the orbit: its solution is the same elimination.
         let mut size = (0, 0);
         for k in 0..=intervals {
             if k < intervals {
                 size = (STAGES * m, STAGES * m + columns);
-                self.linearise(lanes, k, (width, columns), equations, along.as_deref_mut(), m);
+                let start = width * k as f64;
+                let mesh = (k, start, width, columns);
+                self.linearise(lanes, mesh, equations, along.as_deref_mut(), m);
             } else {
                 size = (columns - 1, columns);
                 self.close(lanes, m, columns, along.as_deref());
@@ -257,14 +246,63 @@ impl Newton {
         found
     }
 
+    /// Makes room for maps with so many columns; the product of those so far is the identity.
+    pub(super) fn begin(&mut self, intervals: usize, m: usize, columns: usize) {
+        self.columns = columns;
+        self.phase.clear();
+        make_room(&mut self.condensed, intervals * STAGES * m * columns);
+        make_room(&mut self.defects, intervals * 2 * m);
+        make_room(&mut self.map, 2 * m * columns);
+        make_room(&mut self.state, 2 * m);
+        self.rows.resize(m, EquationRow::default());
+        self.nearby.resize(m, EquationRow::default());
+        make_room(&mut self.next_product, 2 * m * columns);
+        self.product.clear();
+        make_room(&mut self.product, 2 * m * columns);
+        for i in 0..2 * m {
+            self.product[i * columns + i] = all(1.0);
+        }
+    }
+
+    /// The accelerations of a first interval from the state at its start, whatever its length.
+    /// Returns whether they were found.
+    #[inline(always)]
+    pub(super) fn follow<E: Equations>(
+        &mut self,
+        lanes: Lanes,
+        equations: &mut E,
+        [start, width]: [f64; 2],
+        m: usize,
+    ) -> bool {
+        const MOST: usize = 12;
+        // The error is about the square of the last change, in rad.
+        const ENOUGH: f64 = 1e-9;
+        let (unknowns, columns) = (STAGES * m, self.columns);
+        for _ in 0..MOST {
+            self.linearise(lanes, (0, start, width, columns), equations, None, m);
+            let size = unknowns + columns;
+            lanes.solve(&mut self.table[..unknowns * size], unknowns, size);
+            let mut most = 0.0;
+            for (a, row) in self.accelerations.iter_mut().zip(self.table.chunks_exact(size)) {
+                let change = row[unknowns + 2 * m];
+                *a = lanes.plus_scaled(*a, 1.0, change);
+                // NaN stays.
+                most = if change[0].abs() <= most { most } else { change[0].abs() };
+            }
+            if most * width * width <= ENOUGH {
+                return true;
+            }
+        }
+        false
+    }
+
     /// The linearised equations of an interval for the changes of its accelerations: by the state at
     /// its start, the constant, by the parameter.
     #[inline(always)]
     fn linearise<E: Equations>(
         &mut self,
         lanes: Lanes,
-        interval: usize,
-        (width, of_maps): (f64, usize),
+        (interval, start, width, of_maps): (usize, f64, f64, usize),
         equations: &mut E,
         mut along: Option<&mut Along<'_, E>>,
         m: usize,
@@ -276,7 +314,7 @@ impl Newton {
         make_room(&mut self.table, unknowns * columns);
         for (i, &node) in rule.nodes.iter().enumerate() {
             self.within(lanes, interval, m, [node, width], [&rule.position[i], &rule.speed[i]]);
-            let angle = width * (interval as f64 + node);
+            let angle = start + width * node;
             let (y, v) = self.state.split_at(m);
             let a = &self.accelerations[interval * unknowns + i * m..][..m];
             for aside in [false, true] {
@@ -333,7 +371,7 @@ impl Newton {
 
     /// Unknowns and slopes within an interval by the contributions of its stages.
     #[inline(always)]
-    fn within(
+    pub(super) fn within(
         &mut self,
         lanes: Lanes,
         interval: usize,
@@ -360,7 +398,7 @@ impl Newton {
     /// interval: the change of the state at its end by that at its start, by its gap to the next
     /// interval and by the parameter.
     #[inline(always)]
-    fn advance(
+    pub(super) fn advance(
         &mut self,
         lanes: Lanes,
         interval: usize,
@@ -426,7 +464,13 @@ impl Newton {
 
     /// The equations of the state at drive angle 0, of the mean torque and of the parameter.
     #[inline(always)]
-    fn close<E>(&mut self, lanes: Lanes, m: usize, columns: usize, along: Option<&Along<'_, E>>) {
+    pub(super) fn close<E>(
+        &mut self,
+        lanes: Lanes,
+        m: usize,
+        columns: usize,
+        along: Option<&Along<'_, E>>,
+    ) {
         self.table.clear();
         make_room(&mut self.table, (columns - 1) * columns);
         for i in 0..2 * m {

@@ -70,8 +70,8 @@ pub(super) struct Found {
     /// The torques of the compliant shafts in N m, of an orbit that has its accuracy.
     pub(super) torques: Vec<FourierSeries>,
     pub(super) drive: Driven,
-    /// The least and the largest torques of the compliant shafts, where kinks make their series
-    /// converge slowly.
+    /// The least and the largest torques of the compliant shafts and slopes of a free drive, where
+    /// kinks make their series converge slowly.
     pub(super) extremes: Option<Vec<[f64; 2]>>,
 }
 

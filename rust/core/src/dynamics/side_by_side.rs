@@ -8,7 +8,7 @@ use crate::dynamics::gauss::{COLLOCATION, STAGES};
 use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::dynamics::newton::{EquationRow, Equations, Newton};
 use crate::dynamics::rigid_piece::Harmonic;
-use crate::dynamics::system::{Drive, TorsionalSystem};
+use crate::dynamics::system::{Drive, Spring, TorsionalSystem};
 use crate::mechanics::chain::Equivalent;
 use crate::mechanics::joint::{self, JointConstants};
 use crate::number::atan::Atan;
@@ -82,6 +82,15 @@ pub(super) struct SpringPack {
     pub(super) stiffness: Pack,
     pub(super) preload: Pack,
     pub(super) damping: Pack,
+}
+
+impl SpringPack {
+    /// Takes the law of a range of twists in a lane.
+    fn enter(&mut self, l: usize, spring: &Spring, range: usize, speed: f64) {
+        let branch = spring.law.in_range(range);
+        (self.stiffness[l], self.preload[l]) = (branch.stiffness, branch.preload);
+        self.damping[l] = spring.damping * branch.damping * speed;
+    }
 }
 
 /// As of the rigid piece of one run.
@@ -218,11 +227,14 @@ impl RunsSideBySide {
             };
             let load = system.static_load(speed);
             for (place, spring) in self.springs.iter_mut().zip(&system.springs) {
-                let branch = spring.law.in_range(spring.law.range_at(load));
-                (place.stiffness[l], place.preload[l]) = (branch.stiffness, branch.preload);
-                place.damping[l] = spring.damping * branch.damping * speed;
+                place.enter(l, spring, spring.law.range_at(load), speed);
             }
         }
+    }
+
+    /// Takes the law of a range of twists of a compliant shaft in every lane.
+    pub(super) fn enter(&mut self, s: usize, spring: &Spring, range: usize, speed: f64) {
+        (0..LANES).for_each(|l| self.springs[s].enter(l, spring, range, speed));
     }
 
     /// The number of unknown angles.
