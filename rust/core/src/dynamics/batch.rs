@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::dynamics::coupling::Law;
 use crate::dynamics::lanes::{LANES, ZERO, all};
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit};
@@ -97,12 +96,9 @@ fn orbits(
     runs: &[(&TorsionalSystem, f64)],
     goal: OrbitGoal,
 ) -> Vec<Result<Found, Failure>> {
-    let any = |of: fn(&Law) -> bool| {
-        runs.iter().any(|(system, _)| system.springs.iter().any(|spring| of(&spring.law)))
-    };
-    if any(|law| !law.is_linear()) {
+    if runs.iter().any(|(system, _)| system.has_kinks()) {
         runs.iter().map(|(system, speed)| system.shoot(*speed, goal, pool)).collect()
-    } else if any(|law| law.loss_factor > 0.0) {
+    } else if runs.iter().any(|(system, _)| system.has_loss_factors()) {
         runs.iter().map(|(system, speed)| system.balance(*speed, goal, pool)).collect()
     } else {
         pool.run(runs.iter().map(|(system, speed)| Search::at(system, *speed, goal)).collect())
@@ -342,35 +338,48 @@ pub fn orbits_of_batch(
     let (m, ends) = (first.compliant(), 2 * first.shafts());
     let goal = OrbitGoal { tolerance: runs.tolerance, order: 0.0, stability: false };
     let record = samples * (3 * ends + m + 1);
-    runs.each(goal, (results, record), failures, execution, |_, done| {
+    runs.each(goal, (results, record), failures, execution, |pool, done| {
         for run in done {
-            put_samples(run, samples);
+            put_samples(run, samples, pool);
         }
     });
 }
 
+/// Unknowns and slopes at equally spaced drive angles by the series through those of the mesh.
+fn by_series(orbit: &Orbit, samples: usize) -> Vec<f64> {
+    let roots = roots_of_unity(orbit.intervals);
+    let size = 2 * orbit.unknowns;
+    let through =
+        |i: usize| FourierSeries::through(orbit.half_turns, |k| orbit.states[k * size + i], &roots);
+    let series: Vec<FourierSeries> = (0..size).map(through).collect();
+    let width = PI * orbit.half_turns as f64 / samples as f64;
+    let at = |i: usize| series.iter().map(move |series| series.at(width * i as f64)[0]);
+    (0..samples).flat_map(at).collect()
+}
+
 /// The record of one run.
-fn put_samples(Done { system, speed, found, out }: Done<'_, '_>, samples: usize) {
+fn put_samples(
+    Done { system, speed, found, out }: Done<'_, '_>,
+    samples: usize,
+    pool: &mut Pool<'_>,
+) {
     let (m, ends, orbit) = (system.compliant(), 2 * system.shafts(), found.orbit);
     let mut equation = MotionEquation::new(system, speed, orbit.mean_torque);
-    let roots = roots_of_unity(orbit.intervals);
-    let unknowns = 0..orbit.unknowns;
-    let through = |of: &dyn Fn(usize) -> f64| FourierSeries::through(system.half_turns, of, &roots);
-    let positions: Vec<FourierSeries> =
-        unknowns.clone().map(|u| through(&|k| orbit.state(k).0[u])).collect();
-    let slopes: Vec<FourierSeries> = unknowns.map(|u| through(&|k| orbit.state(k).1[u])).collect();
+    let states = if system.has_kinks() {
+        system.sampled(&orbit, speed, samples, pool)
+    } else {
+        by_series(&orbit, samples)
+    };
     let added = system.hysteretic_torques(speed, &found.torques);
     let mut pieces: Vec<PieceState> = vec![];
     let mut accelerations = vec![0.0; orbit.unknowns];
     for i in 0..samples {
         let angle = PI * system.half_turns as f64 * i as f64 / samples as f64;
-        let at = |series: &[FourierSeries]| -> Vec<f64> {
-            series.iter().map(|series| series.at(angle)[0]).collect()
-        };
-        let (y, v) = (at(&positions), at(&slopes));
-        equation.added = at(&added);
-        equation.accelerations(angle, &y, &v, &mut accelerations);
-        equation.pieces(angle, [&y, &v, &accelerations], &mut pieces);
+        let (y, v) =
+            states[2 * i * orbit.unknowns..][..2 * orbit.unknowns].split_at(orbit.unknowns);
+        equation.added = added.iter().map(|series| series.at(angle)[0]).collect();
+        equation.accelerations(angle, y, v, &mut accelerations);
+        equation.pieces(angle, [y, v, &accelerations], &mut pieces);
         let mut put = |row: usize, value: f64| out[row * samples + i] = value;
         system.shaft_ends(&pieces, |end, [error, slope, curvature]| {
             put(end, error);

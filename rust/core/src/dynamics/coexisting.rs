@@ -1,7 +1,7 @@
 //! All orbits at one speed that are found from many starts.
 
 use crate::dynamics::batch::{Done, Runs, multipliers, put_torques};
-use crate::dynamics::orbit::Failure;
+use crate::dynamics::orbit::{Failure, Orbit};
 use crate::dynamics::pool::Pool;
 use crate::dynamics::search::{Found, OrbitGoal, Search};
 use crate::dynamics::system::TorsionalSystem;
@@ -69,21 +69,34 @@ impl TorsionalSystem {
         goal: OrbitGoal,
         pool: &mut Pool<'_>,
     ) -> Vec<Found> {
+        let differs = |orbit: &Orbit, known: &[Found]| {
+            known.iter().all(|known| known.orbit.differs(orbit, DIFFERENT))
+        };
         let mut orbits = vec![steady];
+        let mut add = |coarse: &Orbit, fine: &mut dyn FnMut() -> Option<Found>| {
+            if differs(coarse, &orbits)
+                && let Some(fine) = fine()
+                && differs(&fine.orbit, &orbits)
+            {
+                orbits.push(fine);
+            }
+        };
+        if self.has_kinks() {
+            for coarse in self.shot_nearby(speed, pool) {
+                add(&coarse, &mut || self.shoot_from(&coarse, speed, goal, pool).ok());
+            }
+            return orbits;
+        }
         let starts = self.oscillations().map(|start| Search::near(self, speed, start)).collect();
         let followed = self.followed(speed, pool);
         let started = pool.run(starts).into_iter().flatten();
         for coarse in followed.into_iter().chain(started) {
-            let differs = |of: &Found, from: &Found| from.orbit.differs(&of.orbit, DIFFERENT);
-            if !orbits.iter().all(|known| differs(&coarse, known)) {
-                continue;
-            }
-            let search = Search::refining(self, speed, goal, coarse);
-            if let Some(Ok(fine)) = pool.run(vec![search]).pop()
-                && orbits.iter().all(|known| differs(&fine, known))
-            {
-                orbits.push(fine);
-            }
+            let orbit = coarse.orbit.clone();
+            let mut coarse = Some(coarse);
+            add(&orbit, &mut || {
+                let search = Search::refining(self, speed, goal, coarse.take()?);
+                pool.run(vec![search]).pop()?.ok()
+            });
         }
         orbits
     }

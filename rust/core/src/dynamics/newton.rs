@@ -80,7 +80,7 @@ pub(super) struct Newton {
     pub(super) half_turns: usize,
     /// Their changes by the state at the start of the interval, by the constant and by the
     /// parameter, `(intervals, STAGES · unknowns, columns)`.
-    condensed: Vec<Pack>,
+    pub(super) condensed: Vec<Pack>,
     /// Gaps between the end of each interval and the next one, then changes of the states.
     defects: Vec<Pack>,
     /// The maps of the intervals so far, multiplied.

@@ -232,34 +232,49 @@ impl<'f, 'p> Flow<'f, 'p> {
     /// Passes the interval that was followed: its map, its part of the phase condition, what is
     /// gathered. Its end is the next start.
     fn pass(&mut self, start: f64, width: f64, gathered: Option<&mut Gathered>) -> Option<()> {
-        let (m, free) = (self.system.unknowns(), self.system.is_free());
-        let columns = self.pool.newton.columns;
-        // The drive's angle error and its slope, their derivatives, and their values.
-        let rows = |flow: &Self, state: &[Pack]| -> Vec<[f64; 2]> {
-            let entry = |c: usize| match c {
-                _ if c == 2 * m => [state[0][0], state[m][0]],
-                _ => [0, m].map(|row| flow.pool.newton.product[row * columns + c][0]),
-            };
-            (0..if free { columns } else { 0 }).map(entry).collect()
-        };
-        let before = rows(self, &self.pool.newton.states);
+        let before = self.pool.newton.product.clone();
         self.advance(width);
         let end = self.pool.newton.state.clone();
         if !end.iter().all(|x| x[0].is_finite()) {
             return None;
         }
-        let after = rows(self, &end);
-        // The rule of Euler and Maclaurin.
-        for ((sum, [y0, v0]), [y1, v1]) in self.pool.newton.phase.iter_mut().zip(before).zip(after)
-        {
-            let of_interval = 0.5 * width * (y0 + y1) + width * width / 12.0 * (v0 - v1);
-            *sum = all(sum[0] + of_interval);
-        }
+        self.add_phase(width, &before);
         if let Some(gathered) = gathered {
             self.gather(start, width, gathered)?;
         }
         self.pool.newton.states.copy_from_slice(&end);
         Some(())
+    }
+
+    /// Adds what an interval, which has been passed, adds to the integral of the angle error of a free
+    /// drive, from the product of the maps before it.
+    fn add_phase(&mut self, width: f64, before: &[Pack]) {
+        let Pool { newton, runs, .. } = &mut *self.pool;
+        let (m, columns) = (runs.unknowns(), newton.columns);
+        let rule = &*COLLOCATION;
+        let share = |j: usize| -> f64 {
+            (0..STAGES).map(|i| rule.end_speed[i] * rule.position[i][j]).sum()
+        };
+        let shares: [f64; STAGES] = std::array::from_fn(share);
+        for c in 0..newton.phase.len() {
+            let entry = |row: usize| match c {
+                _ if c == 2 * m => newton.states[row][0],
+                _ => before[row * columns + c][0],
+            };
+            let acceleration = |j: usize| {
+                let row = &newton.condensed[j * m * columns..][..columns];
+                match c {
+                    _ if c == 2 * m => newton.accelerations[j * m][0],
+                    _ => {
+                        let own = if c > 2 * m { row[c][0] } else { 0.0 };
+                        (0..2 * m).map(|k| row[k][0] * entry(k)).sum::<f64>() + own
+                    }
+                }
+            };
+            let curved: f64 = (0..STAGES).map(|j| shares[j] * acceleration(j)).sum();
+            let integral = width * (entry(0) + width * (0.5 * entry(m) + width * curved));
+            newton.phase[c] = all(newton.phase[c][0] + integral);
+        }
     }
 
     /// The first kink that a coupling meets within the interval.
@@ -654,6 +669,56 @@ impl TorsionalSystem {
             }
         }
         Err(failure)
+    }
+
+    /// The orbit near one on a coarse mesh.
+    pub(super) fn shoot_from(
+        &self,
+        coarse: &Orbit,
+        speed: f64,
+        goal: OrbitGoal,
+        pool: &mut Pool<'_>,
+    ) -> Result<Found, Failure> {
+        Flow::new(self, speed, pool).refine(Start::of(coarse), goal)
+    }
+
+    /// Orbits on a coarse mesh, each perhaps several times: those that are followed in speed from
+    /// lower and from higher ones, then those from the starts of a single orbit and from
+    /// oscillations.
+    pub(super) fn shot_nearby(&self, speed: f64, pool: &mut Pool<'_>) -> Vec<Orbit> {
+        // Relative to the speed.
+        const FROM: [f64; 4] = [0.6, 0.85, 1.15, 1.4];
+        const STEP: f64 = 0.03;
+        let at = |share: f64| (Cow::Borrowed(self), share * speed);
+        let mut starts = vec![];
+        for from in FROM {
+            let first = self.start(Way::Static, from * speed, pool);
+            let traced = first.and_then(|start| Self::traced(at, [from, 1.0], STEP, start, pool));
+            starts.extend(traced);
+        }
+        starts.extend(WAYS.iter().filter_map(|way| self.start(*way, speed, pool)));
+        let mean_torque = self.static_load(speed);
+        starts.extend(self.oscillations().map(|orbit| Start { mean_torque, ..Start::of(&orbit) }));
+        let intervals = INTERVALS[0] * self.mesh();
+        let mut flow = Flow::new(self, speed, pool);
+        starts.iter_mut().filter_map(|start| flow.converge(start, intervals, COARSE)).collect()
+    }
+
+    /// Unknowns and slopes of an orbit at equally spaced drive angles.
+    pub(super) fn sampled(
+        &self,
+        orbit: &Orbit,
+        speed: f64,
+        samples: usize,
+        pool: &mut Pool<'_>,
+    ) -> Vec<f64> {
+        let each = orbit.intervals.div_ceil(samples);
+        let fine = Flow::new(self, speed, pool).period(&Start::of(orbit), each * samples, None);
+        let size = 2 * orbit.unknowns;
+        let states = fine.iter().flat_map(|fine| fine.states.chunks_exact(size * each));
+        let mut found: Vec<f64> = states.flat_map(|states| &states[..size]).copied().collect();
+        found.resize(size * samples, f64::NAN);
+        found
     }
 
     /// A start, close to an orbit or not.

@@ -336,6 +336,11 @@ impl TorsionalSystem {
         *self.highest.get_or_init(|| self.natural_frequencies().last().copied().unwrap_or(f64::NAN))
     }
 
+    /// Whether the stiffness of a coupling varies with its twist.
+    pub(super) fn has_kinks(&self) -> bool {
+        self.springs.iter().any(|spring| !spring.law.is_linear())
+    }
+
     /// The number of compliant shafts.
     pub fn compliant(&self) -> usize {
         self.springs.len()
