@@ -194,7 +194,7 @@ pub fn steady_of_batch(
                 orbits.push(&found.orbit);
                 outs.push(angles);
             }
-            pool.angle_orders(&systems, &orbits, orders, |l, end, o, Complex { re, im }| {
+            pool.angle_orders(&systems, &orbits, orders, &mut |l, end, o, Complex { re, im }| {
                 outs[l][2 * (end * orders.len() + o)..][..2].copy_from_slice(&[re, im]);
             });
         }

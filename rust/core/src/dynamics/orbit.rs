@@ -31,6 +31,17 @@ pub(super) struct Orbit {
     pub(super) accelerations: Vec<f64>,
     /// The linear map of a period about the orbit, on unknowns and slopes, row by row.
     pub(super) monodromy: Vec<f64>,
+    /// Where kinks make sums over the mesh converge slowly.
+    pub(super) quadrature: Option<Quadrature>,
+}
+
+/// States of an orbit whose weighted sums are integrals over the period.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Quadrature {
+    /// Drive angles in rad, and the weights, which add up to the period.
+    pub(super) nodes: Vec<[f64; 2]>,
+    /// Unknowns and slopes, `(nodes, 2, unknowns)`.
+    pub(super) states: Vec<f64>,
 }
 
 impl Orbit {
@@ -107,6 +118,7 @@ impl Orbit {
             accelerations: line(&self.accelerations, &other.accelerations),
             mean_torque: part.mul_add(other.mean_torque - self.mean_torque, self.mean_torque),
             monodromy: vec![],
+            quadrature: None,
             ..*self
         }
     }

@@ -1,18 +1,20 @@
 //! Searches that are at the same step go through it side by side.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
+use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use nalgebra::Complex;
 
-use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, make_room};
+use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::dynamics::newton::{Along, Newton, NewtonStep};
-use crate::dynamics::orbit::{Failure, Orbit};
+use crate::dynamics::orbit::{Failure, Orbit, Quadrature};
 use crate::dynamics::periodic::{FourierSeries, SeriesSideBySide, multiple, roots_of_unity};
 use crate::dynamics::search::{Driven, Found, Need, Search, State};
 use crate::dynamics::side_by_side::{RunsSideBySide, sines};
 use crate::dynamics::system::TorsionalSystem;
 use crate::mechanics::phasing::is_set;
+use crate::number::elementary::turn;
 use crate::run::level::{Level, compiled_up_to_avx2};
 
 /// The memory of searches in one thread, and how they are computed.
@@ -240,16 +242,48 @@ impl<'a> Pool<'a> {
         runs: &[(&TorsionalSystem, f64)],
         orbits: &[&Orbit],
         orders: &[f64],
-        mut put: impl FnMut(usize, usize, usize, Complex<f64>),
+        put: &mut dyn FnMut(usize, usize, usize, Complex<f64>),
     ) {
+        if orbits.len() > 1 && orbits.iter().any(|orbit| orbit.quadrature.is_some()) {
+            for l in 0..orbits.len() {
+                self.angle_orders(&runs[l..=l], &orbits[l..=l], orders, &mut |_, end, o, x| {
+                    put(l, end, o, x);
+                });
+            }
+            return;
+        }
         self.runs.load(runs);
         self.newton.load(orbits);
-        self.roots(orbits[0].intervals);
-        let Self { newton, runs: equations, samples, roots, .. } = self;
+        let Orbit { half_turns, intervals, .. } = *orbits[0];
+        let multiples = orders.iter().map(|order| multiple(*order, half_turns));
+        let (angles, turns, scale): (Vec<f64>, Vec<Complex<f64>>, f64);
+        if let Some(Quadrature { nodes, states }) = &orbits[0].quadrature {
+            self.newton.states = states.iter().map(|x| all(*x)).collect();
+            angles = nodes.iter().map(|[angle, _]| *angle).collect();
+            let base = 2.0 / half_turns as f64;
+            let weighted = |n: Option<usize>| {
+                let turned = move |[angle, weight]: &[f64; 2]| {
+                    n.map_or_else(Complex::default, |n| turn(base * n as f64 * angle) * *weight)
+                };
+                nodes.iter().map(turned)
+            };
+            turns = multiples.flat_map(weighted).collect();
+            scale = 2.0 / (PI * half_turns as f64);
+        } else {
+            self.roots(intervals);
+            let (roots, width) = (&self.roots, orbits[0].width());
+            angles = (0..intervals).map(|k| width * k as f64).collect();
+            let turned = |n: Option<usize>| {
+                let at = move |k| n.map_or_else(Complex::default, |n| roots[n * k % intervals]);
+                (0..intervals).map(at)
+            };
+            turns = multiples.flat_map(turned).collect();
+            scale = 2.0 / intervals as f64;
+        }
+        let Self { newton, runs: equations, samples, .. } = self;
         compiled_up_to_avx2!(self.level, (compact, _stores) => {
-            angle_orders(Lanes::of(compact, runs.len()), newton, equations, orders, samples, roots);
+            angle_orders(Lanes::of(compact, runs.len()), newton, equations, samples, &angles, &turns);
         });
-        let scale = 2.0 / orbits[0].intervals as f64;
         for (curve, ends) in runs[0].0.ends_of_curves().into_iter().enumerate() {
             for (o, parts) in
                 samples[2 * curve * orders.len()..][..2 * orders.len()].chunks_exact(2).enumerate()
@@ -294,28 +328,31 @@ fn torque_series(
     lanes.plus_scaled(ZERO, 1.0 / intervals as f64, losses)
 }
 
-/// The sums of the angle errors of all curves times the cosines and the sines of the orders.
+/// The sums of the angle errors of all curves at given drive angles, times the cosines and the sines
+/// of the orders, `(orders, angles)`.
 #[inline(always)]
 fn angle_orders(
     lanes: Lanes,
     newton: &Newton,
     runs: &RunsSideBySide,
-    orders: &[f64],
     sums: &mut Vec<Pack>,
-    roots: &[Complex<f64>],
+    angles: &[f64],
+    turns: &[Complex<f64>],
 ) {
-    let (m, intervals) = (runs.unknowns(), roots.len());
-    let width = newton.width(intervals);
+    let m = runs.unknowns();
     let free = usize::from(runs.free);
-    let multiples: Vec<_> = orders.iter().map(|o| multiple(*o, newton.half_turns)).collect();
+    let orders = turns.len() / angles.len();
     let curves = runs.pieces.len() + runs.followers.len();
     sums.clear();
-    make_room(sums, 2 * curves * orders.len());
-    for (k, state) in newton.states.chunks_exact(2 * m).enumerate() {
-        let mut places = sums.chunks_exact_mut(2 * orders.len());
+    make_room(sums, 2 * curves * orders);
+    if orders == 0 {
+        return;
+    }
+    for (k, (state, angle)) in newton.states.chunks_exact(2 * m).zip(angles).enumerate() {
+        let mut places = sums.chunks_exact_mut(2 * orders);
         for (p, piece) in runs.pieces.iter().enumerate() {
             let error = if p + free == 0 { &ZERO } else { &state[p + free - 1] };
-            let sines = sines(lanes, width * k as f64, &piece.offset, error);
+            let sines = sines(lanes, *angle, &piece.offset, error);
             for j in 0..=piece.followers.len() {
                 let curve = match piece.followers.clone().nth(j.wrapping_sub(1)) {
                     Some(f) => {
@@ -324,12 +361,10 @@ fn angle_orders(
                     None => *error,
                 };
                 let Some(place) = places.next() else { continue };
-                for (sum, multiple) in place.chunks_exact_mut(2).zip(&multiples) {
-                    if let Some(n) = multiple {
-                        let root = roots[n * k % intervals];
-                        sum[0] = lanes.plus_scaled(sum[0], root.re, curve);
-                        sum[1] = lanes.plus_scaled(sum[1], root.im, curve);
-                    }
+                for (sum, turns) in place.chunks_exact_mut(2).zip(turns.chunks_exact(angles.len()))
+                {
+                    sum[0] = lanes.plus_scaled(sum[0], turns[k].re, curve);
+                    sum[1] = lanes.plus_scaled(sum[1], turns[k].im, curve);
                 }
             }
         }

@@ -14,7 +14,7 @@ use nalgebra::Complex;
 use crate::dynamics::gauss::{COLLOCATION, STAGES};
 use crate::dynamics::lanes::{Lanes, Pack, ZERO, all, make_room};
 use crate::dynamics::newton::{EquationRow, Equations};
-use crate::dynamics::orbit::{Failure, Orbit};
+use crate::dynamics::orbit::{Failure, Orbit, Quadrature};
 use crate::dynamics::periodic::FourierSeries;
 use crate::dynamics::pool::Pool;
 use crate::dynamics::search::{Driven, Found, OrbitGoal, Search};
@@ -86,6 +86,7 @@ struct Gathered {
     orders: Vec<Vec<Complex<f64>>>,
     extremes: Vec<[f64; 2]>,
     losses: f64,
+    quadrature: Quadrature,
 }
 
 /// The motion of a system from a start.
@@ -445,7 +446,10 @@ impl<'f, 'p> Flow<'f, 'p> {
             let mut losses = ZERO;
             runs.add_losses(Lanes::of(true, 1), &newton.state[runs.unknowns()..], &mut losses);
             gathered.losses += width * weight * losses[0];
-            let step = turn(-base * node.mul_add(width, start));
+            let angle = node.mul_add(width, start);
+            gathered.quadrature.nodes.push([angle, width * weight]);
+            gathered.quadrature.states.extend(newton.state.iter().map(|x| x[0]));
+            let step = turn(-base * angle);
             for (i, value) in values.iter().enumerate() {
                 let mut term = Complex::new(width * weight * value, 0.0);
                 gathered.means[i] += term.re;
@@ -619,9 +623,11 @@ impl<'f, 'p> Flow<'f, 'p> {
             orders: vec![vec![Complex::default(); intervals / 2 - 1]; signals],
             extremes: vec![[f64::INFINITY, f64::NEG_INFINITY]; signals],
             losses: 0.0,
+            quadrature: Quadrature::default(),
         };
-        let orbit = self.period(from, intervals, Some(&mut gathered))?;
-        let Gathered { means, orders, extremes, losses } = gathered;
+        let mut orbit = self.period(from, intervals, Some(&mut gathered))?;
+        let Gathered { means, orders, extremes, losses, quadrature } = gathered;
+        orbit.quadrature = Some(quadrature);
         let scale = 1.0 / (PI * half_turns as f64);
         let mut series = means.iter().zip(orders).map(|(mean, sums)| FourierSeries {
             half_turns,

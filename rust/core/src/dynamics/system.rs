@@ -268,8 +268,8 @@ impl TorsionalSystem {
     /// The system with couplings in place of the springs of compliant shafts.
     ///
     /// # Errors
-    /// A shaft that is not compliant, two couplings of one shaft, a table that does not rise, a law
-    /// that is not the only one.
+    /// A shaft that is not compliant, a table that does not rise, a law that is not the only one, a
+    /// loss factor beside a stiffness that varies with the twist.
     pub fn with_couplings(mut self, couplings: &[Coupling]) -> Result<Self> {
         for coupling in couplings {
             let found = self.springs.iter_mut().find(|spring| spring.shaft == coupling.shaft);
@@ -278,6 +278,13 @@ impl TorsionalSystem {
                 return Err(Error::new("couplings", &[coupling.shaft], problem));
             };
             spring.law = Law::of(coupling)?.at_mean(self.load_torque).0;
+        }
+        if let Some(spring) = self.springs.iter().find(|spring| spring.law.loss_factor > 0.0)
+            && self.has_kinks()
+        {
+            let problem = "has a loss factor beside a coupling whose stiffness varies with its \
+                           twist; constant loss factors need linear couplings in all shafts";
+            return Err(Error::new("couplings", &[spring.shaft], problem));
         }
         self.highest = OnceLock::new();
         Ok(self)
