@@ -170,16 +170,25 @@ def scene_keys() -> str:
     lines = ["| key | holds |", "|---|---|"]
     sections = []
     for name, value in schema["properties"].items():
-        repeated = "properties" in value.get("items", {})
-        section = value["items"] if repeated else value
-        if "properties" not in section:
+        if not (section := _section(value)):
             lines.append(_row(name, value))
             continue
-        heading = f"[[{name}]]" if repeated else f"[{name}]"
-        sections += [f"\n## `{heading}`\n", f"{value['description'].capitalize()}.\n"]
-        sections += ["| key | holds |", "|---|---|"]
-        sections += [_row(key, entry) for key, entry in section["properties"].items()]
+        inner = {key: own for key, own in section.items() if _section(own)}
+        for path, own in {name: value, **{f"{name}.{key}": inner[key] for key in inner}}.items():
+            heading = f"[{path}]" if "properties" in own else f"[[{path}]]"
+            sections += [f"\n## `{heading}`\n", f"{own['description'].capitalize()}.\n"]
+            sections += ["| key | holds |", "|---|---|"]
+            keys = {key: entry for key, entry in _section(own).items() if key not in inner}
+            sections += [_row(key, entry) for key, entry in keys.items()]
     return "\n".join(lines + sections)
+
+
+def _section(value: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a section, or of each of several; nothing of a key that is none."""
+    one = value.get("oneOf", [value])[0]
+    found: dict[str, Any] = one.get("items", one).get("properties", {})
+    # Keys of a value that is a table have no descriptions of their own.
+    return found if all("description" in entry for entry in found.values()) else {}
 
 
 def _row(key: str, value: dict[str, Any]) -> str:

@@ -61,6 +61,8 @@ def _entry(path: str, value: Any, change: _Change) -> tuple[str, Any]:  # noqa: 
     for part in path.split("."):
         if us_keys(part):
             return path.replace(part, change(part, 0.0)[0]), _value(value, part, change)
+    if isinstance(value, list) and value and _tables(value):
+        return path, [_table(each, change) for each in value]
     return path, _table(value, change) if isinstance(value, dict) else value
 
 

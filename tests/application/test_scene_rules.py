@@ -142,7 +142,7 @@ ACROSS_KEYS = (
     r"\[torsion\] \w+ has length \d+; it needs \d+, one per shaft$",
     r"\[torsion\] inertias_kgm2\[.*\] is 0\.0, and so is every inertia ",
     r"\[torsion\] stiffnesses and inertias differ by too many orders of magnitude; ",
-    r"\[torsion\] stiffnesses_Nm_per_rad is missing; give it or a section \[tubes\]$",
+    r"\[torsion\] stiffnesses_Nm_per_rad is missing; give it, a section \[tubes\] or a ",
     r"\[torsion\] stiffnesses_Nm_per_rad\[\d+\] is 'tube'; shaft \d+ is not in \[tubes\]$",
     r"\[torsion\] stiffnesses_Nm_per_rad are all infinite; at least one shaft must be compliant$",
     # What a file holds.

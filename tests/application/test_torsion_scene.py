@@ -244,16 +244,20 @@ def test_the_rule_takes_the_joints_up_to_the_next_compliant_shaft() -> None:
         ("0.05", "0", "inertias_kgm2[0, 1] is 0.0, and so is every inertia"),
         ("8000", "-1", "stiffnesses_Nm_per_rad[0] is -1; a stiffness must lie in [0.001, 1e+12]"),
         ("8000", "0", "stiffnesses_Nm_per_rad[0] is 0; a stiffness must lie in [0.001, 1e+12]"),
-        ("8000", "inf", 'is inf; it must be a positive number, "rigid" or "tube"'),
-        ("8000", "'stiff'", 'is \'stiff\'; it must be a positive number, "rigid" or "tube"'),
+        ("8000", "inf", 'is inf; it must be a positive number, "rigid", "tube" or "coupling"'),
+        ("8000", "'stiff'", 'is \'stiff\'; it must be a positive number, "rigid", "tube" or'),
         ("8000", "'rigid'", "stiffnesses_Nm_per_rad are all infinite"),
         ("8000", "'tube'", "stiffnesses_Nm_per_rad[0] is 'tube'; shaft 0 is not in [tubes]"),
-        ("stiff", "#", "stiffnesses_Nm_per_rad is missing; give it or a section [tubes]"),
+        (
+            "stiff",
+            "#",
+            "stiffnesses_Nm_per_rad is missing; give it, a section [tubes] or a [[torsion",
+        ),
         ("from = 3000", "from = 0", "speed_rpm.from is 0; a speed must lie in [0.001, 1e+06]"),
         ("from = 3000", "from = 5000", "speed_rpm.to is 4500; it must be above 'from', 5000"),
         ("{from = 3000, to = 4500, steps = 40}", "[100]", "name at least two speeds"),
         ("{from = 3000, to = 4500, steps = 40}", "100", "speed_rpm is 100; it must be {from = …"),
-        ("speed_rpm", "orders = [0]\nspeed_rpm", "orders[0] is 0; it must be a whole number from"),
+        ("speed_rpm", "orders = [0]\nspeed_rpm", "orders[0] is 0; an order must lie in (0, 256]"),
         ("speed_rpm", "damping_ratio = [1]\nspeed_rpm", "damping_ratio has length 1; it needs 2"),
         (
             "speed_rpm",
@@ -489,18 +493,41 @@ def test_a_resonance_near_the_speeds_is_judged(speeds: str, margin: str, verdict
 
 @pytest.mark.parametrize(
     ("inertias", "first", "without"),
-    [("[[0.3, 0.1], [0, 0.05]]", 8000, "0.300"), ("[[0.3, 0.1], [0, 0.05]]", "rigid", "0.400")],
+    [("[[0.3, 0.1], [0, 0.05]]", 8000, 0.3), ("[[0.3, 0.1], [0, 0.05]]", "rigid", 0.4)],
 )
-def test_an_inertia_at_the_drive_that_is_held(inertias: str, first: object, without: str) -> None:
-    text = JOINT.replace("[0, [0, 0.05]]", inertias).replace('drive = "held"\n', "")
+def test_an_inertia_at_the_drive_means_one_of_two(
+    inertias: str, first: object, without: float
+) -> None:
+    text = JOINT.replace("[0, [0, 0.05]]", inertias)
     second = '"rigid"' if first == 8000 else "8000"
     text = text.replace('[8000, "rigid"]', f"[{json.dumps(first)}, {second}]")
-    found = basics(Scene.parse(text))
-    (said,) = [each for each in torsion_advice(found) if "held" in each]
-    assert "held at constant speed" in said
-    assert f"the inertia of {without} kg m² at the input end of shaft 0 has no effect" in said
-    assert found.without_effect == pytest.approx(float(without))
-    held = basics(Scene.parse(text.replace("[torsion]", '[torsion]\ndrive = "held"')))
+    with pytest.raises(SceneError, match="drive is missing") as caught:
+        Scene.parse(text.replace('drive = "held"\n', ""))
+    assert "the drive is 'free', and this is its inertia" in str(caught.value)
+    assert "'held' at constant speed, and the inertia has no effect" in str(caught.value)
+    held = basics(Scene.parse(text))
     assert not [each for each in torsion_advice(held) if "held" in each]
-    with pytest.raises(SceneError, match="drive is 'free'"):
-        Scene.parse(text.replace("[torsion]", '[torsion]\ndrive = "free"'))
+    assert held.without_effect == pytest.approx(without)
+    free = basics(Scene.parse(text.replace("held", "free")))
+    assert free.without_effect is None
+    assert free.modes[0].frequency > 1.05 * held.modes[0].frequency
+
+
+def test_the_half_of_a_tube_at_the_drive_is_no_inertia_of_the_drive() -> None:
+    text = """\
+    [driveline]
+    bends_deg = [20]
+    [tubes]
+    shafts = [0]
+    outer_diameter_mm = 25
+    length_mm = 600
+    [torsion]
+    inertias_kgm2 = [0, [0, 0.05]]
+    speed_rpm = [500, 2000]
+    """
+    found = basics(Scene.parse(text))
+    assert found.torsion.system.drive == "held"
+    (said,) = [each for each in torsion_advice(found) if "held" in each]
+    half = 0.5 * float(cardan.tube(0.025, length=0.6).inertia)
+    assert found.without_effect == pytest.approx(half)
+    assert "at the input end of shaft 0 has no effect" in said

@@ -87,6 +87,27 @@ inertias_kgm2 = [0, [0, 0.05]]
 load_torque_Nm = 10
 speed_rpm = {from = 900, to = 1300, steps = 3}
 """
+# An engine of three cylinders and a rubber coupling, unstable beyond its resonance.
+ENGINE = """
+[driveline]
+bends_deg = [0, 30]
+[limits]
+equivalent_bend_deg = 60
+[torsion]
+drive = "free"
+drive_slope_Nms_per_rad = 0.02
+inertias_kgm2 = [[0.3, 0.01], 0, [0, 0.05]]
+dampings_Nms_per_rad = [3, 0, 0]
+load_torque_Nm = 30
+speed_rpm = {from = 1500, to = 2500, steps = 5}
+{limit}
+[[torsion.harmonic]]
+order = 1.5
+amplitude_Nm = 20
+[[torsion.coupling]]
+shaft = 0
+stiffness_Nm_per_rad = 8000
+"""
 BALL = """
 [ball_joint]
 load_N = 5000
@@ -114,6 +135,12 @@ LIMITED: dict[str, Callable[[float], str]] = {
     "[steering] ratio_percent": in_section(COLUMN, "ratio_percent"),
     "[steering] offset_deg": in_section(COLUMN, "offset_deg"),
     "[torsion] resonance_margin": lambda x: f"{RIG}resonance_margin = {0.01 * x!r}\n",
+    "[torsion] unstable_percent": lambda x: ENGINE.replace("{limit}", f"unstable_percent = {x!r}"),
+    "[torsion] rattle_percent": lambda x: ENGINE.replace("{limit}", f"rattle_percent = {x!r}"),
+    **{
+        f"[torsion] coupling.{key}": in_section(ENGINE.replace("{limit}", ""), key)
+        for key in ("rated_torque_Nm", "vibratory_torque_Nm", "largest_torque_Nm")
+    },
     "[tolerances] limit": lambda x: (
         f"{MOTION}[limits]\nequivalent_bend_deg = {x!r}\n[tolerances]\nbends_deg = 0.5\n"
     ),

@@ -379,7 +379,11 @@ def test_the_batch_of_a_missing_inertia_is_named() -> None:
 @pytest.mark.parametrize(
     ("call", "kind", "message"),
     [
-        (lambda s: s.steady(100.0, orders=[2, 0]), ValueError, r"orders\[1\] is 0\.0; an order must"),
+        (
+            lambda s: s.steady(100.0, orders=[2, 0]),
+            ValueError,
+            r"orders\[1\] is 0\.0; an order must",
+        ),
         (lambda s: s.steady("fast"), TypeError, "speed has dtype"),
         (lambda s: s.steady(100.0, tolerance=0.0), ValueError, "tolerance is 0.0; it must be from"),
         (lambda s: s.orbit(100.0, 0), ValueError, "samples is 0; it must be at least 1"),

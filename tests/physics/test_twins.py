@@ -106,8 +106,9 @@ TWINS = {
         "steady orbit stability coexisting": "torsion.orbit",
         "transient": "torsion.transient",
         "modes bend_rules unstable_ranges stability_map side_by_side speed_response": SEARCH,
+        "running_speeds": SEARCH,
         "period_turns": "torsion.System.period_turns",
-        "changed couplings dampings drive drive_slope harmonics inertias line load_damping "
+        "changed couplings dampings drive drive_slope free harmonics inertias line load_damping "
         "load_torque shape stiffnesses": SHAPE,
     },
     "Machine": {

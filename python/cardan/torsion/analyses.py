@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
@@ -14,18 +15,19 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
-from cardan.torsion.results import SteadyState
+from cardan.torsion.results import Stability, SteadyState
 
 if TYPE_CHECKING:
     from cardan.torsion.system import TorsionalSystem
 
-# Relative step in stiffness by which the shares of the shafts are found.
-_STEP = 1e-4
+# Speeds around each one at which instability can begin by joints or by other torques, and halvings
+# of the edges' intervals.
+_NEAR, _BESIDE, _HALVINGS = 81, 9, 16
 
-# Speeds around each one at which instability can begin, and halvings of the edges' intervals.
-_NEAR, _HALVINGS = 81, 16
+_JOINT_ORDERS = (2.0, 4.0)
 
-_PARTS = (1, 2)
+# Without damping the speed neither runs away nor returns; its multiplier is then 1 up to this.
+_NEUTRAL = 2e-6
 
 # A search for motions side by side takes some hundred times as long as one steady state: speeds
 # that lie closer to each other than this share are searched once, with a coarser tolerance.
@@ -36,6 +38,9 @@ _MOST = 8  # motions whose torques are compared
 # Speeds on each side of a critical speed that are added to a response, and how far they reach in
 # shares of it.
 _AROUND, _REACH = 20, 0.1
+
+# Speeds over the curve of a motor, and halvings by which the running speeds between are found.
+_OVER_CURVE, _HALVINGS_OF_SPEED = 101, 40
 
 # Rounds in which the largest torque is located, each with so many speeds.
 _ROUNDS, _EACH = 5, 9
@@ -49,13 +54,16 @@ class Mode:
         frequency: in rad/s.
         shares: of each compliant shaft in the energy of twist; they sum to 1.
         shaft: the shaft with the largest share.
-        damping_ratio: by the dampings of the shafts.
+        damping_ratio: by the dampings and loss factors of the shafts.
+        shape: amplitude of the angle of every shaft end, input end before output end, ``(n + 1,
+            2)``; the largest is 1.
     """
 
     frequency: float
     shares: tuple[float, ...]
     shaft: int
     damping_ratio: float
+    shape: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -94,9 +102,9 @@ class BendRule:
 def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
     """Return the natural frequencies of one system with what is twisted in them, lowest first.
 
-    By Rayleigh's quotient a shaft's share in the energy of twist is the derivative of ``ln w²`` by
-    the logarithm of its stiffness ``c``, and the damping ratio is ``w/2 sum(share d/c)`` with the
-    dampings ``d``.
+    The damping ratio is ``sum(share (w d/c + eta))/2`` with the stiffnesses ``c``, the dampings
+    ``d`` and the loss factors ``eta`` (Rayleigh's quotient). The stiffness of a coupling is that at
+    the load torque.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([0, 0])
@@ -108,22 +116,37 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
     [0.444, 0.556]
     """
     check_single(self)
-    compliant = list(self.compliant)
-    steps = np.ones((2, len(compliant), self.line.n_joints + 1))
-    for place, shaft in enumerate(compliant):
-        steps[:, place, shaft] = np.exp([_STEP, -_STEP])
-    varied = self.changed(stiffnesses=self.stiffnesses * steps).natural_frequencies()
-    shares = np.log(varied[0] / varied[1]) / _STEP
-    ratio = self.dampings[compliant] / self.stiffnesses[compliant]
-    return tuple(
-        Mode(
-            float(frequency),
-            tuple(shares[:, number].tolist()),
-            compliant[int(np.argmax(shares[:, number]))],
-            float(0.5 * frequency * (shares[:, number] @ ratio)),
+    return tuple(_modes(self))
+
+
+def _modes(system: TorsionalSystem) -> Iterator[Mode]:
+    compliant = list(system.compliant)
+    springs = system.stiffnesses[compliant]
+    ratio, loss = system.dampings[compliant] / springs, np.zeros(len(compliant))
+    for shaft, coupling in system.couplings.items():
+        loss[compliant.index(shaft)] = coupling.loss_factor
+    for frequency, ends in system._core.modes():
+        shape = np.reshape(ends, (-1, 2))
+        energy = springs * np.diff(shape[compliant], axis=1)[:, 0] ** 2
+        shares = energy / np.sum(energy)
+        yield Mode(
+            frequency,
+            tuple(shares.tolist()),
+            compliant[int(np.argmax(shares))],
+            float(0.5 * (shares @ (frequency * ratio + loss))),
+            tuple((float(first), float(last)) for first, last in shape),
         )
-        for number, frequency in enumerate(self.natural_frequencies())
-    )
+
+
+def harmonic_orders(system: TorsionalSystem) -> tuple[float, ...]:
+    """Return the orders of the system's harmonic torques that are not 0, rising."""
+    return tuple(sorted({own.order for own in system.harmonics if own.amplitude > 0.0}))
+
+
+def _excited(system: TorsionalSystem, orders: ArrayLike) -> FloatArray:
+    """The orders that joints or harmonic torques excite: even ones of those given, and theirs."""
+    given = np.atleast_1d(as_float64("orders", orders))
+    return np.union1d(given[given % 2.0 == 0.0], harmonic_orders(system))
 
 
 def bend_rules(self: TorsionalSystem) -> tuple[BendRule, ...]:
@@ -169,12 +192,20 @@ class UnstableRange:
     Attributes:
         start: lowest speed in rad/s.
         stop: highest speed in rad/s.
-        multiplier: by how much at most in half a turn of the drive.
+        multiplier: by how much at most in a period.
+        needed_slope: of a free drive whose speed runs away: its torque must fall by more than this
+            with its speed, in N m s/rad, everywhere in the range. 0 where the shafts vibrate.
     """
 
     start: float
     stop: float
     multiplier: float
+    needed_slope: float = 0.0
+
+    @property
+    def runs_away(self) -> bool:
+        """Whether it is the speed of the whole driveline that does not return."""
+        return self.needed_slope > 0.0
 
 
 def ranges(which: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
@@ -186,9 +217,14 @@ def ranges(which: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
 def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRange, ...]:
     """Return where in a range of speeds the periodic motion of one system is unstable.
 
-    Besides the speeds given, those around ``(w_i + w_j)/(2 n)`` with ``n = 1, 2`` are examined: the
-    joints vary the equations at twice the speed of the drive, which excites a sum of two natural
-    frequencies parametrically. Regions of higher ``n`` are found if they contain a given speed.
+    Besides the speeds given, those around ``(w_i + w_j)/n`` are examined with ``n = 2, 4`` and the
+    orders of harmonic torques: the joints vary the equations at twice the speed of the drive, which
+    excites a sum of two natural frequencies parametrically. Regions of other ``n`` are found if
+    they contain a given speed.
+
+    With a free drive the speed itself can run away (Sommerfeld), as beyond a resonance, where the
+    torque that the driveline needs falls with its speed. Speeds around resonances are examined for
+    this, and the ranges follow those of vibration. ``drive_slope`` of the system counts.
 
     Args:
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
@@ -206,19 +242,56 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
     """
     check_single(self)
     speeds = _with_candidates(self, _rising(speed))
+    if self.free:
+        critical = self.critical_speeds(_excited(self, _JOINT_ORDERS))
+        speeds = _with_resonances(self, speeds, critical)
     found = self.stability(speeds)
-    runs = list(ranges(found.found & ~found.stable))
-    sizes = np.abs(found.multipliers[..., 0])
-    edges = []
+    vibrating = _ranges(self, speeds, found, _vibrates)
+    unstable = [
+        UnstableRange(start, stop, float(np.nanmax(growth(found)[places])))
+        for start, stop, places in vibrating
+    ]
+    for start, stop, places in _ranges(self, speeds, found, _runs_away):
+        multiplier = float(np.nanmax(found.speed_multiplier[places]))
+        slope = float(np.nanmax(found.needed_slope[places]))
+        unstable.append(UnstableRange(start, stop, multiplier, slope))
+    return tuple(unstable)
+
+
+def growth(found: Stability) -> FloatArray:
+    """Return the modulus of the largest multiplier of vibration, ``(...)``; NaN without an orbit.
+
+    The multiplier of the speed of a free drive is not among them.
+    """
+    of_speed = found.multipliers == found.speed_multiplier[..., np.newaxis]
+    return np.asarray(np.max(np.where(of_speed, 0.0, np.abs(found.multipliers)), axis=-1))
+
+
+def _vibrates(found: Stability) -> NDArray[np.bool_]:
+    return np.asarray(growth(found) > 1.0 + 1e-9)
+
+
+def _runs_away(found: Stability) -> NDArray[np.bool_]:
+    falls = found.drive_torque_slope + found.drive_slope < 0.0
+    return np.asarray(falls & (found.speed_multiplier > 1.0 + _NEUTRAL))
+
+
+def _ranges(
+    system: TorsionalSystem,
+    speed: FloatArray,
+    found: Stability,
+    grows: Callable[[Stability], NDArray[np.bool_]],
+) -> Iterator[tuple[float, float, slice]]:
+    """Ends of each range in which something grows, and the places of its speeds."""
+    which = grows(found)
+    runs, edges = list(ranges(which)), []
     for first, last in runs:
         for inner, outer in ((first, first - 1), (last, last + 1)):
-            known = 0 <= outer < len(speeds) and bool(found.stable[outer])
-            edges.append((speeds[inner], speeds[outer] if known else speeds[inner]))
-    ends = _edges(self, np.array(edges).reshape(-1, 2)).reshape(-1, 2)
-    return tuple(
-        UnstableRange(float(start), float(stop), float(sizes[first : last + 1].max()))
-        for (first, last), (start, stop) in zip(runs, ends, strict=True)
-    )
+            known = 0 <= outer < len(speed) and bool(found.found[outer])
+            edges.append((speed[inner], speed[outer] if known else speed[inner]))
+    ends = _edges(system, np.array(edges).reshape(-1, 2), grows).reshape(-1, 2)
+    for (first, last), (start, stop) in zip(runs, ends, strict=True):
+        yield float(start), float(stop), slice(first, last + 1)
 
 
 def _rising(speed: ArrayLike) -> FloatArray:
@@ -232,21 +305,29 @@ def _with_candidates(system: TorsionalSystem, speed: FloatArray) -> FloatArray:
     # The first region is as wide as a quarter of the squared equivalent bend on either side, and
     # that bend is at most the sum of all.
     width = min(0.5, 0.01 + 0.5 * float(np.sum(system.line.bends)) ** 2)
-    near = 1.0 + width * np.linspace(-1.0, 1.0, _NEAR)
     natural = system.natural_frequencies().tolist()
-    sums = {(one + other) / (2.0 * n) for one in natural for other in natural for n in _PARTS}
-    speeds = np.unique(np.concatenate([speed, *(centre * near for centre in sorted(sums))]))
+    sums = np.array(sorted({one + other for one in natural for other in natural}))
+    around = [speed]
+    for order in sorted({*_JOINT_ORDERS, *harmonic_orders(system)}):
+        is_of_joints = order in _JOINT_ORDERS
+        near = np.linspace(-1.0, 1.0, _NEAR if is_of_joints else _BESIDE)
+        around.append(
+            np.outer(sums / order, 1.0 + (width if is_of_joints else 0.01) * near).ravel()
+        )
+    speeds = np.unique(np.concatenate(around))
     inside = (speeds >= speed[0]) & (speeds <= speed[-1])
     return np.asarray(speeds[inside], dtype=np.float64)
 
 
-def _edges(system: TorsionalSystem, edges: FloatArray) -> FloatArray:
+def _edges(
+    system: TorsionalSystem, edges: FloatArray, grows: Callable[[Stability], NDArray[np.bool_]]
+) -> FloatArray:
     """Halve the intervals from an unstable speed to a stable one; return the unstable ends."""
     inner, outer = edges[:, 0].copy(), edges[:, 1].copy()
     for _ in range(_HALVINGS if len(inner) else 0):
         middle = 0.5 * (inner + outer)
-        stable = system.stability(middle).stable
-        inner, outer = np.where(stable, inner, middle), np.where(stable, middle, outer)
+        unstable = grows(system.stability(middle))
+        inner, outer = np.where(unstable, middle, inner), np.where(unstable, outer, middle)
     return np.asarray(inner)
 
 
@@ -258,7 +339,8 @@ class StabilityMap:
         joint: the joint; the others keep their bends.
         speed: in rad/s, ``(speeds,)``.
         bend: in rad, ``(bends,)``.
-        largest: modulus of the largest multiplier, ``(bends, speeds)``; NaN without an orbit.
+        largest: modulus of the largest multiplier of vibration, ``(bends, speeds)``; NaN without
+            an orbit.
         stable: whether the motion is stable, ``(bends, speeds)``.
         found: whether there is a periodic motion, ``(bends, speeds)``.
     """
@@ -301,8 +383,7 @@ def stability_map(
     bends[:, chosen] = given
     lines = Driveline.from_bends(bends, line.twists, line.phases)
     found = self.changed(lines[:, np.newaxis]).stability(speeds)
-    largest = np.abs(found.multipliers[..., 0])
-    return StabilityMap(chosen, speeds, given, largest, found.stable, found.found)
+    return StabilityMap(chosen, speeds, given, growth(found), found.stable, found.found)
 
 
 @dataclass(frozen=True)
@@ -382,7 +463,7 @@ class LargestTorque:
         most: largest torque, likewise.
         mean: mean torque, NaN there.
         reversals: lowest and highest speed of each range in which the torque changes its sign
-            though its mean is not 0.
+            though its mean is not 0; of a coupling with play, in which its flanks come apart.
     """
 
     shaft: int
@@ -414,14 +495,15 @@ def speed_response(
     """Return the periodic motion of one system over a range of speeds, and its largest torques.
 
     Resonances may be narrower than the steps between the speeds: more speeds are added around the
-    critical speeds of even orders, and the largest torque is searched between the speeds.
+    critical speeds of even orders and of harmonic torques, and the largest torque is searched
+    between the speeds.
 
     Args:
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
         orders: of the drive's rotation, as of ``steady``.
 
     Raises:
-        TypeError: speeds that are not real numbers, orders that are not integers.
+        TypeError: speeds or orders that are not real numbers.
         ValueError: a batch of systems, speeds that do not rise, an order out of range.
 
     >>> import cardan
@@ -436,9 +518,9 @@ def speed_response(
     (200, 3943)
     """
     check_single(self)
-    critical = self.critical_speeds(np.atleast_1d(orders))
-    even = critical[:, np.atleast_1d(orders) % 2 == 0]
-    speeds = _with_resonances(self, _rising(speed), even)
+    excited = _excited(self, orders)
+    critical = self.critical_speeds(np.union1d(orders, excited))
+    speeds = _with_resonances(self, _rising(speed), self.critical_speeds(excited))
     steady = self.steady(speeds, orders)
     return SpeedResponse(speeds, steady, tuple(_largest(self, speeds, steady, critical)))
 
@@ -460,7 +542,7 @@ def _largest(
     system: TorsionalSystem, speed: FloatArray, steady: SteadyState, critical: FloatArray
 ) -> Iterator[LargestTorque]:
     unlimited = np.zeros(0)
-    if not (system.load_damping > 0.0 or np.any(system.dampings > 0.0)):
+    if not is_damped(system):
         by_order = critical.T.ravel()
         inside = by_order[(by_order >= speed[0]) & (by_order <= speed[-1])]
         unlimited = inside[~system.steady(inside).found]
@@ -469,28 +551,45 @@ def _largest(
         if unlimited.size:
             yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
         elif np.any(steady.found):
-            at, found, best = _located(system, place, speed, steady)
+            at, found, best = located(system, speed, steady, partial(_sizes_at, place))
             ends = (found.torque_min, found.torque_max, found.torque_mean)
             least, most, mean = (float(end[place, best]) for end in ends)
             yield LargestTorque(shaft, float(at[best]), least, most, mean, reversals)
 
 
-def _located(
-    system: TorsionalSystem, place: int, speed: FloatArray, steady: SteadyState
+def is_damped(system: TorsionalSystem) -> bool:
+    """Return whether anything takes energy from vibration."""
+    losses = (own.loss_factor for own in system.couplings.values())
+    viscous = (system.load_damping, system.dampings, system.drive_slope)
+    return any(loss > 0.0 for loss in losses) or any(np.any(each > 0.0) for each in viscous)
+
+
+def located(
+    system: TorsionalSystem,
+    speed: FloatArray,
+    steady: SteadyState,
+    value: Callable[[FloatArray, SteadyState], FloatArray],
 ) -> tuple[FloatArray, SteadyState, int]:
-    """Speeds ever closer to the largest torque, the motion at them and the place of the largest."""
+    """Return speeds ever closer to the largest value, the motion at them, and its place.
+
+    The value is one of speeds and the motion at them, which must be known at one speed at least.
+    """
     at, found = speed, steady
-    best = int(np.nanargmax(_sizes(found, place)))
+    best = int(np.nanargmax(value(at, found)))
     for _ in range(_ROUNDS):
         low, high = at[max(best - 1, 0)], at[min(best + 1, len(at) - 1)]
         at = np.union1d(np.linspace(low, high, _EACH), [at[best]])
         found = system.steady(at, steady.orders)
-        best = int(np.nanargmax(_sizes(found, place)))
+        best = int(np.nanargmax(value(at, found)))
     return at, found, best
 
 
 def _sizes(found: SteadyState, place: int) -> FloatArray:
     return np.asarray(np.maximum(np.abs(found.torque_min), np.abs(found.torque_max))[place])
+
+
+def _sizes_at(place: int, _: FloatArray, found: SteadyState) -> FloatArray:
+    return _sizes(found, place)
 
 
 def _reversals(speed: FloatArray, steady: SteadyState, place: int) -> Iterator[tuple[float, float]]:
@@ -500,7 +599,10 @@ def _reversals(speed: FloatArray, steady: SteadyState, place: int) -> Iterator[t
     mean = steady.torque_mean[place]
     noise = 1e-9 * np.nanmax(_sizes(steady, place))
     low = np.where(mean >= 0.0, steady.torque_min[place], -steady.torque_max[place])
-    for first, last in ranges(steady.found & (low < 0.0) & (np.abs(mean) > noise)):
+    coupling = steady._system.couplings.get(steady.compliant[place])
+    # Within its play a coupling has no torque: the flanks come apart.
+    least = noise if coupling and coupling.play else 0.0
+    for first, last in ranges(steady.found & (low < least) & (np.abs(mean) > noise)):
         start, stop = float(speed[first]), float(speed[last])
         if first > 0 and low[first - 1] >= 0.0:
             start = _crossing(speed, low, first - 1)
@@ -513,3 +615,96 @@ def _crossing(speed: FloatArray, value: FloatArray, place: int) -> float:
     """The speed between two neighbours at which the value is 0, on a straight line."""
     before, after = value[place], value[place + 1]
     return float(speed[place] + (speed[place + 1] - speed[place]) * before / (before - after))
+
+
+@dataclass(frozen=True)
+class RunningSpeed:
+    """A speed at which the torque of a motor is what a driveline needs.
+
+    Attributes:
+        speed: mean speed of the drive in rad/s.
+        torque: mean torque in N m.
+        slope: what the torque of the motor loses with its speed there in N m s/rad.
+        torque_slope: what the driveline needs more with its speed in N m s/rad.
+        stable: whether vibration and speed return after a disturbance. The speed does where the
+            sum of both slopes is positive.
+    """
+
+    speed: float
+    torque: float
+    slope: float
+    torque_slope: float
+    stable: bool
+
+
+def running_speeds(
+    self: TorsionalSystem, speed: ArrayLike, torque: ArrayLike
+) -> tuple[RunningSpeed, ...]:
+    """Return the speeds at which a motor drives one system, lowest first.
+
+    The motor's torque is linear between the points of its curve. Where it crosses the mean torque
+    that the driveline needs, the speed stays. Near a resonance there can be several such speeds.
+
+    Args:
+        speed: speeds of the motor's curve in rad/s, rising, ``(m,)``, two at least.
+        torque: its torque in N m at these speeds, ``(m,)``.
+
+    Raises:
+        TypeError: speeds or torques that are not real numbers.
+        ValueError: a batch of systems, a held drive, speeds that do not rise, as many torques as
+            speeds.
+
+    >>> import cardan
+    >>> system = cardan.TorsionalSystem(
+    ...     cardan.Driveline.from_bends([20], degrees=True),
+    ...     inertias=[[0.3, 0], [0, 0.05]],
+    ...     stiffnesses=[float("inf"), 8000],
+    ...     dampings=[0, 3],
+    ...     load_torque=30,
+    ...     drive="free",
+    ... )
+    >>> [(round(at.speed, 1), at.stable) for at in system.running_speeds([150, 350], [150, 10])]
+    [(186.1, True), (243.2, False), (299.6, True)]
+    """
+    check_single(self)
+    if not self.free:
+        raise ValueError(
+            "the drive is held at constant speed; running speeds are those of a free one"
+        )
+    speeds, torques = _rising(speed), as_float64("torque", torque)
+    if torques.shape != speeds.shape or len(speeds) < 2:
+        problem = f"has shape {torques.shape}; it needs one per speed, {speeds.shape}, two at least"
+        raise ArgumentValueError("torque", problem)
+    critical = self.critical_speeds(_excited(self, _JOINT_ORDERS))
+    dense = np.linspace(speeds[0], speeds[-1], _OVER_CURVE)
+    at = _with_resonances(self, np.union1d(dense, speeds), critical)
+
+    def excess(at: FloatArray) -> FloatArray:
+        return np.asarray(np.interp(at, speeds, torques) - self.steady(at).drive_torque_mean)
+
+    over = excess(at)
+    before = np.flatnonzero(np.sign(over[:-1]) * np.sign(over[1:]) <= 0.0)
+    low, high, sign = at[before], at[before + 1], np.sign(over[before])
+    for _ in range(_HALVINGS_OF_SPEED if len(before) else 0):
+        middle = 0.5 * (low + high)
+        is_before = np.sign(excess(middle)) == sign
+        low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+    crossed = np.unique(0.5 * (low + high))
+    # Where the driveline jumps to another motion the torque jumps as well.
+    meets = np.abs(excess(crossed)) <= 1e-6 * np.max(np.abs(torques))
+    return tuple(_running(self, speeds, torques, crossed[meets]))
+
+
+def _running(
+    system: TorsionalSystem, speeds: FloatArray, torques: FloatArray, at: FloatArray
+) -> Iterator[RunningSpeed]:
+    found = system.stability(at)
+    slopes = -np.diff(torques) / np.diff(speeds)
+    pieces = np.clip(np.searchsorted(speeds, at) - 1, 0, len(slopes) - 1)
+    for place, piece in enumerate(pieces.tolist()):
+        slope, needed = float(slopes[piece]), float(found.drive_torque_slope[place])
+        vibrates = bool(_vibrates(found)[place])
+        torque = float(np.interp(at[place], speeds, torques))
+        yield RunningSpeed(
+            float(at[place]), torque, slope, needed, slope + needed > 0.0 and not vibrates
+        )

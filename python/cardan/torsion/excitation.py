@@ -102,11 +102,22 @@ class Coupling:
             if x is not None:
                 for name, given in ((one, x), (other, y)):
                     points = finite(name, given)
-                    check_shape(name, points, points.ndim == 1, "it must be one list of numbers")
+                    is_curve = points.ndim == 1 and (points.size > 1 or one != "twist")
+                    rule = "it must be one list of numbers, of a curve two at least"
+                    check_shape(name, points, is_curve, rule)
                     object.__setattr__(self, name, tuple(points.tolist()))
                 if len(getattr(self, one)) != len(getattr(self, other)):
                     problem = f"has {len(getattr(self, other))} values; {one} has {len(x)}"
                     raise ArgumentValueError(other, problem)
+        laws = [
+            name
+            for name in ("stiffness", "twist", "mean_torque")
+            if getattr(self, name) is not None
+        ]
+        if len(laws) != 1:
+            given = " and ".join(laws) or "nothing"
+            problem = f"is given with {given}; give one of a stiffness, twist and mean_torque"
+            raise ArgumentValueError("stiffness", problem)
         for name in ("stiffness", "play", "loss_factor"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, float(finite(name, getattr(self, name))))

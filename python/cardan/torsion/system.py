@@ -35,6 +35,7 @@ from cardan.driveline import Driveline
 from cardan.torsion.analyses import (
     bend_rules,
     modes,
+    running_speeds,
     side_by_side,
     speed_response,
     stability_map,
@@ -259,6 +260,7 @@ class TorsionalSystem:
     stability_map = stability_map
     side_by_side = side_by_side
     speed_response = speed_response
+    running_speeds = running_speeds
 
     def changed(
         self, line: Driveline | None = None, stiffnesses: ArrayLike | None = None
@@ -294,6 +296,11 @@ class TorsionalSystem:
             orders: as of ``steady``, like the errors; joints excite even orders.
         """
         return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
+
+    @property
+    def free(self) -> bool:
+        """Whether the drive is free."""
+        return self.drive == "free"
 
     @property
     def period_turns(self) -> float:

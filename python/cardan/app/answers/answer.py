@@ -39,7 +39,9 @@ class JudgedFigure(NamedTuple):
         label, item = self.entry.row.label, self.entry.item
         if item and not item[-1].isdigit():
             return f"{item}, {label}"
-        return " of ".join(filter(None, (label, self.part.noun, item)))
+        # One of the shafts, not of them all.
+        noun = "" if item and self.part.noun == f"the {item.partition(' ')[0]}s" else self.part.noun
+        return " of ".join(filter(None, (label, noun, item)))
 
 
 class Answer:

@@ -178,6 +178,8 @@ def with_unit(label: str, unit: str) -> str:
 
 def place_of(value: Judged) -> str:
     """Say where a figure is worst: ``" in rebound"``, ``" at bends_deg = 5"`` or ``""``."""
+    if value.state.startswith("at "):
+        return f" {value.state}"
     if value.state:
         return (
             f" in {value.state}" if value.state[0].isalpha() else f' in the state "{value.state}"'
@@ -214,6 +216,8 @@ def judged_text(value: Judged, row: Row) -> str:
     if value.maximum is not None and value.verdict == "beyond":
         bound, limit = "maximum", value.maximum
     side = "above" if value.sense == "most" else "below"
+    if math.isinf(value.value):
+        return f"{figure}, {side} the {bound} of {given(limit, row.unit)}"
     return f"{figure}, {_excess(value, row, number)} {side} the {bound} of {given(limit, row.unit)}"
 
 

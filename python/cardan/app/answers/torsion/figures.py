@@ -3,29 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.rows import Judged, count, figure, flag, item, numbers, parts, word
+from cardan.app.answers.printed import listed, quantity
+from cardan.app.answers.rows import (
+    Judged,
+    count,
+    figure,
+    flag,
+    item,
+    numbers,
+    optional,
+    parts,
+    word,
+)
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.torsion import TorsionCase
+from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
-from cardan.torsion import SteadyState
-from cardan.torsion.analyses import ranges
+from cardan.torsion import SpeedResponse, SteadyState, UnstableRange
+from cardan.torsion.analyses import harmonic_orders, located, ranges
 
-TorsionVerdict = Literal["unstable", "reversing", "resonant", "clear"]
+TorsionVerdict = Literal["unstable", "runaway", "reversing", "resonant", "clear"]
 """The worst of what happens in the speed range, from the worst to the best.
 
-``reversing``: the torque of a shaft changes its sign though its mean is not 0. ``resonant``: a
-critical speed lies in the range.
+``runaway``: the torque of a free drive must fall with its speed. ``reversing``: the torque of a
+shaft changes its sign though its mean is not 0. ``resonant``: a critical speed lies in the range.
 """
 
 # Amplitudes below this share of the largest torque are rounding.
 _ROUNDING = 1e-9
+
+# The frequency in Hz at which couplings are rated for torques that vary.
+_RATED_AT = 10.0
+# What moves less than this share of the largest amplitude of a mode stands still.
+_STILL = 0.1
+_DIN = "DIN 740-2: frequency factor sqrt(f/10 Hz) above 10 Hz"
 
 
 @dataclass(frozen=True)
@@ -40,7 +57,28 @@ class SpeedRange:
 class Unstable(SpeedRange):
     """Speeds at which small deviations from the periodic motion grow."""
 
-    multiplier: float = figure("growth in half a turn", meaning="at most")
+    multiplier: float = figure(
+        "growth in a period", meaning="at most; half a turn with joints alone, two with half orders"
+    )
+
+
+@dataclass(frozen=True)
+class Runaway(SpeedRange):
+    """Speeds from which a drive of constant torque runs away."""
+
+    needed_slope: float = figure(
+        "needed slope",
+        "Nms_per_rad",
+        "by more than this the torque of the drive must fall with its speed",
+        rounds="up",
+    )
+
+
+@dataclass(frozen=True)
+class Avoided(SpeedRange):
+    """Speeds at which something is beyond what is permitted."""
+
+    reason: str = word("reason")
 
 
 @dataclass(frozen=True)
@@ -66,6 +104,7 @@ class Mode:
     frequency: float = figure("natural frequency", "Hz", source="of the mean system")
     damping_ratio: float = figure("damping ratio", source="w/2 sum(share d/c)")
     shaft: int = count("shaft twisted most")
+    shape: str = word("shape", "which shafts move most, and against what they turn", is_detail=True)
     shares: tuple[Share, ...] = parts("Shares in the energy of twist")
 
 
@@ -74,7 +113,9 @@ class CriticalSpeed:
     """A drive speed at which an order meets a natural frequency."""
 
     mode: int = count("mode", "number of the natural frequency, the lowest being 0")
-    order: int = count("order", "of the drive's rotation; joints excite even ones")
+    order: float = figure(
+        "order", meaning="of the drive's rotation; joints excite even ones", digits="given"
+    )
     speed: float = figure("drive speed", "rpm", source="natural frequency over the order")
     shaft: int = count("shaft twisted most")
     inside: bool = flag("in the range", "whether it lies in the speed range of the scene")
@@ -83,11 +124,12 @@ class CriticalSpeed:
         "Nm",
         "of this order of the torque of the shaft; null without a periodic motion",
     )
+    excited_by: str = word("excited by", "joints, torques, both or nothing", is_detail=True)
 
     @property
     def is_excited(self) -> bool:
-        """Whether joints excite its order."""
-        return self.order % 2 == 0
+        """Whether joints or harmonic torques excite its order."""
+        return self.excited_by != "nothing"
 
 
 @dataclass(frozen=True)
@@ -149,7 +191,7 @@ class Motions:
 class OrderResponse:
     """The amplitudes of one order of a torque."""
 
-    order: int = item("order")
+    order: float = figure("order", digits="given")
     amplitude: FloatArray = numbers("amplitude", "Nm")
 
 
@@ -172,31 +214,113 @@ class Response:
     shafts: tuple[ShaftResponse, ...] = parts("Shafts")
 
 
+@dataclass(frozen=True)
+class CouplingTorques:
+    """The torques of a coupling over the speed range, beside its ratings."""
+
+    shaft: int = item("shaft")
+    mean: Judged = figure(
+        "mean torque in the coupling", "Nm", limit="[torsion] coupling.rated_torque_Nm"
+    )
+    vibratory: Judged = figure(
+        "vibratory torque in the coupling",
+        "Nm",
+        "half of largest less least torque, as if at 10 Hz: by the frequency of the largest order",
+        source=_DIN,
+        limit="[torsion] coupling.vibratory_torque_Nm",
+    )
+    largest: Judged = figure(
+        "largest torque in the coupling",
+        "Nm",
+        "at any instant",
+        limit="[torsion] coupling.largest_torque_Nm",
+    )
+    factor: float | None = figure(
+        "least factor",
+        meaning="rating over torque, of the one nearest to its rating",
+        rounds="down",
+    )
+    mean_speed: float | None = figure("speed of the mean torque", "rpm", is_detail=True)
+    vibratory_speed: float | None = figure("speed of the vibratory torque", "rpm", is_detail=True)
+    largest_speed: float | None = figure("speed of the largest torque", "rpm", is_detail=True)
+
+
+@dataclass(frozen=True)
+class RunningSpeed:
+    """A speed at which the motor of the scene drives what it is needed for."""
+
+    speed: float = figure("drive speed", "rpm")
+    torque: float = figure("mean torque", "Nm")
+    slope: float = figure(
+        "slope of the motor", "Nms_per_rad", "what its torque loses with its speed"
+    )
+    torque_slope: float = figure(
+        "slope of the driveline", "Nms_per_rad", "what it needs more with its speed"
+    )
+    stable: bool = flag("stable", "whether speed and vibration return after a disturbance")
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What a search over the speeds of a scene found."""
+
+    response: SpeedResponse
+    unstable: tuple[UnstableRange, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class TorsionBasics:
-    """What needs no search for periodic motions; ``torsion`` is the system of the scene."""
+    """What a check says; ``torsion`` is the system of the scene.
+
+    A search over the speeds is made of a scene with a free drive, harmonic torques, couplings or
+    limits that need it. It is ``None`` of others.
+    """
 
     torsion: TorsionCase
+    search: Search | None
     margin: Judged = figure(
         "distance of the nearest critical speed",
         "percent",
-        "of an even order, from the speed range in shares of the critical speed; 0 within it",
+        "of an order that joints or harmonic torques excite, from the speed range in shares of the "
+        "critical speed; 0 within it",
         source="D. Thoma, 1920: joints bring new critical speeds",
         limit="[torsion] resonance_margin",
+    )
+    unstable_share: Judged | None = figure(
+        "share of unstable speeds",
+        "percent",
+        "of the speed range, in which vibration grows by itself or the speed runs away from the "
+        "slope of the drive",
+        source="Floquet multipliers of the periodic motion",
+        limit="[torsion] unstable_percent",
+    )
+    rattle_share: Judged | None = figure(
+        "share of rattling speeds",
+        "percent",
+        "of the speed range, in which the torque of a shaft changes its sign though its mean is "
+        "not 0, or flanks come apart",
+        limit="[torsion] rattle_percent",
     )
     without_effect: float | None = figure(
         "inertia without effect", "kgm2", "at the drive, which is held at constant speed"
     )
     speed_range: SpeedRange = parts("Speed range", "of the scene")
+    running: tuple[RunningSpeed, ...] = optional(
+        parts("Running speeds", "at which the torque of the motor is what is needed")
+    )
     modes: tuple[Mode, ...] = parts("Natural frequencies")
     critical_speeds: tuple[CriticalSpeed, ...] = parts("Critical speeds")
     rules: tuple[BendRule, ...] = parts(
         "Bends", "first region of the Whittaker-Hill equation, one compliant shaft"
     )
+    couplings: tuple[CouplingTorques, ...] = optional(parts("Couplings"))
+    avoided: tuple[Avoided, ...] = optional(
+        parts("Speeds to avoid", "at which something is beyond what is permitted", is_detail=True)
+    )
 
     @property
     def resonances(self) -> list[CriticalSpeed]:
-        """The critical speeds within the speed range that the joints excite."""
+        """The critical speeds within the speed range that joints or harmonic torques excite."""
         return [each for each in self.critical_speeds if each.inside and each.is_excited]
 
 
@@ -215,6 +339,9 @@ class TorsionFigures(TorsionBasics):
     )
     largest: tuple[LargestTorque, ...] = parts("Largest torques", "of each compliant shaft")
     unstable: tuple[Unstable, ...] = parts("Unstable motion")
+    runaway: tuple[Runaway, ...] = parts(
+        "Speed that runs away", "of a free drive; beyond resonances the torque falls with the speed"
+    )
     missing: tuple[Missing, ...] = parts("Speeds without a periodic motion")
     motions: tuple[Motions, ...] = parts(
         "Periodic motions",
@@ -230,12 +357,14 @@ def find(answer: Answer) -> TorsionBasics | None:
     if given is None:
         return None
     system, low, high = given.system, float(given.speed[0]), float(given.speed[-1])
+    bodies = bodies_of(given)
     modes = tuple(
         Mode(
             number,
             mode.frequency,
             mode.damping_ratio,
             mode.shaft,
+            shape_text(mode.shape, bodies, is_free=system.free),
             tuple(map(Share, system.compliant, mode.shares)),
         )
         for number, mode in enumerate(system.modes())
@@ -260,48 +389,61 @@ def find(answer: Answer) -> TorsionBasics | None:
             mode.shaft,
             low <= speed <= high,
             None,
+            _excited_by(given, order),
         )
         for order in given.orders
         for mode in modes
     )
-    excited = [each.speed for each in critical_speeds if each.order % 2 == 0]
+    excited = [each.speed for each in critical_speeds if each.is_excited]
     margin = Judged(None, given.margin, sense="least", why="[torsion] orders lists no even order")
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    speeds = SpeedRange(low, high)
+    search = _searched(given) if given.is_searched else None
+    running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
-        given, margin, given.without_effect or None, speeds, modes, critical_speeds, rules
+        torsion=given,
+        search=search,
+        margin=margin,
+        unstable_share=_unstable_share(given, search) if search else None,
+        rattle_share=_rattle_share(given, search) if search else None,
+        without_effect=given.without_effect or None,
+        speed_range=SpeedRange(low, high),
+        running=tuple(RunningSpeed(*astuple(each)) for each in running),
+        modes=modes,
+        critical_speeds=critical_speeds,
+        rules=rules,
+        couplings=tuple(_couplings(given, search)) if search else (),
+        avoided=tuple(_avoided(given, search)) if search else (),
     )
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     """Return the torsional vibration over the speeds of the scene."""
     given, system = found.torsion, found.torsion.system
-    response = system.speed_response(given.speed, given.orders)
+    search = found.search or _searched(given)
+    response = search.response
     speed, steady = response.speed, response.steady
-    largest = tuple(
-        LargestTorque(
-            *(each.shaft, each.speed, each.least, each.most, each.mean),
-            tuple(SpeedRange(*ends) for ends in each.reversals),
-        )
-        for each in response.largest
-    )
+    largest = largest_of(search)
     known = [torque.size for torque in largest if math.isfinite(torque.size)]
     critical_speeds = tuple(_with_amplitudes(found, _ROUNDING * max(known, default=0.0)))
-    unstable = tuple(Unstable(*astuple(each)) for each in system.unstable_ranges(speed))
-    missing = tuple(
-        Missing(float(speed[first]), float(speed[last]), str(steady.reasons[first]))
-        for first, last in ranges(~steady.found)
+    unstable = tuple(
+        Unstable(each.start, each.stop, each.multiplier)
+        for each in search.unstable
+        if not each.runs_away
     )
+    runaway = runaway_of(search)
+    missing = tuple(_missing(response))
     verdict: TorsionVerdict = "clear"
     if unstable:
         verdict = "unstable"
+    elif runaway:
+        verdict = "runaway"
     elif any(each.reversals for each in largest):
         verdict = "reversing"
     elif any(each.inside for each in critical_speeds):
         verdict = "resonant"
-    basics = replace(found, critical_speeds=critical_speeds)
+    basics = replace(found, search=search, critical_speeds=critical_speeds)
     searched = list(_worst(basics.resonances, largest, unstable))
     return TorsionFigures(
         **vars(basics),
@@ -310,6 +452,7 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
         verdict=verdict,
         largest=largest,
         unstable=unstable,
+        runaway=runaway,
         missing=missing,
         motions=tuple(Motions(*astuple(each)) for each in system.side_by_side(searched)),
         response=_response(speed, steady),
@@ -321,6 +464,213 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
     answer = Answer(scene)
     found = find(answer)
     return None if found is None else whole(answer, found)
+
+
+def _excited_by(given: TorsionCase, order: float) -> str:
+    joints = ["joints"] if order % 2.0 == 0.0 else []
+    torques = ["torques"] if order in harmonic_orders(given.system) else []
+    return " and ".join([*joints, *torques]) or "nothing"
+
+
+def _searched(given: TorsionCase) -> Search:
+    response = given.system.speed_response(given.speed, given.orders)
+    return Search(response, given.system.unstable_ranges(response.speed))
+
+
+def largest_of(search: Search) -> tuple[LargestTorque, ...]:
+    """Return the largest torque of each compliant shaft."""
+    return tuple(
+        LargestTorque(
+            *(each.shaft, each.speed, each.least, each.most, each.mean),
+            tuple(SpeedRange(*ends) for ends in each.reversals),
+        )
+        for each in search.response.largest
+    )
+
+
+def runaway_of(search: Search) -> tuple[Runaway, ...]:
+    """Return the ranges of speeds from which a drive of constant torque runs away."""
+    return tuple(
+        Runaway(each.start, each.stop, each.needed_slope)
+        for each in search.unstable
+        if each.runs_away
+    )
+
+
+def _missing(response: SpeedResponse) -> Iterator[Missing]:
+    """Ranges of speeds without a periodic motion."""
+    speed, steady = response.speed, response.steady
+    for first, last in ranges(~steady.found):
+        yield Missing(float(speed[first]), float(speed[last]), str(steady.reasons[first]))
+
+
+def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
+    """Return what moves as one between compliant shafts: the shaft ends, and what to call it.
+
+    A body is called by the shaft with the largest inertia in it. Two bodies of the same shaft are
+    its ends.
+    """
+    system, inertias = given.system, given.system.inertias
+    bodies: list[list[tuple[int, int]]] = [[]]
+    for shaft in range(system.line.n_joints + 1):
+        bodies[-1].append((shaft, 0))
+        if shaft in system.compliant:
+            bodies.append([])
+        bodies[-1].append((shaft, 1))
+    largest = [max(body, key=lambda end: float(inertias[end])) for body in bodies]
+    shafts = [shaft for shaft, _ in largest]
+    called = []
+    for body, (shaft, end) in zip(bodies, largest, strict=True):
+        name = f"the {given.names[shaft]}" if given.names else f"shaft {shaft}"
+        side = f"the {'output' if end else 'input'} end of " if shafts.count(shaft) > 1 else ""
+        called.append((body, f"{side}{name}"))
+    return called
+
+
+def shape_text(
+    shape: Sequence[Sequence[float]],
+    bodies: Sequence[tuple[Sequence[tuple[int, int]], str]],
+    *,
+    is_free: bool,
+) -> str:
+    """Return which bodies move against which in a mode: ``"the propeller against the rest"``."""
+    sizes = [shape[body[0][0]][body[0][1]] for body, _ in bodies]
+    moving = [i for i, size in enumerate(sizes) if abs(size) >= _STILL]
+    sides = [[i for i in moving if sizes[i] * sign > 0.0] for sign in (1.0, -1.0)]
+    fewest = min(
+        filter(None, sides), key=lambda side: (len(side), -max(abs(sizes[i]) for i in side))
+    )
+    others = [i for i in range(len(bodies)) if i not in fewest and (is_free or i)]
+    rest = "the rest" if len(others) > 1 else "the drive" if not others else bodies[others[0]][1]
+    if not is_free and not (sides[0] and sides[1]):
+        rest = "the drive"
+    return f"{listed([bodies[i][1] for i in fewest])} against {rest}"
+
+
+def _judged(
+    value: float, at: float, limit: float | None, missing: Sequence[Missing], size: float = 0.0
+) -> Judged:
+    """A figure with the speed at which it is worst; not judged if it may be worse elsewhere."""
+    found = Judged(value, limit, size=size, state=f"at {quantity(at, 'rpm')}" if at else "")
+    if missing and found.verdict == "within":
+        start = quantity(missing[0].start, "rpm")
+        return replace(found, why=f"no periodic motion was found at {start}")
+    return found
+
+
+def _share(given: TorsionCase, parts: Sequence[tuple[float, float]]) -> float:
+    """The share of the speed range that is in any of some ranges."""
+    covered, reached = 0.0, -math.inf
+    for start, stop in sorted(parts):
+        covered += max(stop, reached) - max(start, reached)
+        reached = max(stop, reached)
+    return covered / float(given.speed[-1] - given.speed[0])
+
+
+def _is_unstable(given: TorsionCase, part: UnstableRange) -> bool:
+    """Whether a range is one for the drive of the scene; one without a slope is governed."""
+    return not part.runs_away or given.system.drive_slope > 0.0
+
+
+def _unstable_share(given: TorsionCase, search: Search) -> Judged:
+    parts = [(each.start, each.stop) for each in search.unstable if _is_unstable(given, each)]
+    missing = [*_missing(search.response)]
+    return _judged(_share(given, parts), 0.0, given.unstable, missing, 1.0)
+
+
+def _rattle_share(given: TorsionCase, search: Search) -> Judged:
+    parts = [ends for each in search.response.largest for ends in each.reversals]
+    missing = [*_missing(search.response)]
+    return _judged(_share(given, parts), 0.0, given.rattle, missing, 1.0)
+
+
+def _torques(
+    place: int,
+) -> tuple[Callable[[FloatArray, SteadyState], FloatArray], ...]:
+    """Mean, vibratory and largest torque of a shaft at speeds with the motion there."""
+
+    def mean(_: FloatArray, steady: SteadyState) -> FloatArray:
+        return np.asarray(np.abs(steady.torque_mean[place]))
+
+    def vibratory(speed: FloatArray, steady: SteadyState) -> FloatArray:
+        orders = steady.orders[np.argmax(np.abs(steady.torque_orders[place]), axis=-1)]
+        factor = np.sqrt(np.maximum(orders * speed / (math.tau * _RATED_AT), 1.0))
+        return np.asarray(0.5 * (steady.torque_max - steady.torque_min)[place] * factor)
+
+    def largest(_: FloatArray, steady: SteadyState) -> FloatArray:
+        return np.asarray(np.fmax(np.abs(steady.torque_min), np.abs(steady.torque_max))[place])
+
+    return mean, vibratory, largest
+
+
+def _limits(rated: Ratings) -> tuple[float | None, float | None, float | None]:
+    """The limits of mean, vibratory and largest torque."""
+    return rated.rated, rated.vibratory, rated.largest
+
+
+def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
+    """The torques of couplings with their ratings; without a periodic motion they are not known."""
+    system, response = given.system, search.response
+    missing = [*_missing(response)]
+    largest_torques = {each.shaft: each for each in response.largest}
+    for shaft, rated in given.ratings.items():
+        place, largest = system.compliant.index(shaft), largest_torques.get(shaft)
+        if largest is None:
+            why = f"no periodic motion was found: {missing[0].reason}"
+            rows = [Judged(None, limit, why=why) for limit in _limits(rated)]
+            yield CouplingTorques(shaft, rows[0], rows[1], rows[2], None, None, None, None)
+            continue
+        mean, vibratory, _ = _torques(place)
+        means = mean(response.speed, response.steady)
+        best = int(np.nanargmax(means))
+        found = [(float(means[best]), float(response.speed[best]))]
+        at, steady, best = located(system, response.speed, response.steady, vibratory)
+        found.append((float(vibratory(at, steady)[best]), float(at[best])))
+        found.append((max(abs(largest.least), abs(largest.most)), largest.speed))
+        if math.isinf(largest.most):
+            found[1] = found[2]
+        rows = [
+            _judged(value, speed, limit, missing)
+            for (value, speed), limit in zip(found, _limits(rated), strict=True)
+        ]
+        factors = [
+            each.limit / each.value for each in rows if each.limit is not None and each.value
+        ]
+        factor, speeds = min(factors, default=None), [speed for _, speed in found]
+        yield CouplingTorques(shaft, rows[0], rows[1], rows[2], factor, *speeds)
+
+
+def _avoided(given: TorsionCase, search: Search) -> Iterator[Avoided]:
+    """The speeds at which a coupling is overloaded, motion is unstable or the torque reverses."""
+    speed, steady = search.response.speed, search.response.steady
+    words = ("mean", "vibratory", "largest")
+    for shaft, rated in given.ratings.items():
+        place = given.system.compliant.index(shaft)
+        for what, value, limit in zip(words, _torques(place), _limits(rated), strict=True):
+            if limit is None:
+                continue
+            over = np.nan_to_num(value(speed, steady) - limit, nan=-limit)
+            for first, last in ranges(over > 0.0):
+                ends = (_end(speed, over, first, -1), _end(speed, over, last, 1))
+                yield Avoided(
+                    *ends, f"the {what} torque in the coupling of shaft {shaft} is above its rating"
+                )
+    for part in search.unstable:
+        if _is_unstable(given, part):
+            reason = "the speed runs away" if part.runs_away else "vibration grows by itself"
+            yield Avoided(part.start, part.stop, reason)
+    for torque in search.response.largest if given.rattle is not None else ():
+        for start, stop in torque.reversals:
+            yield Avoided(start, stop, f"the torque of shaft {torque.shaft} changes its sign")
+
+
+def _end(speed: FloatArray, over: FloatArray, place: int, step: int) -> float:
+    """The speed at which a value passes 0 beside a place, on a straight line."""
+    beside = place + step
+    if not 0 <= beside < len(speed):
+        return float(speed[place])
+    share = over[place] / (over[place] - over[beside])
+    return float(speed[place] + share * (speed[beside] - speed[place]))
 
 
 def _with_amplitudes(found: TorsionBasics, noise: float) -> Iterator[CriticalSpeed]:

@@ -46,7 +46,7 @@ _LEAST_TOP, _MOST_TOP = 40.0, 85.0
 
 def drawn(_: Answer, found: TorsionFigures) -> dict[str, Any]:
     """Return the torques of each compliant shaft over the speed as charts of the page."""
-    classes = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear": "good"}
+    classes = {"unstable": "bad", "clear": "good"}
     known, charts = found.steady.found, []
     # Speeds without a periodic motion are left out.
     for place, shaft in enumerate(found.steady.compliant if np.count_nonzero(known) > 1 else ()):
@@ -57,7 +57,7 @@ def drawn(_: Answer, found: TorsionFigures) -> dict[str, Any]:
         scale = float(max(np.max(np.abs(curve.values)) for curve in curves))
         panel = Panel(f"Torque of shaft {shaft} over a turn", "N m", curves, scale)
         charts.append(chart(panel, found.speed[known] / RPM, "drive speed [rpm]"))
-    return {"class": classes[found.verdict], "charts": charts}
+    return {"class": classes.get(found.verdict, "fair"), "charts": charts}
 
 
 def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
@@ -140,7 +140,7 @@ def _mark_critical(axes: Axes, found: TorsionFigures) -> None:
         # Labels of lines that lie close to each other would cover each other.
         if all(abs(speed - other) > 0.04 * span for other in written):
             axes.annotate(
-                f"{critical.order}",
+                f"{critical.order:g}",
                 (speed, 1.0),
                 xycoords=across,
                 xytext=(1.5, -1.5),
@@ -186,7 +186,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
             axes.plot(
                 [0.0, right],
                 [0.0, order * right / 60.0],
-                label=f"order {order}",
+                label=f"order {order:g}",
                 **line_style(number),
             )
         crossings = [

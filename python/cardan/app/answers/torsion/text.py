@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from cardan.app.answers.printed import (
     capital,
@@ -16,9 +16,13 @@ from cardan.app.answers.printed import (
 from cardan.app.answers.torsion.figures import (
     BendRule,
     CriticalSpeed,
+    LargestTorque,
+    Runaway,
     SpeedRange,
     TorsionBasics,
     TorsionFigures,
+    largest_of,
+    runaway_of,
 )
 from cardan.design.wrapping import wrap
 
@@ -45,7 +49,10 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
     if inside := found.resonances:
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         several = listed(
-            [f"order {each.order} at {_rpm(each.speed)} (shaft {each.shaft})" for each in inside]
+            [
+                f"order {each.order:g} at {_rpm(each.speed)} ({_moves(found, each)})"
+                for each in inside
+            ]
         )
         yield (
             f"{verb} within {_ends(found.speed_range, 'to')}: {several}; 'cardan torsion' "
@@ -60,8 +67,66 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
                 f"{quantity(rule.factor, '', bounds=[rule.damping_ratio])} exceeds the damping "
                 f"ratio of {given(rule.damping_ratio, '')} ({_RULE_SOURCE})"
             )
+    yield from _avoided(found)
+    if found.search:
+        yield from _rattle(found, largest_of(found.search))
+        yield from (_runaway(part) for part in runaway_of(found.search))
+    yield from _running(found)
     if held := _held(found):
         yield held
+
+
+def _moves(found: TorsionBasics, critical: CriticalSpeed) -> str:
+    """What moves at a critical speed, or the shaft that is twisted most."""
+    if found.torsion.is_searched:
+        return found.modes[critical.mode].shape
+    return f"shaft {critical.shaft}"
+
+
+def _avoided(found: TorsionBasics) -> Iterator[str]:
+    """Say which speeds to avoid, and why."""
+    for part in found.avoided:
+        yield f"avoid {_ends(part, 'to')}: {part.reason}"
+
+
+def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
+    """Say where the torque of shafts changes its sign, if that is not to be avoided."""
+    if found.torsion.rattle is not None:
+        return
+    where = [
+        f"in shaft {torque.shaft} {listed([_where(part) for part in torque.reversals])}"
+        for torque in largest
+        if torque.reversals
+    ]
+    if where:
+        yield (
+            f"the torque changes its sign in every turn, {listed(where)}: gears and splines "
+            "change their flanks there and rattle"
+        )
+
+
+def _runaway(part: Runaway) -> str:
+    """Say what a drive needs whose speed would run away."""
+    slope = quantity(part.needed_slope, "Nms_per_rad", rounds="up")
+    return (
+        f"{_where(part)} the torque that is needed falls with the speed: a drive of constant "
+        "torque runs away from there, and holding every speed needs a drive whose torque falls by "
+        f"more than {slope} (A. Sommerfeld, 1902)"
+    )
+
+
+def _running(found: TorsionBasics) -> Iterator[str]:
+    """Say at which speeds the motor of the scene runs."""
+    if not found.torsion.motor:
+        return
+    stable = [_rpm(each.speed) for each in found.running if each.stable]
+    others = [_rpm(each.speed) for each in found.running if not each.stable]
+    if stable:
+        yield f"the motor runs at {listed(stable)}"
+    if others:
+        yield f"at {listed(others)} its torque is what is needed too, but it does not stay there"
+    if not found.running:
+        yield "the motor runs at no speed of its curve: its torque is never what is needed"
 
 
 def _held(found: TorsionBasics) -> str:
@@ -78,18 +143,12 @@ def _held(found: TorsionBasics) -> str:
 def sentences(found: TorsionFigures) -> Iterator[str]:
     """Say what the torsional vibration means, the worst first."""
     yield from (_unstable(found, region) for region in found.unstable)
-    where = [
-        f"in shaft {torque.shaft} {listed([_where(part) for part in torque.reversals])}"
-        for torque in found.largest
-        if torque.reversals
-    ]
-    if where:
-        yield (
-            f"The torque changes its sign in every turn, {listed(where)}: gears and splines "
-            "change their flanks there and rattle."
-        )
+    yield from (f"{capital(_runaway(part))}." for part in found.runaway)
+    yield from (f"{capital(said)}." for said in _running(found))
+    yield from (f"{capital(said)}." for said in (*_rattle(found, found.largest), *_avoided(found)))
     yield _resonance(found)
     yield from _largest(found)
+    yield _shapes(found)
     if not found.unstable and not found.missing:
         yield "The motion is stable at all speeds of the range."
     yield from _side_by_side(found)
@@ -118,18 +177,27 @@ def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
     )
 
 
+def _shapes(found: TorsionFigures) -> str:
+    """Say what moves in each mode."""
+    shapes = [
+        f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
+        for mode in sorted(found.modes, key=lambda mode: mode.frequency)
+    ]
+    return f"What vibrates: {listed(shapes)}."
+
+
 def _resonance(found: TorsionFigures) -> str:
-    even = [critical for critical in found.critical_speeds if critical.is_excited]
+    excited = [critical for critical in found.critical_speeds if critical.is_excited]
     inside = found.resonances
-    if not even:
+    if not excited:
         return "The joints excite even orders only, and none of these is listed."
     if not inside:
         low, high = found.speed[0], found.speed[-1]
-        nearest = min(even, key=lambda each: max(low - each.speed, each.speed - high))
-        orders = " or ".join(map(str, sorted({critical.order for critical in even})))
+        nearest = min(excited, key=lambda each: max(low - each.speed, each.speed - high))
+        orders = " or ".join(f"{each:g}" for each in sorted({one.order for one in excited}))
         return (
             f"No critical speed of order {orders} lies in the range; the nearest one is that of "
-            f"order {nearest.order} at {_rpm(nearest.speed)}, in which shaft {nearest.shaft} is "
+            f"order {nearest.order:g} at {_rpm(nearest.speed)}, in which shaft {nearest.shaft} is "
             "twisted most."
         )
     known = [critical for critical in inside if critical.amplitude is not None]
@@ -138,7 +206,7 @@ def _resonance(found: TorsionFigures) -> str:
     if len(inside) > 1:
         count = f"{len(inside)} critical speeds; the worst is that"
     text = (
-        f"The range contains {count} of order {worst.order} at {_rpm(worst.speed)}, where "
+        f"The range contains {count} of order {worst.order:g} at {_rpm(worst.speed)}, where "
         f"{_effect(worst)}."
     )
     unknown = [_rpm(critical.speed) for critical in inside if critical.amplitude is None]

@@ -55,6 +55,8 @@ class Document:
         self.problems: list[str] = []
         self.text = text
         self._gather = gather
+        every = {**sections, **_inner(sections)}
+        self._repeated = {own for own, section in every.items() if section.repeated}
         self._document: dict[str, Any] = {}
         with self.within(""):
             self._document = _toml(text)
@@ -97,8 +99,12 @@ class Document:
                 values = nested(values)
         for key, value in values.items():
             with self.within(name, key):
+                if key in section.inner:
+                    checked[key] = self._inner(name, key, section.inner[key], value)
+                    continue
                 if key not in section.keys:
-                    hint = self._meant(key, section.keys, _VARIED.get(name, ""))
+                    known = [*section.keys, *section.inner]
+                    hint = self._meant(key, known, _VARIED.get(name, ""))
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")
@@ -113,6 +119,18 @@ class Document:
                 raise wrong
         self.given[name] = given
         return checked
+
+    def _inner(self, name: str, key: str, section: Section[Any], value: object) -> Any:  # noqa: ANN401
+        """The values of a table within a section, or of each of them; one may be given alone."""
+        if section.repeated and isinstance(value, dict):
+            value = [value]
+        if not _is_given_as(section, value):
+            what = "sections" if section.repeated else "a section"
+            raise ArgumentValueError(key, f"is {shown(value)}; it must be {what} {section.heading}")
+        if not isinstance(value, list):
+            assert isinstance(value, dict)
+            return self._checked(f"{name}.{key}", section, value)
+        return [self._checked(f"{name}.{key}.{i}", section, each) for i, each in enumerate(value)]
 
     def decimal_commas(self) -> tuple[tuple[int, str], ...]:
         """Return line and text of lists in which commas with and without a blank are mixed."""
@@ -153,11 +171,12 @@ class Document:
         # In strings of several lines anything could look like a key.
         if '"""' in self.text or "'''" in self.text:
             return None
-        target = f"{section}.{key}" if section else key
+        within = f"{section}." if section else ""
+        target = f"{within}{key}"
         lines = self._keys_by_line()
         ways: tuple[Callable[[str], bool], ...] = (
             lambda path: path == target,
-            lambda path: path != section and target.startswith(f"{path}."),
+            lambda path: path.startswith(within) and target.startswith(f"{path}."),
             lambda path: path.startswith(f"{target}."),
             lambda path: path == section,
         )
@@ -177,7 +196,7 @@ class Document:
         for number, line in enumerate(self.text.split("\n"), start=1):
             if header := re.match(r"\s*\[(\[?)\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
                 section = name = _path(header[2])
-                if header[1] and name in self.format and self.format[name].repeated:
+                if name in self._repeated and (header[1] or "." in name):
                     section = f"{name}.{tables[name]}"
                     tables[name] += 1
                 found.append((number, section))
@@ -186,7 +205,7 @@ class Document:
         return found
 
     def _meant(self, key: str, known: Iterable[str], varied: str = "") -> str:
-        for name, section in self.format.items():
+        for name, section in {**self.format, **_inner(self.format)}.items():
             if name and key in section.keys:
                 return varied or f"it belongs in {section.heading}"
         known = alike(key, known)
@@ -234,6 +253,11 @@ def read_text(path: str | PathLike[str]) -> str:
             return file.read()
     except UnicodeDecodeError as error:
         raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None
+
+
+def _inner(sections: Mapping[str, Section[Any]]) -> dict[str, Section[Any]]:
+    """The tables within sections by their names."""
+    return {own.name: own for section in sections.values() for own in section.inner.values()}
 
 
 def _is_given_as(section: Section[Any], value: object) -> bool:

@@ -75,7 +75,7 @@ class SceneError(ArgumentValueError):
         name: the file, or what else the scene is called.
         line: the line, counted from 1; ``None`` where it is not certain.
         section: the section, of an array of tables with the number of the table, counted from 0:
-            ``"bearing.2"``; ``""`` for the file itself.
+            ``"bearing.2"``; of a table within it ``"torsion.motor"``; ``""`` for the file itself.
         key: section, key and place as one path: ``"driveline.bends_deg.2"``.
         point: in a study or a state, the values of the keys that vary where the problem is; else
             empty.
@@ -101,8 +101,9 @@ class SceneError(ArgumentValueError):
     def __str__(self) -> str:
         """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99 deg; …``."""
         line = f", line {self.line}" if self.line else ""
-        name, _, number = self.section.partition(".")
-        section = f" [[{name}]][{number}]" if number else f" [{name}]" if name else ""
+        name, _, number = self.section.rpartition(".")
+        section = f" [{self.section}]" if self.section else ""
+        section = f" [[{name}]][{number}]" if number.isdigit() else section
         return f"{self.name}{line}:{section} {self._sentence}"
 
 

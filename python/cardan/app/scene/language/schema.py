@@ -49,9 +49,10 @@ def scene_schema(sections: Mapping[str, Section[Any]]) -> dict[str, Any]:
 
 
 def _section_schema(section: Section[Any]) -> dict[str, Any]:
+    inner = {key: _section_schema(own) for key, own in section.inner.items()}
     described: dict[str, Any] = {
         "type": "object",
-        "properties": _properties(section),
+        "properties": _properties(section) | inner,
         "additionalProperties": False,
     }
     if section.paths:
@@ -68,7 +69,8 @@ def _section_schema(section: Section[Any]) -> dict[str, Any]:
             way: given_as(part) for key, part in section.with_key for way in (key, *us_keys(key))
         }
     if section.repeated:
-        described = {"type": "array", "items": described}
+        several = {"type": "array", "items": described}
+        described = {"oneOf": [described, several]} if "." in section.name else several
     return {"description": section.meaning, **described}
 
 
@@ -112,7 +114,7 @@ def describe(sections: Mapping[str, Section[Any]]) -> str:
     """Return the format of a scene file as plain text, at most 77 characters wide."""
     pairs = (f"_{' or _'.join(us)} for _{si}" for si, us in US.items() if si in _GIVEN)
     lines = [*_filled(f"{_UNITS} {', '.join(pairs)}.", "", "  "), ""]
-    for section in sections.values():
+    for section in (each for own in sections.values() for each in (own, *own.inner.values())):
         heading = f"{section.heading}  " if section.name else ""
         lines += _filled(f"{heading}{section.meaning}", "", "  ")
         if section.help_on_paths:

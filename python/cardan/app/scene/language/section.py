@@ -73,6 +73,7 @@ class Section(Generic[Made]):
         always: whether something is made of it, of no values, in a scene that leaves it out.
         recorded_bends: whether it goes with recorded bends, which differ by sample.
         help_on_paths: what the help text says in place of the keys that are paths.
+        inner: tables within it, ``[torsion.motor]``, by their own key.
     """
 
     name: str
@@ -88,6 +89,7 @@ class Section(Generic[Made]):
     always: bool = False
     recorded_bends: bool = True
     help_on_paths: str = ""
+    inner: Mapping[str, Section[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Add the keys in US units."""
@@ -130,7 +132,7 @@ class Section(Generic[Made]):
             "point": joints + 2,
         }
         for key, value in values.items():
-            if per := self.keys[key].per:
+            if key in self.keys and (per := self.keys[key].per):
                 check_count(key, value, counts[per], f"one per {per}")
 
 
