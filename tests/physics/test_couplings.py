@@ -40,9 +40,7 @@ def system_of(case: dict[str, Any]) -> cardan.TorsionalSystem:
         int(shaft): coupling_of(curve, int(shaft) in in_contact)
         for shaft, curve in case["curves"].items()
     }
-    stiffnesses = [
-        INF if k is None or i in couplings else k for i, k in enumerate(case["k"])
-    ]
+    stiffnesses = [INF if k is None or i in couplings else k for i, k in enumerate(case["k"])]
     harmonics = [
         cardan.TorqueHarmonic(
             h["end"] // 2,
@@ -170,9 +168,7 @@ class OneJoint:
             drive="free" if free else "held",
             drive_slope=self.slope if free else 0.0,
             harmonics=[cardan.TorqueHarmonic(*end, 2.0, *self.parts)],
-            couplings={
-                1: cardan.Coupling(self.stiffness, play=self.play, contact_damping=True)
-            },
+            couplings={1: cardan.Coupling(self.stiffness, play=self.play, contact_damping=True)},
         )
 
     def twist(self, state: FloatArray) -> tuple[float, float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -143,6 +143,14 @@ class Coupling:
         x, y = self._table()
         place = int(np.clip(np.searchsorted(y, torque) - 1, 0, len(x) - 2))
         return float(np.diff(y)[place] / np.diff(x)[place])
+
+    def scaled(self, factor: float) -> Coupling:
+        """Return the coupling with so many times the stiffness and the torques at every twist."""
+        given = {name: getattr(self, name) for name in ("stiffness", "torque", "stiffness_by_mean")}
+        changed = {
+            name: np.multiply(factor, value) for name, value in given.items() if value is not None
+        }
+        return replace(self, **changed)
 
     def _table(self) -> tuple[FloatArray, FloatArray]:
         x, y = np.array(self.twist), np.array(self.torque)

@@ -263,18 +263,23 @@ class TorsionalSystem:
     running_speeds = running_speeds
 
     def changed(
-        self, line: Driveline | None = None, stiffnesses: ArrayLike | None = None
+        self,
+        line: Driveline | None = None,
+        stiffnesses: ArrayLike | None = None,
+        couplings: Mapping[int, Coupling] | None = None,
     ) -> TorsionalSystem:
-        """Return the system with another driveline or other stiffnesses, or a batch of them.
+        """Return the system with another driveline, other stiffnesses or couplings, or a batch.
 
         Dampings in N m s/rad, inertias and loads stay. Errors are as of ``TorsionalSystem``.
 
         Args:
             line: the driveline; by default the same.
             stiffnesses: of each shaft in N m/rad, ``(..., n + 1)``; by default the same.
+            couplings: by their shafts; by default the same.
         """
         given = self._given()
-        given |= {} if stiffnesses is None else {"stiffnesses": stiffnesses}
+        others = {"stiffnesses": stiffnesses, "couplings": couplings}
+        given |= {name: value for name, value in others.items() if value is not None}
         return TorsionalSystem(self.line if line is None else line, **given)
 
     def natural_frequencies(self) -> FloatArray:

@@ -34,10 +34,10 @@ const CORRECTIONS: usize = 60;
 const COARSE: usize = 64;
 const FINE: usize = 512;
 
-/// What counts as rounding beside the largest amplitude.
-const ROUNDING: f64 = 1e-14;
+/// The last correction, beside the largest amplitude and the permitted error.
+const MARGIN: f64 = 0.01;
 
-/// The last change of Newton's method on a coarse mesh beside it.
+/// The last change of Newton's method on a coarse mesh beside the largest amplitude.
 const CONVERGED: f64 = 1e-7;
 
 impl TorsionalSystem {
@@ -106,7 +106,7 @@ impl TorsionalSystem {
             let solved = balance.solve(coarse)?;
             let mut orders = (2 * coarse).next_power_of_two() - 1;
             while orders < FINE * self.mesh() {
-                let Some(found) = balance.correct(&solved, orders) else { break };
+                let Some(found) = balance.correct(&solved, orders, goal.tolerance) else { break };
                 let enough = orders as f64 > 0.5 * goal.order * self.half_turns as f64;
                 if enough && found.is_resolved(goal.tolerance) {
                     return Ok(balance.result(found));
@@ -184,13 +184,22 @@ impl Mesh {
         PI * half_turns as f64 / self.count() as f64
     }
 
+    /// The powers of a root of unity, from the first one on.
+    fn powers(&self, root: usize) -> impl Iterator<Item = Complex<f64>> {
+        let (count, mut place) = (self.count(), 0);
+        std::iter::repeat_with(move || {
+            let power = self.roots[place];
+            place += root;
+            place -= if place >= count { count } else { 0 };
+            power
+        })
+    }
+
     /// The amplitudes of samples.
     fn amplitudes(&self, samples: &[f64]) -> Vec<Complex<f64>> {
-        let count = self.count();
         let of = |n: usize| {
-            let terms =
-                samples.iter().enumerate().map(|(k, x)| self.roots[k * n % count].conj() * *x);
-            let scale = if n == 0 { 1.0 } else { 2.0 } / count as f64;
+            let terms = self.powers(n).zip(samples).map(|(root, x)| root.conj() * *x);
+            let scale = if n == 0 { 1.0 } else { 2.0 } / self.count() as f64;
             terms.sum::<Complex<f64>>() * scale
         };
         (0..=self.orders).map(of).collect()
@@ -202,28 +211,18 @@ impl Mesh {
         amplitudes: &[Complex<f64>],
         factor: impl Fn(f64) -> Complex<f64>,
     ) -> Vec<f64> {
-        let count = self.count();
-        let terms: Vec<Complex<f64>> = amplitudes
-            .iter()
-            .take(self.orders + 1)
-            .enumerate()
-            .map(|(n, x)| factor(n as f64) * x)
-            .collect();
-        let at = |k: usize| -> f64 {
-            terms.iter().enumerate().map(|(n, x)| (x * self.roots[k * n % count]).re).sum()
-        };
-        (0..count).map(at).collect()
+        let of_mesh = amplitudes.iter().take(self.orders + 1).enumerate();
+        let terms: Vec<Complex<f64>> = of_mesh.map(|(n, x)| factor(n as f64) * x).collect();
+        let real = |root: Complex<f64>, x: &Complex<f64>| x.re * root.re - x.im * root.im;
+        let at = |k: usize| self.powers(k).zip(&terms).map(|(root, x)| real(root, x)).sum();
+        (0..self.count()).map(at).collect()
     }
 
     /// The circulant matrix that multiplies order `n` by a factor, by the distance of the samples.
     fn kernel(&self, factor: impl Fn(f64) -> Complex<f64>) -> Vec<f64> {
-        let count = self.count();
-        let at = |d: usize| -> f64 {
-            let terms =
-                (1..=self.orders).map(|n| (factor(n as f64) * self.roots[d * n % count]).re);
-            2.0 * terms.sum::<f64>() / count as f64
-        };
-        (0..count).map(at).collect()
+        let scale = 2.0 / self.count() as f64;
+        let ones: Vec<_> = (0..=self.orders).map(|n| Complex::from(f64::from(n > 0))).collect();
+        self.samples(&ones, |n| factor(n) * scale)
     }
 }
 
@@ -432,7 +431,7 @@ impl<'a> Balance<'a> {
     }
 
     /// Corrects the orbit on a mesh of so many orders; `None` if that does not converge.
-    fn correct(&mut self, solved: &Solved, orders: usize) -> Option<Fine> {
+    fn correct(&mut self, solved: &Solved, orders: usize, tolerance: f64) -> Option<Fine> {
         let fine = Mesh::new(orders);
         self.amplitudes.iter_mut().for_each(|own| own.resize(orders + 1, Complex::default()));
         let mut before = f64::INFINITY;
@@ -450,9 +449,9 @@ impl<'a> Balance<'a> {
                     change = change.max(norm(*dx));
                 }
             }
-            let noise = ROUNDING * self.largest();
+            let enough = MARGIN * tolerance * self.largest();
             let slow = step > 3 && change > 0.8 * before;
-            if change <= noise || slow && change <= 1e3 * noise {
+            if change <= enough {
                 let torques = rows.torques.iter().map(|own| fine.amplitudes(own)).collect();
                 return Some(Fine { torques, losses: rows.losses });
             }

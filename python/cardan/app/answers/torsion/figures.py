@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Literal
 
@@ -22,6 +22,8 @@ from cardan.app.answers.rows import (
     parts,
     word,
 )
+from cardan.app.answers.torsion.remedy import SofterCoupling, softer
+from cardan.app.answers.torsion.search import Search, search_over, torques_of
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
@@ -38,8 +40,6 @@ shaft changes its sign though its mean is not 0. ``resonant``: a critical speed 
 # Amplitudes below this share of the largest torque are rounding.
 _ROUNDING = 1e-9
 
-# The frequency in Hz at which couplings are rated for torques that vary.
-_RATED_AT = 10.0
 # What moves less than this share of the largest amplitude of a mode stands still.
 _STILL = 0.1
 _DIN = "DIN 740-2: frequency factor sqrt(f/10 Hz) above 10 Hz"
@@ -261,14 +261,6 @@ class RunningSpeed:
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
-    """What a search over the speeds of a scene found."""
-
-    response: SpeedResponse
-    unstable: tuple[UnstableRange, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class TorsionBasics:
     """What a check says; ``torsion`` is the system of the scene.
 
@@ -316,6 +308,9 @@ class TorsionBasics:
     couplings: tuple[CouplingTorques, ...] = optional(parts("Couplings"))
     avoided: tuple[Avoided, ...] = optional(
         parts("Speeds to avoid", "at which something is beyond what is permitted", is_detail=True)
+    )
+    softer: tuple[SofterCoupling, ...] = optional(
+        parts("Softer couplings", "which put a resonance below the speeds of the scene")
     )
 
     @property
@@ -399,7 +394,7 @@ def find(answer: Answer) -> TorsionBasics | None:
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    search = _searched(given) if given.is_searched else None
+    search = search_over(given) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
         torsion=given,
@@ -415,13 +410,14 @@ def find(answer: Answer) -> TorsionBasics | None:
         rules=rules,
         couplings=tuple(_couplings(given, search)) if search else (),
         avoided=tuple(_avoided(given, search)) if search else (),
+        softer=tuple(softer(given, search)) if search else (),
     )
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     """Return the torsional vibration over the speeds of the scene."""
     given, system = found.torsion, found.torsion.system
-    search = found.search or _searched(given)
+    search = found.search or search_over(given)
     response = search.response
     speed, steady = response.speed, response.steady
     largest = largest_of(search)
@@ -470,11 +466,6 @@ def _excited_by(given: TorsionCase, order: float) -> str:
     joints = ["joints"] if order % 2.0 == 0.0 else []
     torques = ["torques"] if order in harmonic_orders(given.system) else []
     return " and ".join([*joints, *torques]) or "nothing"
-
-
-def _searched(given: TorsionCase) -> Search:
-    response = given.system.speed_response(given.speed, given.orders)
-    return Search(response, given.system.unstable_ranges(response.speed))
 
 
 def largest_of(search: Search) -> tuple[LargestTorque, ...]:
@@ -584,25 +575,6 @@ def _rattle_share(given: TorsionCase, search: Search) -> Judged:
     return _judged(_share(given, parts), 0.0, given.rattle, missing, 1.0)
 
 
-def _torques(
-    place: int,
-) -> tuple[Callable[[FloatArray, SteadyState], FloatArray], ...]:
-    """Mean, vibratory and largest torque of a shaft at speeds with the motion there."""
-
-    def mean(_: FloatArray, steady: SteadyState) -> FloatArray:
-        return np.asarray(np.abs(steady.torque_mean[place]))
-
-    def vibratory(speed: FloatArray, steady: SteadyState) -> FloatArray:
-        orders = steady.orders[np.argmax(np.abs(steady.torque_orders[place]), axis=-1)]
-        factor = np.sqrt(np.maximum(orders * speed / (math.tau * _RATED_AT), 1.0))
-        return np.asarray(0.5 * (steady.torque_max - steady.torque_min)[place] * factor)
-
-    def largest(_: FloatArray, steady: SteadyState) -> FloatArray:
-        return np.asarray(np.fmax(np.abs(steady.torque_min), np.abs(steady.torque_max))[place])
-
-    return mean, vibratory, largest
-
-
 def _limits(rated: Ratings) -> tuple[float | None, float | None, float | None]:
     """The limits of mean, vibratory and largest torque."""
     return rated.rated, rated.vibratory, rated.largest
@@ -620,7 +592,7 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
             rows = [Judged(None, limit, why=why) for limit in _limits(rated)]
             yield CouplingTorques(shaft, rows[0], rows[1], rows[2], None, None, None, None)
             continue
-        mean, vibratory, _ = _torques(place)
+        mean, vibratory, _ = torques_of(place)
         means = mean(response.speed, response.steady)
         best = int(np.nanargmax(means))
         found = [(float(means[best]), float(response.speed[best]))]
@@ -646,7 +618,7 @@ def _avoided(given: TorsionCase, search: Search) -> Iterator[Avoided]:
     words = ("mean", "vibratory", "largest")
     for shaft, rated in given.ratings.items():
         place = given.system.compliant.index(shaft)
-        for what, value, limit in zip(words, _torques(place), _limits(rated), strict=True):
+        for what, value, limit in zip(words, torques_of(place), _limits(rated), strict=True):
             if limit is None:
                 continue
             over = np.nan_to_num(value(speed, steady) - limit, nan=-limit)

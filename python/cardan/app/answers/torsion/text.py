@@ -87,6 +87,14 @@ def _avoided(found: TorsionBasics) -> Iterator[str]:
     """Say which speeds to avoid, and why."""
     for part in found.avoided:
         yield f"avoid {_ends(part, 'to')}: {part.reason}"
+    for coupling in found.softer:
+        stiffness = quantity(coupling.stiffness, "Nm_per_rad", rounds="down")
+        present = quantity(coupling.present, "Nm_per_rad")
+        yield (
+            f"a coupling of at most {stiffness} at shaft {coupling.shaft}, instead of {present}, "
+            "puts its resonance below these speeds: none is then to be avoided for its vibratory "
+            "torque"
+        )
 
 
 def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
