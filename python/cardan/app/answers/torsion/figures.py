@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
 from cardan.torsion import SpeedResponse, SteadyState, UnstableRange
-from cardan.torsion.analyses import harmonic_orders, located, ranges
+from cardan.torsion.analyses import harmonic_orders, has_kinks, located, ranges
 
 TorsionVerdict = Literal["unstable", "runaway", "reversing", "resonant", "clear"]
 """The worst of what happens in the speed range, from the worst to the best.
@@ -40,6 +40,8 @@ _ROUNDING = 1e-9
 
 # The frequency in Hz at which couplings are rated for torques that vary.
 _RATED_AT = 10.0
+# Speeds at which a check looks at couplings with kinks, besides critical ones.
+_COARSE = 25
 # What moves less than this share of the largest amplitude of a mode stands still.
 _STILL = 0.1
 _DIN = "DIN 740-2: frequency factor sqrt(f/10 Hz) above 10 Hz"
@@ -266,6 +268,7 @@ class Search:
 
     response: SpeedResponse
     unstable: tuple[UnstableRange, ...]
+    is_coarse: bool = False  # whether it is at few speeds only
 
 
 @dataclass(frozen=True, eq=False)
@@ -399,28 +402,38 @@ def find(answer: Answer) -> TorsionBasics | None:
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    search = _searched(given) if given.is_searched else None
+    search = _searched(given, is_coarse=has_kinks(system)) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
         torsion=given,
-        search=search,
         margin=margin,
-        unstable_share=_unstable_share(given, search) if search else None,
-        rattle_share=_rattle_share(given, search) if search else None,
         without_effect=given.without_effect or None,
         speed_range=SpeedRange(low, high),
         running=tuple(RunningSpeed(*astuple(each)) for each in running),
         modes=modes,
         critical_speeds=critical_speeds,
         rules=rules,
-        couplings=tuple(_couplings(given, search)) if search else (),
-        avoided=tuple(_avoided(given, search)) if search else (),
+        **_judged_by(given, search),
     )
+
+
+def _judged_by(given: TorsionCase, search: Search | None) -> dict[str, Any]:
+    """The figures of a search."""
+    return {
+        "search": search,
+        "unstable_share": _unstable_share(given, search) if search else None,
+        "rattle_share": _rattle_share(given, search) if search else None,
+        "couplings": tuple(_couplings(given, search)) if search else (),
+        "avoided": tuple(_avoided(given, search)) if search else (),
+    }
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     """Return the torsional vibration over the speeds of the scene."""
     given, system = found.torsion, found.torsion.system
+    if found.search and found.search.is_coarse:
+        search = _searched(given)
+        found = replace(found, **_judged_by(given, search))
     search = found.search or _searched(given)
     response = search.response
     speed, steady = response.speed, response.steady
@@ -472,9 +485,16 @@ def _excited_by(given: TorsionCase, order: float) -> str:
     return " and ".join([*joints, *torques]) or "nothing"
 
 
-def _searched(given: TorsionCase) -> Search:
-    response = given.system.speed_response(given.speed, given.orders)
-    return Search(response, given.system.unstable_ranges(response.speed))
+def _searched(given: TorsionCase, *, is_coarse: bool = False) -> Search:
+    """Search over the speeds of the scene, or at some of them and at the critical ones."""
+    system, speed = given.system, given.speed
+    if is_coarse:
+        critical = system.critical_speeds(given.excited).ravel()
+        inside = critical[(critical >= speed[0]) & (critical <= speed[-1])]
+        speed = np.union1d(np.linspace(speed[0], speed[-1], min(_COARSE, len(speed))), inside)
+    response = system.speed_response(speed, given.orders, refined=not is_coarse)
+    unstable = system.unstable_ranges(response.speed, refined=not is_coarse)
+    return Search(response, unstable, is_coarse)
 
 
 def largest_of(search: Search) -> tuple[LargestTorque, ...]:
@@ -624,7 +644,8 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
         means = mean(response.speed, response.steady)
         best = int(np.nanargmax(means))
         found = [(float(means[best]), float(response.speed[best]))]
-        at, steady, best = located(system, response.speed, response.steady, vibratory)
+        rounds = (0,) if search.is_coarse else ()
+        at, steady, best = located(system, response.speed, response.steady, vibratory, *rounds)
         found.append((float(vibratory(at, steady)[best]), float(at[best])))
         found.append((max(abs(largest.least), abs(largest.most)), largest.speed))
         if math.isinf(largest.most):
