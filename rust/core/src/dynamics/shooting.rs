@@ -347,9 +347,9 @@ impl<'f, 'p> Flow<'f, 'p> {
                     for _ in 0..60 {
                         let [distance, rate] = at(self, time);
                         if distance < 0.0 {
-                            high = time
+                            high = time;
                         } else {
-                            low = time
+                            low = time;
                         }
                         let next = time - distance / rate;
                         let next =
@@ -382,7 +382,7 @@ impl<'f, 'p> Flow<'f, 'p> {
             self.look(start, passed, 1.0);
             let RunsSideBySide { twists, rates, .. } = &self.pool.runs;
             let step = (kink - twists[spring][0]) / rates[spring][0];
-            if !(step.abs() > ROUNDING * width) {
+            if step.is_nan() || step.abs() <= ROUNDING * width {
                 break;
             }
             passed = (passed + step).clamp(0.5 * passed, width.min(2.0 * passed));
@@ -890,10 +890,10 @@ mod tests {
         let mut pool = Pool::new(Level::new(), None);
         let one = Coupling { stiffness: Some(8000.0), ..Coupling::default() };
         let linear = system(0.3, 1.0, 60.0, one.clone());
-        let search = Search::at(&linear, 150.0, goal);
+        let search = Search::at(&linear, 60.0, goal);
         let expected = pool.run(vec![search]).pop().unwrap().unwrap();
         let with_play = system(0.3, 1.0, 60.0, Coupling { play: 0.01, ..one });
-        let found = with_play.shoot(150.0, goal, &mut pool).unwrap();
+        let found = with_play.shoot(60.0, goal, &mut pool).unwrap();
         for order in [2.0, 4.0] {
             let apart = found.torques[0].order(order) - expected.torques[0].order(order);
             assert!(apart.norm_sqr().sqrt() < 1e-9);
@@ -913,12 +913,11 @@ mod tests {
         let system = system(0.3, 2.0, 100.0, coupling).with_harmonics(&[harmonic]).unwrap();
         let start = Start { state: vec![-0.012_5, 0.0], mean_torque: 0.0 };
         let mut pool = Pool::new(Level::new(), None);
-        let mut ends = [16, 128].map(|intervals| {
+        let ends = [16, 128].map(|intervals| {
             let mut flow = Flow::new(&system, 100.0, &mut pool);
             flow.period(&start, intervals, None).unwrap();
-            [flow.pool.newton.states[0][0], flow.pool.newton.states[1][0]]
+            [flow.pool.newton.states[0][0], 0.1 * flow.pool.newton.states[1][0]]
         });
-        ends.iter_mut().for_each(|end| end[1] *= 0.1);
         assert!((ends[0][0] - ends[1][0]).abs() < 1e-9, "{ends:?}");
         assert!((ends[0][1] - ends[1][1]).abs() < 1e-9, "{ends:?}");
     }
