@@ -205,3 +205,76 @@ impl Law {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn torque(law: &Law, twist: f64) -> f64 {
+        let Branch { stiffness, preload, .. } = law.branch(twist);
+        stiffness * twist + preload
+    }
+
+    fn close(x: f64, y: f64) -> bool {
+        (x - y).abs() < 1e-12 * y.abs().max(1.0)
+    }
+
+    #[test]
+    fn play_has_no_torque_within_it() {
+        let coupling = Coupling {
+            stiffness: Some(8000.0),
+            play: 0.01,
+            contact_damping: true,
+            ..Coupling::default()
+        };
+        let law = Law::of(&coupling).unwrap();
+        for (twist, expected) in [(-0.02, -80.0), (-0.01, 0.0), (0.004, 0.0), (0.03, 160.0)] {
+            assert!(close(torque(&law, twist), expected), "{twist}");
+        }
+        assert_eq!([-0.02, 0.0, 0.02].map(|twist| law.branch(twist).damping), [1.0, 0.0, 1.0]);
+        assert!(close(law.twist(40.0), 0.015) && close(law.twist(-40.0), -0.015));
+        assert!(law.twist(0.0) == 0.0 && law.stiffness_at(0.0) == 8000.0);
+    }
+
+    #[test]
+    fn a_table_from_zero_is_odd_and_goes_straight_on() {
+        let table = vec![[0.0, 0.0], [0.02, 100.0], [0.03, 250.0]];
+        let coupling = Coupling { twist_torque: table, ..Coupling::default() };
+        let law = Law::of(&Coupling { contact_damping: true, ..coupling }).unwrap();
+        for (twist, expected) in [(0.01, 50.0), (0.02, 100.0), (0.025, 175.0), (0.05, 550.0)] {
+            assert!(close(torque(&law, twist), expected), "{twist}");
+            assert!(close(torque(&law, -twist), -expected), "{twist}");
+            assert!(close(law.twist(expected), twist) && close(law.twist(-expected), -twist));
+        }
+        // In proportion to the stiffness, and no kink at zero.
+        assert!(close(law.branch(0.0).damping, 1.0 / 3.0) && law.branch(0.05).damping == 1.0);
+        assert!(law.kinks.len() == 2 && law.range(-0.03) == 0 && law.range(0.03) == 2);
+    }
+
+    #[test]
+    fn a_table_of_both_directions_is_as_given() {
+        let table = vec![[-0.02, -60.0], [-0.01, -10.0], [0.01, 50.0], [0.02, 150.0]];
+        let law = Law::of(&Coupling { twist_torque: table, ..Coupling::default() }).unwrap();
+        for (twist, expected) in [(-0.03, -110.0), (-0.015, -35.0), (0.0, 20.0), (0.03, 250.0)] {
+            assert!(close(torque(&law, twist), expected), "{twist}");
+        }
+        // Torque and its branches agree at the kinks.
+        for (i, [twist, torque]) in law.kinks.iter().enumerate() {
+            for range in [i, i + 1] {
+                let Branch { stiffness, preload, .. } = law.in_range(range);
+                assert!(close(stiffness * twist + preload, *torque));
+            }
+        }
+    }
+
+    #[test]
+    fn a_stiffness_by_the_mean_torque_is_linear_between_its_points() {
+        let points = vec![[0.0, 1000.0], [100.0, 3000.0]];
+        let law = Law::of(&Coupling { stiffness_by_mean: points, ..Coupling::default() }).unwrap();
+        for (mean, expected) in [(0.0, 1000.0), (50.0, 2000.0), (-50.0, 2000.0), (200.0, 3000.0)] {
+            let (own, differs) = law.at_mean(mean);
+            assert!(differs && close(own.stiffness_at(0.0), expected), "{mean}");
+            assert!(!own.at_mean(mean).1);
+        }
+    }
+}

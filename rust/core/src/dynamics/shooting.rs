@@ -347,9 +347,9 @@ impl<'f, 'p> Flow<'f, 'p> {
                     for _ in 0..60 {
                         let [distance, rate] = at(self, time);
                         if distance < 0.0 {
-                            high = time
+                            high = time;
                         } else {
-                            low = time
+                            low = time;
                         }
                         let next = time - distance / rate;
                         let next =
@@ -382,7 +382,7 @@ impl<'f, 'p> Flow<'f, 'p> {
             self.look(start, passed, 1.0);
             let RunsSideBySide { twists, rates, .. } = &self.pool.runs;
             let step = (kink - twists[spring][0]) / rates[spring][0];
-            if !(step.abs() > ROUNDING * width) {
+            if step.is_nan() || step.abs() <= ROUNDING * width {
                 break;
             }
             passed = (passed + step).clamp(0.5 * passed, width.min(2.0 * passed));
@@ -579,6 +579,38 @@ impl<'f, 'p> Flow<'f, 'p> {
         None
     }
 
+    /// The motion after many periods from a start. A governor keeps the mean speed of a free drive.
+    fn settled(mut self, mut from: Start) -> Option<Start> {
+        const PERIODS: usize = 64;
+        let Self { system, speed, .. } = self;
+        let (m, half_turns) = (system.unknowns(), system.half_turns);
+        let intervals = INTERVALS[0] * system.mesh();
+        // It brings the speed back within about half a turn.
+        let governor = system.total_inertia() * speed * speed / PI;
+        if system.is_free() {
+            self.pool.runs.govern(governor);
+        }
+        let mut orbit = Orbit::default();
+        for _ in 0..PERIODS {
+            orbit = self.period(&from, intervals, None)?;
+            let end = &self.pool.newton.states;
+            let slope = (end[0][0] - from.state[0]) / (PI * half_turns as f64);
+            from.state = end.iter().map(|x| x[0]).collect();
+            if system.is_free() {
+                from.mean_torque -= governor * slope;
+            }
+        }
+        if system.is_free() {
+            // The origin of time where the mean of the drive's angle error is about zero.
+            let sum: f64 = (0..intervals).map(|k| orbit.state(k).0[0]).sum();
+            let places = (-sum / (orbit.width() * intervals as f64)).round();
+            let place = places.rem_euclid(intervals as f64) as usize;
+            from.state = orbit.states[2 * place * m..][..2 * m].to_vec();
+            from.state[..m].iter_mut().for_each(|y| *y += places * orbit.width());
+        }
+        Some(from)
+    }
+
     /// The orbit with its accuracy, from a start on the coarsest mesh.
     fn refine(&mut self, mut from: Start, goal: OrbitGoal) -> Result<Found, Failure> {
         // As in the search by collocation.
@@ -739,6 +771,11 @@ impl TorsionalSystem {
                 state: vec![0.0; 2 * self.unknowns()],
                 mean_torque: self.static_load(speed),
             }),
+            Way::Settled => {
+                let start = self.start(Way::Static, speed, pool);
+                let start = start.or_else(|| self.start(Way::Rest, speed, pool))?;
+                Flow::new(self, speed, pool).settled(start)
+            }
             Way::Bends => {
                 let bent = |share: f64| (Cow::<Self>::Owned(self.bent(share)), speed);
                 let first = bent(0.1);
@@ -798,9 +835,90 @@ enum Way {
     Static,
     /// Uniform rotation.
     Rest,
+    /// What the motion is after many periods.
+    Settled,
     /// The orbit that is followed while bends and harmonic torques grow.
     Bends,
 }
 
 /// In the order in which they are tried.
-const WAYS: [Way; 3] = [Way::Static, Way::Rest, Way::Bends];
+const WAYS: [Way; 4] = [Way::Static, Way::Rest, Way::Settled, Way::Bends];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::coupling::Coupling;
+    use crate::dynamics::system::{ShaftEnds, TorqueHarmonic};
+    use crate::number::elementary::{asin, atan};
+    use crate::run::level::Level;
+
+    /// A held drive, a joint, a coupling, and an inertia.
+    fn system(bend: f64, damping: f64, load: f64, coupling: Coupling) -> TorsionalSystem {
+        let shafts = ShaftEnds {
+            inertias: &[0.0, 0.0, 0.0, 0.05],
+            stiffnesses: &[f64::INFINITY, 8000.0],
+            dampings: &[0.0, damping],
+        };
+        let system = TorsionalSystem::new(&[bend], &[], &[], shafts, [load, 0.0]).unwrap();
+        system.with_couplings(&[Coupling { shaft: 1, ..coupling }]).unwrap()
+    }
+
+    /// The period of free vibrations of a symmetric oscillator of two stiffnesses.
+    #[test]
+    fn a_free_vibration_over_four_kinks_has_its_period() {
+        let ([soft, hard], kink, fastest) = ([5000.0, 15000.0], 0.02, 12.0_f64);
+        let table = vec![[0.0, 0.0], [kink, soft * kink], [2.0 * kink, (soft + hard) * kink]];
+        let coupling = Coupling { twist_torque: table, ..Coupling::default() };
+        let system = system(0.0, 0.0, 0.0, coupling);
+        let [slow, fast] = [soft, hard].map(|stiffness| (stiffness / 0.05_f64).sqrt());
+        let at_kink = (fastest * fastest - (slow * kink) * (slow * kink)).sqrt();
+        let inner = asin(slow * kink / fastest) / slow;
+        let outer = atan(at_kink / (fast * kink * soft / hard)) / fast;
+        let speed = PI / (4.0 * (inner + outer));
+        let start = Start { state: vec![0.0, -fastest / speed], mean_torque: 0.0 };
+        let mut pool = Pool::new(Level::new(), None);
+        let mut flow = Flow::new(&system, speed, &mut pool);
+        flow.period(&start, 64, None).unwrap();
+        let end = &flow.pool.newton.states;
+        assert!(end[0][0].abs() < 1e-12, "{:e}", end[0][0]);
+        assert!((end[1][0] - start.state[1]).abs() < 1e-11 * start.state[1].abs());
+    }
+
+    #[test]
+    fn play_that_is_not_crossed_shifts_the_linear_orbit() {
+        let goal = OrbitGoal { tolerance: 1e-11, order: 4.0, stability: true };
+        let mut pool = Pool::new(Level::new(), None);
+        let one = Coupling { stiffness: Some(8000.0), ..Coupling::default() };
+        let linear = system(0.3, 1.0, 60.0, one.clone());
+        let search = Search::at(&linear, 60.0, goal);
+        let expected = pool.run(vec![search]).pop().unwrap().unwrap();
+        let with_play = system(0.3, 1.0, 60.0, Coupling { play: 0.01, ..one });
+        let found = with_play.shoot(60.0, goal, &mut pool).unwrap();
+        for order in [2.0, 4.0] {
+            let apart = found.torques[0].order(order) - expected.torques[0].order(order);
+            assert!(apart.norm_sqr().sqrt() < 1e-9);
+        }
+        let maps = found.orbit.monodromy.iter().zip(&expected.orbit.monodromy);
+        assert!(maps.into_iter().all(|(x, y)| (x - y).abs() < 1e-9));
+        let shift = expected.orbit.states[0] - found.orbit.states[0];
+        assert!((shift - 0.01).abs() < 1e-11, "{shift}");
+    }
+
+    /// A coupling that is crossed several times within an interval.
+    #[test]
+    fn kinks_beside_each_other_are_all_met() {
+        let table = vec![[0.0, 0.0], [0.0125, 100.0], [0.0126, 103.0], [0.02, 162.2]];
+        let coupling = Coupling { twist_torque: table, ..Coupling::default() };
+        let harmonic = TorqueHarmonic { end: 3, order: 4.0, cos: 60.0, sin: 0.0 };
+        let system = system(0.3, 2.0, 100.0, coupling).with_harmonics(&[harmonic]).unwrap();
+        let start = Start { state: vec![-0.012_5, 0.0], mean_torque: 0.0 };
+        let mut pool = Pool::new(Level::new(), None);
+        let ends = [16, 128].map(|intervals| {
+            let mut flow = Flow::new(&system, 100.0, &mut pool);
+            flow.period(&start, intervals, None).unwrap();
+            [flow.pool.newton.states[0][0], 0.1 * flow.pool.newton.states[1][0]]
+        });
+        assert!((ends[0][0] - ends[1][0]).abs() < 1e-9, "{ends:?}");
+        assert!((ends[0][1] - ends[1][1]).abs() < 1e-9, "{ends:?}");
+    }
+}

@@ -237,6 +237,11 @@ impl RunsSideBySide {
         (0..LANES).for_each(|l| self.springs[s].enter(l, spring, range, speed));
     }
 
+    /// Lets the torque of a free drive fall with its slope by so much more, in N m.
+    pub(super) fn govern(&mut self, torque: f64) {
+        (0..LANES).for_each(|l| self.drive_slope[l] += torque);
+    }
+
     /// The number of unknown angles.
     pub(super) fn unknowns(&self) -> usize {
         self.springs.len() + usize::from(self.free)
