@@ -176,6 +176,12 @@ assert vibration is not None
 save("torsion_response", plots.plot_torsion(vibration))
 save("campbell", plots.plot_campbell(vibration))
 
+# A boat with an engine of three cylinders.
+scene = cardan.Scene.load(Path(__file__).with_name("boat.toml"))
+vibration = torsion_figures(scene)
+assert vibration is not None
+save("boat_response", plots.plot_torsion(vibration))
+
 # Where a test rig with a torsion bar is unstable.
 scene = cardan.Scene.load(Path(__file__).with_name("rig_torsion.toml"))
 vibration = torsion_figures(scene)
