@@ -132,7 +132,7 @@ struct Balance<'a> {
 struct Rows {
     /// What is left of them, `(unknowns, samples)`.
     residuals: Vec<Vec<f64>>,
-    rows: Vec<Vec<EquationRow>>,
+    linear: Vec<Vec<EquationRow>>,
     /// The ratios of the pieces before the springs.
     ratios: Vec<Vec<f64>>,
     /// `(springs, samples)`.
@@ -152,9 +152,9 @@ struct Solved {
 /// The means of an equation's derivatives, as of an [`EquationRow`].
 #[derive(Clone, Copy, Default)]
 struct Mean {
-    by_acceleration: f64,
-    by_slope: [f64; 3],
-    by_angle: [f64; 3],
+    acceleration: f64,
+    slope: [f64; 3],
+    angle: [f64; 3],
 }
 
 /// The torques of a fine mesh.
@@ -271,7 +271,7 @@ impl<'a> Balance<'a> {
         let empty = vec![vec![0.0; count]; springs];
         let mut found = Rows {
             residuals: vec![vec![0.0; count]; m],
-            rows: vec![vec![EquationRow::default(); m]; count],
+            linear: vec![vec![EquationRow::default(); m]; count],
             ratios: empty.clone(),
             torques: empty.clone(),
             twists: empty,
@@ -299,10 +299,10 @@ impl<'a> Balance<'a> {
             for s in 0..springs {
                 self.runs.springs[s].preload[0] = added[s][k];
             }
-            self.runs.rows(lanes, angle(k), [&y, &v, &a], &mut found.rows[k]);
+            self.runs.rows(lanes, angle(k), [&y, &v, &a], &mut found.linear[k]);
             self.runs.add_losses(lanes, &v, &mut losses);
             for u in 0..m {
-                found.residuals[u][k] = found.rows[k][u].residual[0];
+                found.residuals[u][k] = found.linear[k][u].residual[0];
             }
             for s in 0..springs {
                 found.ratios[s][k] = self.runs.ratio(s);
@@ -332,7 +332,7 @@ impl<'a> Balance<'a> {
             for j in 0..count {
                 for k in 0..count {
                     let d = (j + count - k) % count;
-                    for (u, row) in rows.rows[j].iter().enumerate() {
+                    for (u, row) in rows.linear[j].iter().enumerate() {
                         for (c, w) in neighbours(u, m) {
                             let mut entry = row.by_slope[c][0] * first[d];
                             if c == 1 {
@@ -467,10 +467,10 @@ impl<'a> Balance<'a> {
     fn of_mean(&self, solved: &Solved, order: usize) -> DMatrix<Complex<f64>> {
         let (m, n) = (solved.mean.len(), self.base() * order as f64);
         let mut matrix = DMatrix::<Complex<f64>>::zeros(m, m);
-        for (u, Mean { by_acceleration, by_slope, by_angle }) in solved.mean.iter().enumerate() {
-            matrix[(u, u)] -= n * n * by_acceleration;
+        for (u, Mean { acceleration, slope, angle }) in solved.mean.iter().enumerate() {
+            matrix[(u, u)] -= n * n * acceleration;
             for (c, w) in neighbours(u, m) {
-                matrix[(u, w)] += Complex::new(by_angle[c], n * by_slope[c]);
+                matrix[(u, w)] += Complex::new(angle[c], n * slope[c]);
             }
         }
         self.hysteretic(|_| [1.0, 1.0], |u, w, stiffness| matrix[(u, w)] += I * stiffness);
@@ -508,13 +508,13 @@ impl Rows {
     /// The coefficients of the mean system.
     fn mean(&self) -> Vec<Mean> {
         let mut mean = vec![Mean::default(); self.residuals.len()];
-        let part = 1.0 / self.rows.len() as f64;
-        for rows in &self.rows {
+        let part = 1.0 / self.linear.len() as f64;
+        for rows in &self.linear {
             for (row, mean) in rows.iter().zip(&mut mean) {
-                mean.by_acceleration += part * row.by_acceleration[0];
+                mean.acceleration += part * row.by_acceleration[0];
                 for c in 0..3 {
-                    mean.by_slope[c] += part * row.by_slope[c][0];
-                    mean.by_angle[c] += part * row.by_angle[c][0];
+                    mean.slope[c] += part * row.by_slope[c][0];
+                    mean.angle[c] += part * row.by_angle[c][0];
                 }
             }
         }

@@ -147,7 +147,9 @@ fn settled<'a>(
             break;
         }
     }
-    changed.into_iter().for_each(|i| found[i] = Err(Failure::NotFound));
+    for i in changed {
+        found[i] = Err(Failure::NotFound);
+    }
     (systems, found)
 }
 

@@ -50,7 +50,9 @@ impl TorsionalSystem {
             }
             let larger = |most: f64, x: &f64| if x.abs() > most.abs() { *x } else { most };
             let largest = shape.iter().fold(0.0, larger);
-            shape.iter_mut().for_each(|x| *x /= largest);
+            for x in &mut shape {
+                *x /= largest;
+            }
             (found.eigenvalues[i].max(0.0).sqrt(), shape)
         };
         order[free..].iter().map(mode).collect()

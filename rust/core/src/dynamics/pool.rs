@@ -89,7 +89,7 @@ impl<'a> Pool<'a> {
             self.advance(&mut lanes);
         }
         let result = |search: Search<'_>| match search.state {
-            State::Ended(result) => result,
+            State::Ended(result) => *result,
             _ => Err(Failure::NotFound),
         };
         searches.into_iter().map(result).collect()

@@ -106,7 +106,7 @@ pub(super) enum State {
     Next(Need, usize),
     /// It needs the orbit that is followed from the straight driveline.
     Follow,
-    Ended(Result<Found, Failure>),
+    Ended(Box<Result<Found, Failure>>),
 }
 
 /// The search for the orbit of one run, step by step.
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
             speed,
             goal,
             starts: &[],
-            state: State::Ended(Err(Failure::NotFound)),
+            state: State::Ended(Box::new(Err(Failure::NotFound))),
             orbit: Orbit::default(),
             coarse: None,
             steps: 0,
@@ -156,7 +156,7 @@ impl<'a> Search<'a> {
             search.starts = &STARTS;
             search.begin();
         } else {
-            search.state = State::Ended(Err(Failure::Speed));
+            search.state = State::Ended(Box::new(Err(Failure::Speed)));
         }
         search
     }
@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
     /// Goes on with the next start.
     fn begin(&mut self) {
         let Some((start, rest)) = self.starts.split_first() else {
-            self.state = State::Ended(Err(self.failure));
+            self.state = State::Ended(Box::new(Err(self.failure)));
             return;
         };
         self.starts = rest;
@@ -332,7 +332,13 @@ impl<'a> Search<'a> {
     fn end(&mut self, torques: Vec<FourierSeries>, drive: Driven) {
         let orbit = std::mem::take(&mut self.orbit);
         let contraction = self.contraction.unwrap_or_default();
-        self.state = State::Ended(Ok(Found { orbit, contraction, torques, drive, extremes: None }));
+        self.state = State::Ended(Box::new(Ok(Found {
+            orbit,
+            contraction,
+            torques,
+            drive,
+            extremes: None,
+        })));
     }
 }
 

@@ -428,23 +428,19 @@ impl Equations for RunsSideBySide {
             let (slope, acceleration) = (v[u], a[u]);
             let slope_before = if u == 0 { ZERO } else { v[u - 1] };
             // The torque that enters the piece: of the shaft before it or of the drive.
-            let (before, spring, torque) = match (u + first).checked_sub(1) {
-                Some(s) => {
-                    let (torque, most) = (self.torques[s], &mut self.largest[s]);
-                    for l in lanes.each() {
-                        most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
-                    }
-                    (self.motions[s], self.springs[s], torque)
+            let (before, spring, torque) = if let Some(s) = (u + first).checked_sub(1) {
+                let (torque, most) = (self.torques[s], &mut self.largest[s]);
+                for l in lanes.each() {
+                    most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
                 }
-                None => {
-                    let mut torque = ZERO;
-                    for l in lanes.each() {
-                        torque[l] = (-self.drive_slope[l]).mul_add(slope[l], self.mean_torque[l]);
-                    }
-                    let of_drive =
-                        SpringPack { damping: self.drive_slope, ..SpringPack::default() };
-                    (PieceMotionPack::default(), of_drive, torque)
+                (self.motions[s], self.springs[s], torque)
+            } else {
+                let mut torque = ZERO;
+                for l in lanes.each() {
+                    torque[l] = (-self.drive_slope[l]).mul_add(slope[l], self.mean_torque[l]);
                 }
+                let of_drive = SpringPack { damping: self.drive_slope, ..SpringPack::default() };
+                (PieceMotionPack::default(), of_drive, torque)
             };
             // The torque that leaves the piece, and its derivatives by this unknown and the next:
             // what the next shaft or the load does.

@@ -251,17 +251,15 @@ impl TorsionalSystem {
             };
             harmonics.iter().all(|harmonic| closed(harmonic.order)) && closed(2.0)
         };
-        self.half_turns = match std::iter::once(1).chain((2..=2 * TURNS).step_by(2)).find(closes) {
-            Some(half_turns) => half_turns,
-            None => {
-                let orders: Vec<f64> = harmonics.iter().map(|harmonic| harmonic.order).collect();
-                let problem = format!(
-                    "have the orders {orders:?}, which with the joints' order 2 repeat after more \
-                     than {TURNS} turns; they need a common divisor of at least 1/{TURNS}"
-                );
-                return Err(Error::new("harmonics", &[], problem));
-            }
-        };
+        let found = std::iter::once(1).chain((2..=2 * TURNS).step_by(2)).find(closes);
+        self.half_turns = found.ok_or_else(|| {
+            let orders: Vec<f64> = harmonics.iter().map(|harmonic| harmonic.order).collect();
+            let problem = format!(
+                "have the orders {orders:?}, which with the joints' order 2 repeat after more than \
+                 {TURNS} turns; they need a common divisor of at least 1/{TURNS}"
+            );
+            Error::new("harmonics", &[], problem)
+        })?;
         Ok(self)
     }
 

@@ -498,8 +498,8 @@ def _missing(response: SpeedResponse) -> Iterator[Missing]:
 def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
     """Return what moves as one between compliant shafts: the shaft ends, and what to call it.
 
-    The first one is the drive. Any other is called by the shaft with the largest inertia in it; two
-    bodies of the same shaft are its ends.
+    A body is called by the shaft with the largest inertia in it. Two bodies of the same shaft are
+    its ends, and the input end of shaft 0 is the drive.
     """
     system, inertias = given.system, given.system.inertias
     bodies: list[list[tuple[int, int]]] = [[]]
@@ -513,11 +513,10 @@ def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
     called = []
     for body, (shaft, end) in zip(bodies, largest, strict=True):
         name = f"the {given.names[shaft]}" if given.names else f"shaft {shaft}"
-        if (0, 0) in body:
-            called.append((body, "the drive"))
-            continue
-        side = f"the {'output' if end else 'input'} end of " if shafts.count(shaft) > 1 else ""
-        called.append((body, f"{side}{name}"))
+        if shafts.count(shaft) > 1:
+            side = f"the {'output' if end else 'input'} end of {name}"
+            name = "the drive" if (shaft, end) == (0, 0) else side
+        called.append((body, name))
     return called
 
 
