@@ -200,3 +200,82 @@ def test_the_page_has_a_section(tmp_path: Path, truck: TorsionFigures, answered:
     bare = tmp_path / "bare.html"
     write_report(Scene.parse("[driveline]\nbends_deg = [10, 10]\n"), bare)
     assert "orsional vibration" not in bare.read_text(encoding="utf-8").split("<script")[0]
+
+
+ENGINE = """
+[driveline]
+bends_deg = [0, 8]
+[torsion]
+drive = "free"
+names = ["engine", "shaft", "propeller"]
+inertias_kgm2 = [[0.8, 0], [0.05, 0.01], [0, 0.15]]
+stiffnesses_Nm_per_rad = ["coupling", 40000, "rigid"]
+dampings_Nms_per_rad = [8, 5, 0]
+load_damping_Nms_per_rad = 0.8
+speed_rpm = {from = 700, to = 1300, steps = 13}
+[[torsion.harmonic]]
+order = [0.5, 1, 1.5, 3, 4.5, 6, 7.5, 9]
+cos_Nm = [90, 70, 50, 10, 4, 3, 2, 1]
+firing_order = [1, 3, 2]
+[[torsion.coupling]]
+shaft = 0
+stiffness_Nm_per_rad = 3000
+"""
+
+
+def test_pictures_of_an_engine() -> None:
+    few = ENGINE.replace(", 4.5, 6, 7.5, 9]", "]").replace(", 10, 4, 3, 2, 1]", ", 10]")
+    found = torsion_figures(Scene.parse(few))
+    assert found is not None
+    axes = plot_campbell(found)
+    lines = {str(line.get_label()): line for line in axes.get_lines()}
+    assert {"order 1.5", "order 2", "order 3", "order 4", "of torques"} <= lines.keys()
+    assert {name: lines[name].get_linestyle() for name in ("order 1.5", "order 2")} == {
+        "order 1.5": "--",
+        "order 2": "-",
+    }
+    assert "engine" in [text.get_text().split("\n")[-1] for text in axes.texts]
+    axes = plot_torsion_response(found, 0)
+    drawn = next(line for line in axes.get_lines() if line.get_label() == "order 1.5")
+    x, y = (np.asarray(data, dtype=np.float64)[::20] for data in drawn.get_data())
+    steady = found.torsion.system.steady(x * RPM, 1.5)
+    assert y == pytest.approx(np.abs(steady.torque_orders[0, :, 0]), rel=1e-6)
+    assert [text.get_text() for text in axes.texts] == ["1.5"]
+
+
+def test_more_orders_than_a_legend_has_stand_at_their_lines() -> None:
+    found = torsion_figures(Scene.parse(ENGINE))
+    assert found is not None
+    axes = plot_campbell(found)
+    texts = [text.get_text() for text in axes.texts]
+    assert texts[:8] == ["1.5", "2", "3", "4", "4.5", "6", "7.5", "9"]
+    for mark, order in zip(marks(axes), (1.5, 2, 3, 4, 4.5, 6, 7.5, 9), strict=False):
+        speed, frequency = mark.xy
+        assert frequency == pytest.approx(order * speed / 60.0)
+
+
+@pytest.mark.long
+def test_each_of_several_motions_is_drawn() -> None:
+    text = """
+    [driveline]
+    bends_deg = [30, 30]
+    [torsion]
+    drive = "held"
+    inertias_kgm2 = [0, [0, 0.004], [0.1, 0]]
+    stiffnesses_Nm_per_rad = ["rigid", 9000, "rigid"]
+    damping_ratio = 0.013
+    load_torque_Nm = 20
+    orders = 2
+    speed_rpm = {from = 1200, to = 1600, steps = 5}
+    """
+    found = torsion_figures(Scene.parse(text))
+    assert found is not None
+    lines = {str(line.get_label()): line for line in plot_torsion_response(found).get_lines()}
+    speed = found.critical_speeds[0].speed
+    orbits = found.torsion.system.coexisting(speed)
+    sizes = np.fmax(-orbits.torque_min, orbits.torque_max)[0, : int(orbits.count)]
+    stable = orbits.stable[: int(orbits.count)]
+    for name, which in (("stable motion", stable), ("unstable motion", ~stable)):
+        x, y = (np.asarray(data, dtype=np.float64) for data in lines[name].get_data())
+        here = np.isclose(x, speed / RPM)
+        assert sorted(y[here]) == pytest.approx(sorted(sizes[which]), rel=1e-4)

@@ -398,6 +398,8 @@ class SideBySide:
         smallest: the largest magnitude of its torque in N m in the motion in which that is least;
             NaN without a motion.
         largest: the same in the motion in which it is largest.
+        sizes: the same in each motion.
+        stables: whether each motion is stable.
     """
 
     speed: float
@@ -406,6 +408,8 @@ class SideBySide:
     shaft: int
     smallest: float
     largest: float
+    sizes: tuple[float, ...] = ()
+    stables: tuple[bool, ...] = ()
 
 
 def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, ...]:
@@ -438,6 +442,7 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
         shafts = np.nan_to_num(sizes[:, place]).max(axis=-1)
         chosen = int(shafts.argmax())
         known = sizes[chosen, place][: int(found.count[place])]
+        stables = found.stable[place][: len(known)]
         motions.append(
             SideBySide(
                 each,
@@ -446,6 +451,8 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
                 self.compliant[chosen],
                 float(known.min()) if known.size else math.nan,
                 float(known.max()) if known.size else math.nan,
+                tuple(known.tolist()),
+                tuple(stables.tolist()),
             )
         )
     return tuple(motions)

@@ -27,7 +27,7 @@ from cardan.app.answers.torsion.search import Search, search_over, torques_of
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
-from cardan.torsion import SpeedResponse, SteadyState, UnstableRange
+from cardan.torsion import SideBySide, SpeedResponse, SteadyState, UnstableRange
 from cardan.torsion.analyses import harmonic_orders, located, ranges
 
 TorsionVerdict = Literal["unstable", "runaway", "reversing", "resonant", "clear"]
@@ -176,6 +176,14 @@ class LargestTorque:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """One of the periodic motions at one drive speed."""
+
+    size: float = figure("largest torque", "Nm", "of the shaft")
+    stable: bool = flag("stable")
+
+
+@dataclass(frozen=True)
 class Motions:
     """The periodic motions that a search found at one drive speed."""
 
@@ -185,6 +193,7 @@ class Motions:
     shaft: int = count("shaft with the largest torque")
     smallest: float = figure("least of their largest torques", "Nm")
     largest: float = figure("largest of their largest torques", "Nm")
+    each: tuple[Motion, ...] = parts("Each motion", is_detail=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -450,8 +459,21 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
         unstable=unstable,
         runaway=runaway,
         missing=missing,
-        motions=tuple(Motions(*astuple(each)) for each in system.side_by_side(searched)),
+        motions=tuple(motions_of(each) for each in system.side_by_side(searched)),
         response=_response(speed, steady),
+    )
+
+
+def motions_of(found: SideBySide) -> Motions:
+    """Return the periodic motions at one speed."""
+    return Motions(
+        speed=found.speed,
+        number=found.count,
+        stable=found.stable,
+        shaft=found.shaft,
+        smallest=found.smallest,
+        largest=found.largest,
+        each=tuple(map(Motion, found.sizes, found.stables)),
     )
 
 

@@ -12,7 +12,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.charts import Curve, Panel, chart
 from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rows import UNITS
-from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures
+from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures, motions_of
 from cardan.app.pictures.style import (
     LINES,
     THIN,
@@ -22,13 +22,13 @@ from cardan.app.pictures.style import (
     drawing,
     finish,
     legend_above,
-    line_style,
     page,
     stacked,
     value_ticks,
 )
 from cardan.app.scene.language.units import RPM, shown_unit
 from cardan.arrays.errors import ArgumentValueError
+from cardan.torsion.analyses import harmonic_orders
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,6 +38,10 @@ _SPEED = "drive speed [rpm]"
 _PANEL, _AROUND = 42.0, 16.0  # mm
 _BAND, _UNSTABLE, _MISSING = "#BFD9EA", "#D55E00", "0.6"
 _CRITICAL: Mapping[str, Any] = {**THIN, "linestyle": (0, (4, 1.5))}
+_OF_TORQUES = (0, (3, 1))
+_DRIVE = (0, "input")
+# Speeds around those with several motions that are searched for each of them, and how far away.
+_SEARCHED, _BESIDE = 9, 0.04
 # Points of a map; more would not be seen at 80 mm.
 _SPEEDS, _BENDS = 121, 41
 # The map goes up to this bend in degrees, or to twice the bend of the scene.
@@ -84,6 +88,9 @@ def plot_torsion_response(
 ) -> Axes:
     """Draw least, mean and largest torque of a shaft over the drive speed, resonances marked.
 
+    Of an engine the amplitude of the largest order of the drive is drawn as well. Where a search
+    found several motions, each of them is marked around there.
+
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         shaft: a compliant shaft; by default the first.
@@ -110,12 +117,47 @@ def plot_torsion_response(
         axes.plot(rpm, least, **{**LINES[0], "linewidth": 0.8})
         axes.plot(rpm, mean, label="mean", **LINES[1])
         axes.axhline(0.0, **{**THIN, "linewidth": 0.5})
+        _draw_order(axes, found, place)
+        _draw_motions(axes, found, chosen)
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
         torque = with_unit(f"torque of shaft {chosen}", "Nm")
         finish(axes, _SPEED, torque, (rpm[0], rpm[-1]))
         axes.set_axisbelow(True)
     return axes
+
+
+def _draw_order(axes: Axes, found: TorsionFigures, place: int) -> None:
+    """Draw the amplitude of the largest order of the torques on the drive, if there are any."""
+    own = [each for each in found.torsion.system.harmonics if (each.shaft, each.end) == _DRIVE]
+    if not own:
+        return
+    order = max(own, key=lambda each: each.amplitude).order
+    column = found.steady.orders.tolist().index(order)
+    size = UNITS[shown_unit("Nm")].factor * np.abs(found.steady.torque_orders[place, :, column])
+    axes.plot(found.speed / RPM, size, label=f"order {order:g}", **LINES[2])
+
+
+def _draw_motions(axes: Axes, found: TorsionFigures, shaft: int) -> None:
+    """Mark the largest torque in each motion where there are several, hollow if unstable."""
+    factor, known = UNITS[shown_unit("Nm")].factor, found.motions
+    several = [motions.speed for motions in known if motions.number > 1]
+    if several:
+        near = np.outer(several, 1.0 + _BESIDE * np.linspace(-1.0, 1.0, _SEARCHED)).ravel()
+        inside = near[(near >= found.speed[0]) & (near <= found.speed[-1])]
+        known = tuple(map(motions_of, found.torsion.system.side_by_side(inside)))
+    for stable, face, label in ((True, "k", "stable motion"), (False, "w", "unstable motion")):
+        points = [
+            (motions.speed / RPM, factor * each.size)
+            for motions in known
+            if motions.number > 1 and motions.shaft == shaft
+            for each in motions.each
+            if each.stable == stable
+        ]
+        if points:
+            look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": face, "color": "k"}
+            look |= {"marker": "o", "linestyle": "none", "markeredgewidth": 0.6}
+            axes.plot(*np.array(points).T, label=label, **look)
 
 
 def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
@@ -160,15 +202,12 @@ def _excited(found: TorsionFigures) -> list[CriticalSpeed]:
 def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
     """Draw natural frequencies and the frequencies of the orders over the drive speed.
 
-    Where a line of an order crosses a natural frequency there is a critical speed. The speed range
-    of the scene is shaded.
+    Where a line of an order crosses a natural frequency there is a critical speed. Orders of
+    harmonic torques are dashed. The speed range of the scene is shaded.
 
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-
-    Raises:
-        ValueError: more orders than can be told apart.
     """
     check_kind("found", found, TorsionFigures)
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
@@ -182,13 +221,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         frequencies = [mode.frequency / (2.0 * np.pi) for mode in found.modes]
         for number, frequency in enumerate(frequencies):
             axes.axhline(frequency, label="natural frequency" if number == 0 else None, **_CRITICAL)
-        for number, order in enumerate(found.torsion.orders):
-            axes.plot(
-                [0.0, right],
-                [0.0, order * right / 60.0],
-                label=f"order {order:g}",
-                **line_style(number),
-            )
+        _draw_orders(axes, found, right, 1.25 * max(frequencies))
         crossings = [
             (part.speed / RPM, found.modes[part.mode].frequency / (2.0 * np.pi))
             for part in found.critical_speeds
@@ -199,6 +232,28 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         axes.set_axisbelow(True)
         _name_modes(axes, found)
     return axes
+
+
+def _draw_orders(axes: Axes, found: TorsionFigures, right: float, top: float) -> None:
+    """Draw the frequency of each order; those of more than a legend has stand at their lines."""
+    orders, of_torques = found.torsion.orders, harmonic_orders(found.torsion.system)
+    many = len(orders) > len(LINES)
+    for number, order in enumerate(orders):
+        dashes = _OF_TORQUES if order in of_torques else "-"
+        look = {**LINES[number % len(LINES)], "linestyle": dashes}
+        label = None if many else f"order {order:g}"
+        axes.plot([0.0, right], [0.0, order * right / 60.0], label=label, **look)
+        if many:
+            end = min(right, 60.0 * top / order)
+            # Below a flat line, and to the right of a steep one.
+            side = 1.0 if end < 0.9 * right else -1.0
+            name: dict[str, Any] = {"xytext": (2.0 * side, -2.0), "textcoords": "offset points"}
+            name |= {"ha": "left" if side > 0.0 else "right", "va": "top"}
+            axes.annotate(f"{order:g}", (end, order * end / 60.0), **name)
+    if many:
+        axes.plot([], [], label="order", **THIN)
+    if of_torques:
+        axes.plot([], [], label="of torques", **{**THIN, "linestyle": _OF_TORQUES})
 
 
 def _name_modes(axes: Axes, found: TorsionFigures) -> None:
@@ -212,7 +267,7 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
         frequency = mode.frequency / math.tau
         below = max(frequency, below + apart)
         axes.annotate(
-            f"{quantity(mode.frequency, 'Hz')}\nshaft {mode.shaft}",
+            f"{quantity(mode.frequency, 'Hz')}\n{_name(found, mode.shaft)}",
             (1.0, below),
             xycoords=axes.get_yaxis_transform(),
             xytext=(3.0, 0.0),
@@ -221,6 +276,11 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
             linespacing=1.0,
             annotation_clip=False,
         )
+
+
+def _name(found: TorsionFigures, shaft: int) -> str:
+    names = found.torsion.names
+    return names[shaft] if names else f"shaft {shaft}"
 
 
 def plot_stability(
