@@ -466,3 +466,20 @@ def test_orders_may_be_halves() -> None:
     data = data_of(found)
     ANSWERS.validate(answer("torsion", "", **data, files=[]))
     assert [each["order"] for each in data["response"]["shafts"][0]["orders"]] == [1.5, 2, 3, 4]
+
+
+@pytest.mark.long
+def test_a_check_looks_at_couplings_with_kinks_at_few_speeds() -> None:
+    law = "twist_deg = [0, 2, 4]\ntorque_Nm = [0, 100, 400]\nlargest_torque_Nm = 200"
+    text = with_coupling(law).replace("steps = 13", "steps = 300")
+    found = basics(text)
+    assert found.search
+    assert found.search.is_coarse
+    speeds = found.search.response.speed / RPM
+    assert len(speeds) < 40
+    critical = next(each.speed / RPM for each in found.resonances if each.order == 1.5)
+    assert np.any(np.isclose(speeds, critical))
+    (coupling,) = found.couplings
+    largest = np.nanmax(np.abs(found.search.response.steady.torque_max[0]))
+    assert coupling.largest.value == pytest.approx(largest)
+    assert coupling.largest.verdict == "beyond"

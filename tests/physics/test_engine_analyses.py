@@ -132,9 +132,19 @@ def test_rattling_is_a_torque_that_changes_its_sign_or_is_lost() -> None:
     coupling = cardan.Coupling(8000.0, play=1e-3)
     loose = cardan.TorsionalSystem(STRAIGHT, stiffnesses=[INF, INF], couplings={0: coupling}, **own)
     known = loose.speed_response(speeds[speeds < 400.0])
-    if np.all(known.steady.found):
-        ((start_of_loose, _), *_) = known.largest[0].reversals
-        assert start_of_loose == pytest.approx(start, rel=5e-3)
+    assert np.all(known.steady.found)
+    (start_of_loose, _), *_ = known.largest[0].reversals
+    assert start_of_loose == pytest.approx(start, rel=5e-3)
+
+
+def test_coarse_answers_are_at_the_speeds_given() -> None:
+    system, speeds = sommerfeld(), np.linspace(100.0, 600.0, 26)
+    coarse = system.speed_response(speeds, refined=False)
+    assert coarse.speed.tolist() == speeds.tolist()
+    assert coarse.largest[0].speed in speeds
+    assert coarse.largest[0].most <= system.speed_response(speeds).largest[0].most
+    (region,) = system.unstable_ranges(speeds, refined=False)
+    assert {region.start, region.stop} <= set(speeds.tolist())
 
 
 def test_a_heavy_drive_is_as_unstable_as_a_held_one() -> None:

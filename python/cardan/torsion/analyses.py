@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 # of the edges' intervals.
 _NEAR, _BESIDE, _HALVINGS = 81, 9, 16
 
+# A motion of a coupling with kinks takes some fifty times as long as another one: of the speeds
+# that are added only one in so many is.
+_FEWER = 4
+
 _JOINT_ORDERS = (2.0, 4.0)
 
 # Without damping the speed neither runs away nor returns; its multiplier is then 1 up to this.
@@ -214,7 +218,9 @@ def ranges(which: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
     yield from ((int(first), int(last) - 1) for first, last in ends.reshape(-1, 2))
 
 
-def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRange, ...]:
+def unstable_ranges(
+    self: TorsionalSystem, speed: ArrayLike, *, refined: bool = True
+) -> tuple[UnstableRange, ...]:
     """Return where in a range of speeds the periodic motion of one system is unstable.
 
     Besides the speeds given, those around ``(w_i + w_j)/n`` are examined with ``n = 2, 4`` and the
@@ -228,6 +234,7 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
 
     Args:
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
+        refined: whether other speeds are examined as well and the ends found between speeds.
 
     Raises:
         ValueError: speeds that do not rise.
@@ -241,17 +248,20 @@ def unstable_ranges(self: TorsionalSystem, speed: ArrayLike) -> tuple[UnstableRa
     (387.0, 412.0)
     """
     check_single(self)
-    speeds = _with_candidates(self, _rising(speed))
-    if self.free:
+    speeds = _rising(speed)
+    if refined:
+        speeds = _with_candidates(self, speeds)
+    if refined and self.free:
         critical = self.critical_speeds(_excited(self, _JOINT_ORDERS))
         speeds = _with_resonances(self, speeds, critical)
     found = self.stability(speeds)
-    vibrating = _ranges(self, speeds, found, _vibrates)
+    of = self if refined else None
+    vibrating = _ranges(of, speeds, found, _vibrates)
     unstable = [
         UnstableRange(start, stop, float(np.nanmax(growth(found)[places])))
         for start, stop, places in vibrating
     ]
-    for start, stop, places in _ranges(self, speeds, found, _runs_away):
+    for start, stop, places in _ranges(of, speeds, found, _runs_away):
         multiplier = float(np.nanmax(found.speed_multiplier[places]))
         slope = float(np.nanmax(found.needed_slope[places]))
         unstable.append(UnstableRange(start, stop, multiplier, slope))
@@ -277,19 +287,24 @@ def _runs_away(found: Stability) -> NDArray[np.bool_]:
 
 
 def _ranges(
-    system: TorsionalSystem,
+    system: TorsionalSystem | None,
     speed: FloatArray,
     found: Stability,
     grows: Callable[[Stability], NDArray[np.bool_]],
 ) -> Iterator[tuple[float, float, slice]]:
-    """Ends of each range in which something grows, and the places of its speeds."""
+    """Ends of each range in which something grows, and the places of its speeds.
+
+    Without a system the ends are speeds of those that are known.
+    """
     which = grows(found)
     runs, edges = list(ranges(which)), []
     for first, last in runs:
         for inner, outer in ((first, first - 1), (last, last + 1)):
             known = 0 <= outer < len(speed) and bool(found.found[outer])
             edges.append((speed[inner], speed[outer] if known else speed[inner]))
-    ends = _edges(system, np.array(edges).reshape(-1, 2), grows).reshape(-1, 2)
+    ends = np.array(edges).reshape(-1, 2)[:, 0].reshape(-1, 2)
+    if system:
+        ends = _edges(system, np.array(edges).reshape(-1, 2), grows).reshape(-1, 2)
     for (first, last), (start, stop) in zip(runs, ends, strict=True):
         yield float(start), float(stop), slice(first, last + 1)
 
@@ -310,7 +325,7 @@ def _with_candidates(system: TorsionalSystem, speed: FloatArray) -> FloatArray:
     around = [speed]
     for order in sorted({*_JOINT_ORDERS, *harmonic_orders(system)}):
         is_of_joints = order in _JOINT_ORDERS
-        near = np.linspace(-1.0, 1.0, _NEAR if is_of_joints else _BESIDE)
+        near = np.linspace(-1.0, 1.0, _NEAR if is_of_joints else _BESIDE)[:: _every(system)]
         around.append(
             np.outer(sums / order, 1.0 + (width if is_of_joints else 0.01) * near).ravel()
         )
@@ -496,8 +511,17 @@ class SpeedResponse:
     largest: tuple[LargestTorque, ...]
 
 
+def has_kinks(system: TorsionalSystem) -> bool:
+    """Return whether a coupling has play or a table, of which motions take long to find."""
+    return any(own.play > 0.0 or own.twist is not None for own in system.couplings.values())
+
+
+def _every(system: TorsionalSystem) -> int:
+    return _FEWER if has_kinks(system) else 1
+
+
 def speed_response(
-    self: TorsionalSystem, speed: ArrayLike, orders: ArrayLike = (2, 4)
+    self: TorsionalSystem, speed: ArrayLike, orders: ArrayLike = (2, 4), *, refined: bool = True
 ) -> SpeedResponse:
     """Return the periodic motion of one system over a range of speeds, and its largest torques.
 
@@ -508,6 +532,7 @@ def speed_response(
     Args:
         speed: drive speeds in rad/s, rising, ``(m,)``; the range is from the first to the last.
         orders: of the drive's rotation, as of ``steady``.
+        refined: whether speeds are added and searched between the others.
 
     Raises:
         TypeError: speeds or orders that are not real numbers.
@@ -527,9 +552,12 @@ def speed_response(
     check_single(self)
     excited = _excited(self, orders)
     critical = self.critical_speeds(np.union1d(orders, excited))
-    speeds = _with_resonances(self, _rising(speed), self.critical_speeds(excited))
+    speeds = _rising(speed)
+    if refined:
+        speeds = _with_resonances(self, speeds, self.critical_speeds(excited))
     steady = self.steady(speeds, orders)
-    return SpeedResponse(speeds, steady, tuple(_largest(self, speeds, steady, critical)))
+    found = _largest(self, speeds, steady, critical, _ROUNDS if refined else 0)
+    return SpeedResponse(speeds, steady, tuple(found))
 
 
 def _with_resonances(
@@ -539,14 +567,18 @@ def _with_resonances(
     for mode, centres in zip(system.modes(), critical, strict=True):
         # The half-width of a resonance is its damping ratio.
         least = min(max(0.25 * mode.damping_ratio, 1e-4), 0.5 * _REACH)
-        away = np.geomspace(least, _REACH, _AROUND)
+        away = np.geomspace(least, _REACH, _AROUND)[:: _every(system)]
         around += [centre * (1.0 + np.concatenate([-away, [0.0], away])) for centre in centres]
     speeds = np.unique(np.concatenate(around))
     return np.asarray(speeds[(speeds >= speed[0]) & (speeds <= speed[-1])], dtype=np.float64)
 
 
 def _largest(
-    system: TorsionalSystem, speed: FloatArray, steady: SteadyState, critical: FloatArray
+    system: TorsionalSystem,
+    speed: FloatArray,
+    steady: SteadyState,
+    critical: FloatArray,
+    rounds: int,
 ) -> Iterator[LargestTorque]:
     unlimited = np.zeros(0)
     if not is_damped(system):
@@ -558,7 +590,8 @@ def _largest(
         if unlimited.size:
             yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
         elif np.any(steady.found):
-            at, found, best = located(system, speed, steady, partial(_sizes_at, place))
+            value = partial(_sizes_at, place)
+            at, found, best = located(system, speed, steady, value, rounds)
             ends = (found.torque_min, found.torque_max, found.torque_mean)
             least, most, mean = (float(end[place, best]) for end in ends)
             yield LargestTorque(shaft, float(at[best]), least, most, mean, reversals)
@@ -576,6 +609,7 @@ def located(
     speed: FloatArray,
     steady: SteadyState,
     value: Callable[[FloatArray, SteadyState], FloatArray],
+    rounds: int = _ROUNDS,
 ) -> tuple[FloatArray, SteadyState, int]:
     """Return speeds ever closer to the largest value, the motion at them, and its place.
 
@@ -583,7 +617,7 @@ def located(
     """
     at, found = speed, steady
     best = int(np.nanargmax(value(at, found)))
-    for _ in range(_ROUNDS):
+    for _ in range(min(rounds, 2) if has_kinks(system) else rounds):
         low, high = at[max(best - 1, 0)], at[min(best + 1, len(at) - 1)]
         at = np.union1d(np.linspace(low, high, _EACH), [at[best]])
         found = system.steady(at, steady.orders)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
 from cardan.torsion import SideBySide, SpeedResponse, SteadyState, UnstableRange
-from cardan.torsion.analyses import harmonic_orders, located, ranges
+from cardan.torsion.analyses import harmonic_orders, has_kinks, located, ranges
 
 TorsionVerdict = Literal["unstable", "runaway", "reversing", "resonant", "clear"]
 """The worst of what happens in the speed range, from the worst to the best.
@@ -403,29 +403,38 @@ def find(answer: Answer) -> TorsionBasics | None:
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    search = search_over(given) if given.is_searched else None
+    search = search_over(given, is_coarse=has_kinks(system)) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
         torsion=given,
-        search=search,
         margin=margin,
-        unstable_share=_unstable_share(given, search) if search else None,
-        rattle_share=_rattle_share(given, search) if search else None,
         without_effect=given.without_effect or None,
         speed_range=SpeedRange(low, high),
         running=tuple(RunningSpeed(*astuple(each)) for each in running),
         modes=modes,
         critical_speeds=critical_speeds,
         rules=rules,
-        couplings=tuple(_couplings(given, search)) if search else (),
-        avoided=tuple(_avoided(given, search)) if search else (),
-        softer=tuple(softer(given, search)) if search else (),
+        softer=tuple(softer(given, search)) if search and not search.is_coarse else (),
+        **_judged_by(given, search),
     )
+
+
+def _judged_by(given: TorsionCase, search: Search | None) -> dict[str, Any]:
+    """The figures of a search."""
+    return {
+        "search": search,
+        "unstable_share": _unstable_share(given, search) if search else None,
+        "rattle_share": _rattle_share(given, search) if search else None,
+        "couplings": tuple(_couplings(given, search)) if search else (),
+        "avoided": tuple(_avoided(given, search)) if search else (),
+    }
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     """Return the torsional vibration over the speeds of the scene."""
     given, system = found.torsion, found.torsion.system
+    if found.search and found.search.is_coarse:
+        found = replace(found, **_judged_by(given, search_over(given)))
     search = found.search or search_over(given)
     response = search.response
     speed, steady = response.speed, response.steady
@@ -620,7 +629,8 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
         means = mean(response.speed, response.steady)
         best = int(np.nanargmax(means))
         found = [(float(means[best]), float(response.speed[best]))]
-        at, steady, best = located(system, response.speed, response.steady, vibratory)
+        rounds = (0,) if search.is_coarse else ()
+        at, steady, best = located(system, response.speed, response.steady, vibratory, *rounds)
         found.append((float(vibratory(at, steady)[best]), float(at[best])))
         found.append((max(abs(largest.least), abs(largest.most)), largest.speed))
         if math.isinf(largest.most):

@@ -28,7 +28,7 @@ from cardan.app.pictures.style import (
 )
 from cardan.app.scene.language.units import RPM, shown_unit
 from cardan.arrays.errors import ArgumentValueError
-from cardan.torsion.analyses import harmonic_orders
+from cardan.torsion.analyses import harmonic_orders, has_kinks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -142,7 +142,7 @@ def _draw_motions(axes: Axes, found: TorsionFigures, shaft: int) -> None:
     """Mark the largest torque in each motion where there are several, hollow if unstable."""
     factor, known = UNITS[shown_unit("Nm")].factor, found.motions
     several = [motions.speed for motions in known if motions.number > 1]
-    if several:
+    if several and not has_kinks(found.torsion.system):
         near = np.outer(several, 1.0 + _BESIDE * np.linspace(-1.0, 1.0, _SEARCHED)).ravel()
         inside = near[(near >= found.speed[0]) & (near <= found.speed[-1])]
         known = tuple(map(motions_of, found.torsion.system.side_by_side(inside)))

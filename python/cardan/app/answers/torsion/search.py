@@ -15,6 +15,9 @@ from cardan.torsion import SpeedResponse, SteadyState, UnstableRange
 # The frequency in Hz at which couplings are rated for torques that vary.
 _RATED_AT = 10.0
 
+# Speeds at which a check looks at couplings with kinks, besides critical ones.
+_COARSE = 25
+
 
 @dataclass(frozen=True, eq=False)
 class Search:
@@ -22,12 +25,22 @@ class Search:
 
     response: SpeedResponse
     unstable: tuple[UnstableRange, ...]
+    is_coarse: bool = False  # whether it is at few speeds only
 
 
-def search_over(given: TorsionCase) -> Search:
-    """Search for the periodic motions over the speeds of a scene."""
-    response = given.system.speed_response(given.speed, given.orders)
-    return Search(response, given.system.unstable_ranges(response.speed))
+def search_over(given: TorsionCase, *, is_coarse: bool = False) -> Search:
+    """Search for the periodic motions over the speeds of a scene.
+
+    A coarse search is at some of them and at the critical ones.
+    """
+    system, speed = given.system, given.speed
+    if is_coarse:
+        critical = system.critical_speeds(given.excited).ravel()
+        inside = critical[(critical >= speed[0]) & (critical <= speed[-1])]
+        speed = np.union1d(np.linspace(speed[0], speed[-1], min(_COARSE, len(speed))), inside)
+    response = system.speed_response(speed, given.orders, refined=not is_coarse)
+    unstable = system.unstable_ranges(response.speed, refined=not is_coarse)
+    return Search(response, unstable, is_coarse)
 
 
 def torques_of(
