@@ -469,14 +469,13 @@ def test_orders_may_be_halves() -> None:
 
 
 @pytest.mark.long
-def test_a_check_looks_at_couplings_with_kinks_at_few_speeds() -> None:
+def test_couplings_with_kinks_are_looked_at_at_few_speeds() -> None:
     law = "twist_deg = [0, 2, 4]\ntorque_Nm = [0, 100, 400]\nlargest_torque_Nm = 200"
     text = with_coupling(law).replace("steps = 13", "steps = 300")
     found = basics(text)
     assert found.search
-    assert found.search.is_coarse
     speeds = found.search.response.speed / RPM
-    assert len(speeds) < 40
+    assert len(speeds) < 60
     critical = next(each.speed / RPM for each in found.resonances if each.order == 1.5)
     assert np.any(np.isclose(speeds, critical))
     (coupling,) = found.couplings

@@ -149,6 +149,7 @@ def test_coarse_answers_are_at_the_speeds_given() -> None:
 
 def test_a_heavy_drive_is_as_unstable_as_a_held_one() -> None:
     line = cardan.Driveline.from_bends([20.0], degrees=True)
+    kinds: tuple[tuple[Any, float], ...] = (("held", 0.0), ("free", 1e5))
     ends = {
         drive: cardan.TorsionalSystem(
             line,
@@ -156,7 +157,7 @@ def test_a_heavy_drive_is_as_unstable_as_a_held_one() -> None:
             stiffnesses=[8000.0, INF],
             drive=drive,
         ).unstable_ranges([300.0, 500.0])
-        for drive, inertia in (("held", 0.0), ("free", 1e5))
+        for drive, inertia in kinds
     }
     (held,), (free,) = ends["held"], [one for one in ends["free"] if not one.runs_away]
     assert (free.start, free.stop) == pytest.approx((held.start, held.stop), rel=1e-5)

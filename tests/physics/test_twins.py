@@ -28,9 +28,9 @@ CLASSES = ("Driveline", "Machine", "Transmission", "Plan", "TorsionalSystem", "B
 # The other public names of the package: they state, choose or carry results of those above.
 CARRIERS = (
     "ActiveLimit Answer ArgumentError ArgumentTypeError ArgumentValueError Check Coupling "
-    "Derivatives EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths Life Limit "
-    "Limits Load Losses Motion Optimum OrderTolerances Output Result Scene Slides SplineForce "
-    "Steering Tolerances TorqueHarmonic Tube TwoJoints OUTPUTS"
+    "Derivatives EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths "
+    "Life Limit Limits Load Losses Motion Optimum OrderTolerances Output Result Scene Slides "
+    "SplineForce Steering Tolerances TorqueHarmonic Tube TwoJoints OUTPUTS"
 )
 
 SHAPE = "it selects, arranges or labels and computes nothing"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -403,10 +403,11 @@ def find(answer: Answer) -> TorsionBasics | None:
     if excited:
         away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
         margin = Judged(away, given.margin, sense="least")
-    search = search_over(given, is_coarse=has_kinks(system)) if given.is_searched else None
+    search = search_over(given) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
         torsion=given,
+        search=search,
         margin=margin,
         without_effect=given.without_effect or None,
         speed_range=SpeedRange(low, high),
@@ -414,27 +415,17 @@ def find(answer: Answer) -> TorsionBasics | None:
         modes=modes,
         critical_speeds=critical_speeds,
         rules=rules,
-        softer=tuple(softer(given, search)) if search and not search.is_coarse else (),
-        **_judged_by(given, search),
+        unstable_share=_unstable_share(given, search) if search else None,
+        rattle_share=_rattle_share(given, search) if search else None,
+        couplings=tuple(_couplings(given, search)) if search else (),
+        avoided=tuple(_avoided(given, search)) if search else (),
+        softer=tuple(softer(given, search)) if search and not has_kinks(system) else (),
     )
-
-
-def _judged_by(given: TorsionCase, search: Search | None) -> dict[str, Any]:
-    """The figures of a search."""
-    return {
-        "search": search,
-        "unstable_share": _unstable_share(given, search) if search else None,
-        "rattle_share": _rattle_share(given, search) if search else None,
-        "couplings": tuple(_couplings(given, search)) if search else (),
-        "avoided": tuple(_avoided(given, search)) if search else (),
-    }
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     """Return the torsional vibration over the speeds of the scene."""
     given, system = found.torsion, found.torsion.system
-    if found.search and found.search.is_coarse:
-        found = replace(found, **_judged_by(given, search_over(given)))
     search = found.search or search_over(given)
     response = search.response
     speed, steady = response.speed, response.steady
@@ -629,7 +620,7 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
         means = mean(response.speed, response.steady)
         best = int(np.nanargmax(means))
         found = [(float(means[best]), float(response.speed[best]))]
-        rounds = (0,) if search.is_coarse else ()
+        rounds = (0,) if has_kinks(system) else ()
         at, steady, best = located(system, response.speed, response.steady, vibratory, *rounds)
         found.append((float(vibratory(at, steady)[best]), float(at[best])))
         found.append((max(abs(largest.least), abs(largest.most)), largest.speed))

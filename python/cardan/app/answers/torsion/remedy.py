@@ -24,7 +24,10 @@ class SofterCoupling:
 
     shaft: int = item("shaft")
     stiffness: float = figure(
-        "stiffness at most", "Nm_per_rad", "so that no speed of the range is to be avoided", rounds="down"
+        "stiffness at most",
+        "Nm_per_rad",
+        "so that no speed of the range is to be avoided",
+        rounds="down",
     )
     present: float = figure("stiffness now", "Nm_per_rad", "at the mean torque of the load")
 

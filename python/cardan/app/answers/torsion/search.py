@@ -11,12 +11,14 @@ import numpy as np
 from cardan.app.scene.sections.torsion import TorsionCase
 from cardan.arrays import FloatArray
 from cardan.torsion import SpeedResponse, SteadyState, UnstableRange
+from cardan.torsion.analyses import has_kinks
 
 # The frequency in Hz at which couplings are rated for torques that vary.
 _RATED_AT = 10.0
 
-# Speeds at which a check looks at couplings with kinks, besides critical ones.
-_COARSE = 25
+# Speeds at which couplings with kinks are looked at, besides critical ones: their motions take long
+# to find.
+_FEW = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,22 +27,17 @@ class Search:
 
     response: SpeedResponse
     unstable: tuple[UnstableRange, ...]
-    is_coarse: bool = False  # whether it is at few speeds only
 
 
-def search_over(given: TorsionCase, *, is_coarse: bool = False) -> Search:
-    """Search for the periodic motions over the speeds of a scene.
-
-    A coarse search is at some of them and at the critical ones.
-    """
-    system, speed = given.system, given.speed
-    if is_coarse:
+def search_over(given: TorsionCase) -> Search:
+    """Search for the periodic motions over the speeds of a scene."""
+    system, speed, few = given.system, given.speed, has_kinks(given.system)
+    if few:
         critical = system.critical_speeds(given.excited).ravel()
         inside = critical[(critical >= speed[0]) & (critical <= speed[-1])]
-        speed = np.union1d(np.linspace(speed[0], speed[-1], min(_COARSE, len(speed))), inside)
-    response = system.speed_response(speed, given.orders, refined=not is_coarse)
-    unstable = system.unstable_ranges(response.speed, refined=not is_coarse)
-    return Search(response, unstable, is_coarse)
+        speed = np.union1d(np.linspace(speed[0], speed[-1], min(_FEW, len(speed))), inside)
+    response = system.speed_response(speed, given.orders, refined=not few)
+    return Search(response, system.unstable_ranges(response.speed, refined=not few))
 
 
 def torques_of(
