@@ -121,7 +121,10 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
 
 def _modes(system: TorsionalSystem) -> Iterator[Mode]:
     compliant = list(system.compliant)
-    ratio, loss = system.dampings[compliant] / system.stiffnesses[compliant], np.zeros(len(compliant))
+    ratio, loss = (
+        system.dampings[compliant] / system.stiffnesses[compliant],
+        np.zeros(len(compliant)),
+    )
     for shaft, coupling in system.couplings.items():
         loss[compliant.index(shaft)] = coupling.loss_factor
     for frequency, ends, shares, shaft in system._core.modes():
