@@ -121,20 +121,19 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
 
 def _modes(system: TorsionalSystem) -> Iterator[Mode]:
     compliant = list(system.compliant)
-    springs = system.stiffnesses[compliant]
-    ratio, loss = system.dampings[compliant] / springs, np.zeros(len(compliant))
+    ratio, loss = (
+        system.dampings[compliant] / system.stiffnesses[compliant],
+        np.zeros(len(compliant)),
+    )
     for shaft, coupling in system.couplings.items():
         loss[compliant.index(shaft)] = coupling.loss_factor
-    for frequency, ends in system._core.modes():
-        shape = np.reshape(ends, (-1, 2))
-        energy = springs * np.diff(shape[compliant], axis=1)[:, 0] ** 2
-        shares = energy / np.sum(energy)
+    for frequency, ends, shares, shaft in system._core.modes():
         yield Mode(
             frequency,
-            tuple(shares.tolist()),
-            compliant[int(np.argmax(shares))],
-            float(0.5 * (shares @ (frequency * ratio + loss))),
-            tuple((float(first), float(last)) for first, last in shape),
+            tuple(shares),
+            shaft,
+            float(0.5 * (np.array(shares) @ (frequency * ratio + loss))),
+            tuple(zip(ends[::2], ends[1::2], strict=True)),
         )
 
 

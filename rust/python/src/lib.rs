@@ -47,7 +47,7 @@ mod _core {
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
     #[pymodule_export]
-    use super::torsion::NativeTorsion;
+    use super::torsion::{NativeTorsion, critical_speeds};
     #[pymodule_export]
     use super::transmission::NativeTransmission;
     #[pymodule_export]

@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::dynamics::{
-    self, AtDrive, Coupling, Drive, Failure, Instant, Runs, ShaftEnds, TorqueHarmonic,
+    self, AtDrive, Coupling, CriticalSpeeds, Drive, Failure, Instant, Mode, Runs, ShaftEnds,
+    TorqueHarmonic,
 };
 use cardan::{Execution, TorsionalSystem, check_length, unravel};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -26,6 +27,22 @@ type Engine = (Option<f64>, Vec<(usize, f64, f64, f64)>, Vec<CouplingFields>);
 
 /// The fields of [`Coupling`] in order.
 type CouplingFields = (usize, Option<f64>, Vec<[f64; 2]>, f64, bool, f64, Vec<[f64; 2]>);
+
+/// The fields of [`Mode`] in order.
+type ModeFields = (f64, Vec<f64>, Vec<f64>, usize);
+
+/// The fields of the critical speeds of natural frequencies in rad/s and of orders, each excited or
+/// not, beside a range of drive speeds in rad/s.
+#[pyfunction]
+pub(crate) fn critical_speeds(
+    frequencies: Vec<f64>,
+    orders: Vec<(f64, bool)>,
+    range: [f64; 2],
+) -> (Vec<f64>, Vec<f64>, Option<usize>) {
+    let CriticalSpeeds { speeds, away, nearest } =
+        CriticalSpeeds::new(&frequencies, &orders, range);
+    (speeds, away, nearest)
+}
 
 /// Torsional systems, all with the same shafts compliant.
 #[pyclass(frozen, name = "Torsion", module = "cardan._core")]
@@ -113,9 +130,10 @@ impl NativeTorsion {
         found.into_pyarray(py)
     }
 
-    /// The natural frequencies of the only system in rad/s, and the shapes of their modes, flat.
-    fn modes(&self) -> PyResult<Vec<(f64, Vec<f64>)>> {
-        Ok(self.only()?.modes())
+    /// The modes of the only system.
+    fn modes(&self) -> PyResult<Vec<ModeFields>> {
+        let fields = |Mode { frequency, shape, shares, shaft }| (frequency, shape, shares, shaft);
+        Ok(self.only()?.modes().into_iter().map(fields).collect())
     }
 
     /// The turns of the drive in a period.

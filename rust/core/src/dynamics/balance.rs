@@ -51,19 +51,10 @@ impl TorsionalSystem {
     pub(super) fn viscous(&self) -> Self {
         let modes = self.modes();
         let mut viscous = self.clone();
-        for spring in &mut viscous.springs {
+        for (place, spring) in viscous.springs.iter_mut().enumerate() {
             let stiffness = spring.law.stiffness_at(self.load_torque);
-            // The shares of the shaft in the energies of twist.
-            let twist = |shape: &[f64], shaft: usize| shape[2 * shaft] - shape[2 * shaft + 1];
-            let share = |shape: &[f64]| {
-                let energy = |shaft: usize, c: f64| c * twist(shape, shaft).powi(2);
-                let all = self.springs.iter();
-                let total: f64 =
-                    all.map(|own| energy(own.shaft, own.law.stiffness_at(self.load_torque))).sum();
-                energy(spring.shaft, stiffness) / total
-            };
-            let most = modes.iter().max_by(|(_, x), (_, y)| share(x).total_cmp(&share(y)));
-            let frequency = most.map_or(f64::INFINITY, |(frequency, _)| *frequency);
+            let most = modes.iter().max_by(|x, y| x.shares[place].total_cmp(&y.shares[place]));
+            let frequency = most.map_or(f64::INFINITY, |mode| mode.frequency);
             spring.damping += stiffness * spring.law.loss_factor / frequency;
             spring.law.loss_factor = 0.0;
         }

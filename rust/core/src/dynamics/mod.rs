@@ -25,5 +25,6 @@ pub use batch::{OF_DRIVE, Runs, multipliers_of_batch, orbits_of_batch, steady_of
 pub use coexisting::{coexisting_of_batch, coexisting_record};
 pub use coupling::Coupling;
 pub use instant::{AtDrive, Instant};
+pub use modes::{CriticalSpeeds, Mode};
 pub use orbit::Failure;
 pub use system::{Drive, ShaftEnds, TorqueHarmonic, TorsionalSystem};

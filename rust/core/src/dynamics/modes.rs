@@ -6,19 +6,67 @@ use std::f64::consts::PI;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::dynamics::rigid_piece::RigidPiece;
-use crate::dynamics::system::TorsionalSystem;
+use crate::dynamics::system::{Spring, TorsionalSystem};
+
+/// A natural frequency and what moves in it.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// In rad/s.
+    pub frequency: f64,
+    /// The amplitudes of the angles of input end and output end of every shaft, of which the largest
+    /// is 1.
+    pub shape: Vec<f64>,
+    /// The share of each compliant shaft in the energy of twist.
+    pub shares: Vec<f64>,
+    /// The shaft with the largest share.
+    pub shaft: usize,
+}
+
+/// The drive speeds at which orders meet natural frequencies, and a range of drive speeds beside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CriticalSpeeds {
+    /// In rad/s, those of every natural frequency for one order after the other.
+    pub speeds: Vec<f64>,
+    /// How far the range is from each of them, in shares of it; 0 within the range.
+    pub away: Vec<f64>,
+    /// The place of the one to which it is nearest, of the orders that are excited; none without one.
+    pub nearest: Option<usize>,
+}
+
+impl CriticalSpeeds {
+    /// Those of natural frequencies in rad/s and of orders, each of which is excited or not, beside
+    /// a range of drive speeds in rad/s.
+    ///
+    /// ```
+    /// use cardan::dynamics::CriticalSpeeds;
+    ///
+    /// let found = CriticalSpeeds::new(&[400.0], &[(2.0, true), (4.0, true)], [120.0, 180.0]);
+    /// assert_eq!(found.speeds, [200.0, 100.0]);
+    /// assert_eq!((found.away, found.nearest), (vec![0.1, 0.2], Some(0)));
+    /// ```
+    pub fn new(frequencies: &[f64], orders: &[(f64, bool)], [low, high]: [f64; 2]) -> Self {
+        let of = |&(order, _): &(f64, bool)| frequencies.iter().map(move |one| one / order);
+        let speeds: Vec<f64> = orders.iter().flat_map(of).collect();
+        let beside = |speed: &f64| (low - speed).max(speed - high).max(0.0) / speed;
+        let away: Vec<f64> = speeds.iter().map(beside).collect();
+        let is_excited = |place: &usize| orders[place / frequencies.len()].1;
+        let nearest = (0..speeds.len())
+            .filter(is_excited)
+            .min_by(|&one, &other| away[one].total_cmp(&away[other]));
+        Self { speeds, away, nearest }
+    }
+}
 
 impl TorsionalSystem {
     /// Undamped natural frequencies in rad/s, lowest first, one per compliant shaft. A held drive
     /// turns at constant speed; the rotation of a free one with all shafts is not among them. The
     /// stiffness of a coupling is that at the load torque.
     pub fn natural_frequencies(&self) -> Vec<f64> {
-        self.modes().into_iter().map(|(frequency, _)| frequency).collect()
+        self.modes().into_iter().map(|mode| mode.frequency).collect()
     }
 
-    /// The natural frequencies with their shapes: the amplitudes of the angles of input end and
-    /// output end of every shaft, of which the largest is 1.
-    pub fn modes(&self) -> Vec<(f64, Vec<f64>)> {
+    /// The natural frequencies and what moves in them, lowest first.
+    pub fn modes(&self) -> Vec<Mode> {
         let free = usize::from(self.is_free());
         let m = self.unknowns();
         let inertias: Vec<f64> = self.pieces[1 - free..].iter().map(mean_inertia).collect();
@@ -53,7 +101,21 @@ impl TorsionalSystem {
             for x in &mut shape {
                 *x /= largest;
             }
-            (found.eigenvalues[i].max(0.0).sqrt(), shape)
+            let twist = |spring: &Spring| {
+                let stiffness = spring.law.stiffness_at(self.load_torque);
+                let twisted = shape[2 * spring.shaft + 1] - shape[2 * spring.shaft];
+                stiffness * twisted * twisted
+            };
+            let energies: Vec<f64> = self.springs.iter().map(twist).collect();
+            let total: f64 = energies.iter().sum();
+            let most = energies.iter().copied().fold(0.0, f64::max);
+            let first = energies.iter().position(|&energy| energy == most).unwrap_or(0);
+            Mode {
+                frequency: found.eigenvalues[i].max(0.0).sqrt(),
+                shares: energies.iter().map(|energy| energy / total).collect(),
+                shaft: self.springs[first].shaft,
+                shape,
+            }
         };
         order[free..].iter().map(mode).collect()
     }

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from cardan._core import critical_speeds
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import listed, quantity
 from cardan.app.answers.rows import (
@@ -376,24 +377,19 @@ def find(answer: Answer) -> TorsionBasics | None:
         )
         for rule in system.bend_rules()
     )
-    critical_speeds = tuple(
+    frequencies = [mode.frequency for mode in modes]
+    orders = [(order, order in given.excited) for order in given.orders]
+    at, away, nearest = critical_speeds(frequencies, orders, (low, high))
+    met = [(order, mode) for order in given.orders for mode in modes]
+    critical = tuple(
         CriticalSpeed(
-            mode.number,
-            order,
-            speed := mode.frequency / order,
-            mode.shaft,
-            low <= speed <= high,
-            None,
-            _excited_by(given, order),
+            mode.number, order, speed, mode.shaft, distance == 0.0, None, _excited_by(given, order)
         )
-        for order in given.orders
-        for mode in modes
+        for (order, mode), speed, distance in zip(met, at, away, strict=True)
     )
-    excited = [each.speed for each in critical_speeds if each.is_excited]
     margin = Judged(None, given.margin, sense="least", why="[torsion] orders lists no even order")
-    if excited:
-        away = min(max(low - speed, speed - high, 0.0) / speed for speed in excited)
-        margin = Judged(away, given.margin, sense="least")
+    if nearest is not None:
+        margin = Judged(away[nearest], given.margin, sense="least")
     search = search_over(given) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
     return TorsionBasics(
@@ -406,7 +402,7 @@ def find(answer: Answer) -> TorsionBasics | None:
         speed_range=SpeedRange(low, high),
         running=tuple(RunningSpeed(*astuple(each)) for each in running),
         modes=modes,
-        critical_speeds=critical_speeds,
+        critical_speeds=critical,
         rules=rules,
         couplings=tuple(_couplings(given, search)) if search else (),
         avoided=tuple(_avoided(given, search)) if search else (),
