@@ -26,18 +26,20 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.wait import WebDriverWait
 
+import cardan
 import tiers
-from cardan import __version__
+from cardan import Coupling, __version__
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import number_text, quantity, row_text, use_text
 from cardan.app.answers.rows import DIGITS
 from cardan.app.report import write_report
-from cardan.app.report.live import live
+from cardan.app.report.live import coupling_data, live
 from cardan.app.report.moving import moving_page
 from cardan.app.scene import Scene
 from cardan.app.scene.changes import given
 from cardan.app.scene.machine import machine_data
+from cardan.app.scene.sections.torsion import TorsionCase
 from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
 from example_scenes import DRIVELINES, Answers, each_driveline, example
@@ -143,7 +145,7 @@ def test_every_kind_of_figure_is_declared_by_a_row() -> None:
     """Names, units and digits are those of the answers: the units of both sides agree."""
     symbols = {"rad": "°", "rad/s²": "rad/s²", "rad²/s": "rpm·deg", "m": "mm", "Pa": "MPa"}
     kinds = truck_sent()["kinds"]
-    assert set(kinds) == set(KINDS)
+    assert set(kinds) == {*KINDS, "resonance"}
     for name, kind in KINDS.items():
         own = symbols.get(kind.unit, "" if kind.unit == "1" else kind.unit)
         expected = "%" if name == "steering_ratio" else own
@@ -237,9 +239,9 @@ CHANGE = """(model, [name, item, by]) => {
 }"""
 
 
-def without_slow_parts(text: str) -> str:
+def without_slow_parts(text: str, parts: str = "tolerances|torsion|optimise") -> str:
     """A scene without what its page does not compute."""
-    return re.sub(r"(?ms)^\[(tolerances|torsion|optimise)\].*?(?=^\[|\Z)", "", text)
+    return re.sub(rf"(?ms)^\[\[?({parts})[].].*?(?=^\[|\Z)", "", text)
 
 
 def told_after(run: Run, scene: Scene, moves: list[list[Move]]) -> Any:  # noqa: ANN401
@@ -281,8 +283,9 @@ def test_what_a_changed_page_says_is_the_check_of_what_it_saves(path: Path, run:
             rounding = 1e-14 if "stress" in key or "spline.force" in key else 0.0
             assert row["value"] == pytest.approx(at(data, key), rel=rounding, abs=0.0), (key, each)
         assert told["verdict"] == worst(told["rows"].values(), data)
-        # Points that states set together have a line each where one of them moves.
-        if ".2-3." not in text:
+        # Points that states set together have a line each where one of them moves, and phases that
+        # the scene does not give have a line where one is turned.
+        if ".2-3." not in text and "phases_deg" in text:
             assert without_numbers(told["text"]) == without_numbers(text)
 
 
@@ -689,6 +692,152 @@ def test_phases_are_those_of_the_package(run: Run) -> None:
     assert np.allclose(np.tan(np.radians(found[2])), np.tan(best), rtol=1e-9)
 
 
+WITH_TORSION = [path for path in DRIVELINES if "\n[torsion]" in path.read_text(encoding="utf-8")]
+
+
+@pytest.fixture
+def unsearched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No search for motions over the speeds, which pages leave out."""
+    monkeypatch.setattr(TorsionCase, "is_searched", False)
+
+
+def compared_torsion(run: Run, scene: Scene, moves: list[list[Move]]) -> list[tuple[float, ...]]:
+    """Natural frequencies after moves, which are those of the check like all that follows."""
+    told = run(
+        {"sent": sent(scene), "moves": moves},
+        f"""const change = {CHANGE};
+        return data.moves.map((moves) => {{
+            const model = new Model(cardan, data.sent);
+            for (const move of moves) change(model, move);
+            model.compute(false);
+            const row = model.rows().find((row) => row.key === "resonance ");
+            return [model.torsion, row, model.text, model.refused];
+        }});""",
+    )
+    for torsion, row, saved, refused in told:
+        assert refused == ""
+        answer = Answer(Scene.parse(saved, scene.name))
+        found = answer["torsion"]
+        assert found
+        assert torsion["frequencies"] == [mode.frequency for mode in found.modes]
+        assert torsion["shafts"] == [mode.shaft for mode in found.modes]
+        assert torsion["speeds"] == [each.speed for each in found.critical_speeds]
+        inside = [each.inside for each in found.critical_speeds]
+        assert [away == 0.0 for away in torsion["away"]] == inside
+        assert torsion["away"][torsion["nearest"]] == found.margin.value
+        assert torsion["rank"] == row["verdict"] == found.margin.verdict
+        assert row["value"] == 100.0 * found.margin.value
+        away = [abs(torsion["at"] - speed) / speed for speed in torsion["speeds"]]
+        if torsion["at"]:
+            excited = [each.is_excited for each in found.critical_speeds]
+            assert torsion["away_now"] == pytest.approx(away, rel=1e-15)
+            assert away[torsion["nearest_now"]] == min(np.array(away)[excited])
+    return [tuple(torsion["frequencies"]) for torsion, *_ in told]
+
+
+@in_node
+@pytest.mark.usefixtures("unsearched")
+@pytest.mark.parametrize("path", WITH_TORSION, ids=lambda path: path.stem)
+def test_critical_speeds_are_those_of_the_check_of_what_is_saved(path: Path, run: Run) -> None:
+    """As sent and after moves: all bits, which one is nearest to the speeds, and its verdict."""
+    text = path.read_text(encoding="utf-8")
+    text = without_slow_parts(text, "tolerances|optimise|life|output")
+    text = text.replace("\n[torsion]\n", "\n[torsion]\nresonance_margin = 0.15\n", 1)
+    scene = Scene.parse(text, path.name, path.parent)
+    random = np.random.default_rng(len(path.stem))
+    joint: list[Move] = [("point", 1, [0.0, 17.0, -6.0])] if given(scene)["points"] else []
+    moves: list[list[Move]] = [[], joint]
+    moves += [moves_of(scene, random) for _ in range(12 if tiers.whole else 3)]
+    found = compared_torsion(run, scene, moves)
+    assert (found[0] != found[1]) == bool(joint)
+
+
+LOADED = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [700, 60, 0], [1100, 60, 50], [1500, 0, 50]]
+[load]
+speed_rpm = 1200
+output_torque_Nm = 90
+[tubes]
+shafts = [3]
+outer_diameter_mm = 60
+[torsion]
+drive = "free"
+inertias_kgm2 = [0.5, 0.2, 0.3, [0.1, 0.4]]
+stiffnesses_Nm_per_rad = ["coupling", "rigid", "rigid", "tube"]
+damping_ratio = 0.02
+speed_rpm = {from = 700, to = 1500, steps = 3}
+orders = [1, 2]
+resonance_margin = 0.2
+[[torsion.coupling]]
+shaft = 0
+mean_torque_Nm = [0, 100, 200]
+stiffness_by_mean_Nm_per_rad = [900, 1500, 4000]
+"""
+
+
+@in_node
+@pytest.mark.usefixtures("unsearched")
+def test_natural_frequencies_follow_yokes_torque_and_the_length_of_a_tube(run: Run) -> None:
+    """A coupling by its mean torque, inertias behind two joints, an order that nothing excites."""
+    moves: list[list[Move]] = [
+        [],
+        [("phase", 1, [40.0, 0.0, 0.0])],
+        [("torque", 0, [0.7, 0.0, 0.0])],
+        [("point", 4, [55.0, 0.0, 0.0])],
+        [("speed", 0, [0.4, 0.0, 0.0])],
+    ]
+    found = compared_torsion(run, Scene.parse(LOADED), moves)
+    assert len(set(found)) == 4
+    assert found[4] == found[0]
+
+
+@in_node
+def test_modes_of_free_drives_with_couplings_are_those_of_the_package(run: Run) -> None:
+    """With the bits of the package, under torques on either side of the kinks of their curves."""
+    random = np.random.default_rng(8)
+    laws = [
+        Coupling(9000.0, loss_factor=0.1),
+        Coupling(12000.0, play=0.01),
+        Coupling(twist=[0, 0.02, 0.05], torque=[0, 90, 400]),
+        Coupling(mean_torque=[0, 100, 300], stiffness_by_mean=[4000, 6000, 15000]),
+    ]
+    asked, systems = [], []
+    for number in range(40):
+        bends = random.uniform(0.05, 0.6, 3)
+        line = cardan.Driveline.from_bends(bends, *random.uniform(-1.5, 1.5, (2, 2)))
+        own: dict[str, Any] = {
+            "inertias": random.uniform(0.01, 2.0, (4, 2)),
+            "stiffnesses": [math.inf, 8e3, math.inf, float(random.uniform(1e3, 1e6))],
+            "load_torque": float(random.uniform(-400, 400)),
+        }
+        couplings, free = {0: laws[number % 4]}, number % 3 > 0
+        drive: Any = "free" if free else "held"
+        systems.append(cardan.TorsionalSystem(line, **own, drive=drive, couplings=couplings))
+        rigid = [None if math.isinf(each) else each for each in own["stiffnesses"]]
+        own |= {"inertias": own["inertias"].tolist(), "stiffnesses": [1.0, *rigid[1:]]}
+        chain = {name: getattr(line, name).tolist() for name in ("bends", "twists", "phases")}
+        orders = {"orders": [0.5, 2, 3], "excited": [True, True, False], "range": [10, 20]}
+        asked.append(own | chain | coupling_data(couplings) | orders | {"joints": 3, "free": free})
+    found = run(
+        asked,
+        """return data.map((own) => Object.fromEntries(
+            Object.entries(cardan.call("torsion", own)).map(([key, x]) => [key, Array.from(x)])
+        ));""",
+    )
+    for system, told in zip(systems, found, strict=True):
+        modes = system.modes()
+        assert len(modes) == 3
+        assert told["frequencies"] == [mode.frequency for mode in modes]
+        assert told["shafts"] == [mode.shaft for mode in modes]
+        speeds = [mode.frequency / order for order in (0.5, 2.0, 3.0) for mode in modes]
+        assert told["speeds"] == speeds
+        away = [max(10.0 - speed, speed - 20.0, 0.0) / speed for speed in speeds]
+        assert told["away"] == away
+        (nearest,) = told["nearest"]
+        assert away[int(nearest)] == min(away[:6])
+
+
 # --- the page ---------------------------------------------------------------------------------
 
 
@@ -717,7 +866,11 @@ def test_page_shows_what_the_check_says(
         expected = at(data, place)
         assert close(value, expected), place
         own = re.sub(r"\[\w+=(.*?)\]", r".\1", place[6:]).rpartition(".value")[0]
-        if ".states[" in place or place[6:].startswith("states["):
+        if ending := re.search(r"torsion\..*(_Hz|_rpm|shaft)$", place):
+            name = ending[1].strip("_")
+            plain = str(expected) if name == "shaft" else f"{number_text(expected, name)} {name}"
+            assert text == plain, place
+        elif ".states[" in place or place[6:].startswith("states["):
             unit = "deg" if "bends" in place else "N"
             factor = 1.0 if unit == "N" else math.pi / 180.0
             assert text == quantity(factor * expected, unit).replace("-", "\u2212"), place
@@ -747,6 +900,63 @@ def test_keys_move_a_joint_and_the_verdict_follows(truck: webdriver.Chrome) -> N
     assert verdict_of(truck) == "within"
     truck.find_element(By.ID, "live-drawn").click()
     assert verdict_of(truck) == "beyond"
+
+
+@in_browser
+def test_critical_speeds_follow_a_joint_that_is_dragged(truck: webdriver.Chrome) -> None:
+    """While it is held and then as the check of the changed scene has them, drawn as well."""
+
+    def shown() -> dict[str, float]:
+        return {path: value for path, value, _ in figures(truck) if "check:torsion." in path}
+
+    card = truck.find_element(By.ID, "live-torsion")
+    before, charted = shown(), chart_in(truck, card.find_element(By.TAG_NAME, "figure"))
+    assert len(before) == 9
+    assert not any(len(each) for each in charted.former)
+    joint = handle(truck, 2)
+    ActionChains(truck).click_and_hold(joint).move_by_offset(0, 40).perform()
+    WebDriverWait(truck, 5).until(lambda _: shown() != before)
+    ActionChains(truck).release().perform()
+    settled(truck)
+    moved = place_of(truck, 2)[1] + 46.0
+    data = check_data(Answer(edited(TRUCK, 2, (0.0, moved, 0.0))))
+    after = shown()
+    assert all(value == at(data, path) for path, value in after.items())
+    speeds = [path for path in after if path.endswith("_rpm")]
+    assert len(speeds) == 4
+    assert all(after[path] != before[path] for path in speeds)
+    chart = chart_in(truck, card.find_element(By.TAG_NAME, "figure"))
+    frequencies = [mode["frequency_Hz"] for mode in data["torsion"]["modes"]]
+    drawn = [float(curve[0, 1]) for curve in chart.curves[:2]]
+    assert drawn == pytest.approx(frequencies, abs=3.0)
+    for order, ray in zip((2, 4), chart.curves[2:], strict=True):
+        ends = ray[np.isfinite(ray[:, 0])]
+        np.testing.assert_allclose(ends[:, 1], order * ends[:, 0] / 60.0, atol=3.0)
+    assert len(chart.former) == 4
+    assert "in the range" in card.text
+    truck.find_element(By.ID, "live-drawn").click()
+    assert shown() == before
+
+
+@in_browser
+def test_the_speed_moves_along_the_critical_speeds(truck: webdriver.Chrome) -> None:
+    """Whichever is nearest to it is named with its distance in shares of it."""
+    speeds = Answer(Scene.load(TRUCK))["torsion"]
+    assert speeds
+    field = truck.find_element(By.CSS_SELECTOR, "#live-loads input")
+    for rpm in (1500, 2900):
+        field.click()
+        field.send_keys(Keys.CONTROL + "a" + Keys.NULL + str(rpm) + Keys.ENTER)
+        settled(truck)
+        at_hand = rpm * math.pi / 30.0
+        away = {abs(at_hand - each.speed) / each.speed: each for each in speeds.critical_speeds}
+        nearest = away[min(away)]
+        words = truck.find_element(By.ID, "live-torsion").text
+        name = f"{number_text(nearest.speed * 30.0 / math.pi, 'rpm')} rpm"
+        share = number_text(100.0 * min(away), "percent")
+        text = f"{rpm} rpm, the speed at hand: order {nearest.order:g} at {name}, {share}% away."
+        assert text in words
+    truck.find_element(By.ID, "live-drawn").click()
 
 
 @in_browser
@@ -829,7 +1039,7 @@ def test_numbers_are_typed_stepped_and_dragged(truck: webdriver.Chrome) -> None:
     for old, new in changed.items():
         assert text.count(old) == 1
         text = text.replace(old, new)
-    data = check_data(Answer(Scene.parse(without_slow_parts(text))))
+    data = check_data(Answer(Scene.parse(without_slow_parts(text, "tolerances|optimise"))))
     for path, value, _ in figures(truck):
         assert value == at(data, path), path
     assert saved(truck) == ["truck-shaft.changed.toml", text]

@@ -46,13 +46,16 @@ class Tube:
 WIDEST = 2.0
 """Diameter in m above which a shaft is probably given in another unit."""
 
+SHEAR_MODULUS = 7.93e10
+"""That of steel in Pa."""
+
 
 def tube(
     outer_diameter: ArrayLike,
     wall: ArrayLike | None = None,
     *,
     length: ArrayLike,
-    shear_modulus: ArrayLike = 7.93e10,
+    shear_modulus: ArrayLike = SHEAR_MODULUS,
     elastic_modulus: ArrayLike = 2.06e11,
     density: ArrayLike = 7850.0,
 ) -> Tube:

@@ -375,7 +375,7 @@ export class Machine {
    * @returns {Machine}
    */
   turn(shaft, by) {
-    const { joints, phases, step_phases } = this.data;
+    const { joints, phases, step_phases, drawn_phases } = this.data;
     this.#check("shaft", shaft, Number.isInteger(shaft) && shaft > 0 && shaft < joints,
       `it must be a whole number from 1 to ${joints - 1}`);
     /** @param {any} all */
@@ -383,6 +383,7 @@ export class Machine {
     /** @type {MachineData} */
     const changes = { phases: turned(phases) };
     if (step_phases) changes.step_phases = turned(step_phases);
+    if (drawn_phases) changes.drawn_phases = turned(drawn_phases);
     return this.with(changes);
   }
 
@@ -443,7 +444,7 @@ export class Machine {
     this.#check("outputs", request?.outputs, Array.isArray(request?.outputs), "it must be a list of names");
     this.#check("angles", request.angles, request.angles?.length > 0, "it must be a list of angles in rad");
     const { of_shafts = range(joints + 1), of_joints = range(joints), ...rest } = request;
-    const given = this.#some([...CHAINS, ...FRAMES, ...MOUNTED, ...LOAD]);
+    const given = this.#some(["joints", ...CHAINS, ...FRAMES, ...MOUNTED, ...LOAD]);
     const { values } = this.#cardan.call("evaluate", { ...given, of_shafts, of_joints, ...rest });
     const [states, samples] = [this.states, request.angles.length];
     const bearings = range(flatLength(this.data.bearings));
@@ -553,7 +554,7 @@ export class Machine {
    * @returns {Float64Array}
    */
   bestPhases({ together = true, teeth = [], weights } = {}) {
-    const given = this.#some(CHAINS);
+    const given = this.#some(["joints", ...CHAINS]);
     if (!together) return this.#cardan.call("optimal_phases", given).phases;
     const held = Array(this.data.joints - 1).fill(0);
     const shares = weights ?? this.data.weights ?? Array(this.states).fill(1);
@@ -566,12 +567,12 @@ export class Machine {
   }
 
   /**
-   * The data with these names and the number of joints.
+   * The data with these names.
    * @param {string[]} names
    * @returns {Record<string, any>}
    */
   #some(names) {
-    return Object.fromEntries(["joints", ...names].map((name) => [name, this.data[name]]));
+    return Object.fromEntries(names.map((name) => [name, this.data[name]]));
   }
 
   #arguments() {

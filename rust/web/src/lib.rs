@@ -16,6 +16,7 @@ mod geometry;
 mod judge;
 mod motion;
 mod table;
+mod torsion;
 
 use std::cell::RefCell;
 

@@ -4,7 +4,7 @@ use cardan::judge::{Kind, Scope, Side};
 use cardan::{Output, Result};
 
 use crate::arguments::Arguments;
-use crate::{design, geometry, judge, motion};
+use crate::{design, geometry, judge, motion, torsion};
 
 /// What the numbers of an argument or a result are.
 #[derive(Clone, Copy)]
@@ -408,6 +408,42 @@ pub(crate) static FUNCTIONS: &[Function] = &[
         ],
         results: &[field("inertia", "kg m²", "lines")],
         call: design::least_drive_inertias,
+    },
+    Function {
+        name: "torsion",
+        arguments: &[
+            JOINTS,
+            CHAINS,
+            &[
+                field("inertias", "kg m²", "joints + 1, 2"),
+                field("stiffnesses", "N m/rad", "joints + 1"),
+                field("load_torque", "N m", ""),
+                field("free", "1", ""),
+                field("couplings", "1", "couplings"),
+                field("coupling_stiffnesses", "N m/rad", "couplings"),
+                field("plays", "rad", "couplings"),
+                field("twist_counts", "1", "couplings"),
+                field("twist_torques", "rad and N m", "twist_counts, 2"),
+                field("mean_counts", "1", "couplings"),
+                field("stiffnesses_by_mean", "N m and N m/rad", "mean_counts, 2"),
+                field("orders", "1", "orders"),
+                field("excited", "1", "orders"),
+                field("range", "rad/s", "2"),
+                field("margin", "1", ""),
+                field("speed", "rad/s", ""),
+            ],
+        ],
+        results: &[
+            field("shafts", "1", "modes"),
+            field("nearest", "1", ""),
+            named("rank", &RANKS, ""),
+            field("nearest_now", "1", ""),
+            field("away_now", "1", "orders, modes"),
+            field("frequencies", "rad/s", "modes"),
+            field("speeds", "rad/s", "orders, modes"),
+            field("away", "1", "orders, modes"),
+        ],
+        call: torsion::torsion,
     },
     Function {
         name: "figures",

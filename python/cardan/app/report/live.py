@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -27,6 +27,8 @@ from cardan.arrays import FloatArray
 from cardan.design.machine import KINDS
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+from cardan.torsion import Coupling
+from cardan.torsion.tube import SHEAR_MODULUS
 
 _PLACES = {
     "bend": "life.joints[joint={}].bend",
@@ -44,8 +46,11 @@ _PLACES = {
     "lash": "backlash.lash",
     "joint_force": "forces.joints[joint={}].largest",
     "bearing_force": "forces.bearings[bearing={}].largest",
+    "resonance": "torsion.margin",
 }
 """Where an answer has the figures of a machine, by their kind; others are of the part ``limits``.
+
+``resonance`` is computed beside the machine.
 """
 
 _OF_PRESETS = {
@@ -67,20 +72,26 @@ def live(answer: Answer) -> dict[str, Any] | None:
     machine = machine_of(scene)
     if machine is None:
         return None
-    limited = [each for each in machine.figures() if not np.isnan(each.limit)]
+    limited = [
+        (each.kind.name, each.item) for each in machine.figures() if not np.isnan(each.limit)
+    ]
+    changeable = given(scene)
+    torsion = _torsion(answer, changeable)
+    if torsion and torsion["arguments"]["margin"] is not None:
+        limited.append(("resonance", None))
     judged = {each.entry.path: each for each in answer.judged}
     figures = []
-    for each in limited:
-        own = judged.pop(_path(each.kind.name, each.item, scene))
+    for kind, number in limited:
+        own = judged.pop(_path(kind, number, scene))
         figures.append(
             {
-                "kind": each.kind.name,
-                "item": each.item,
+                "kind": kind,
+                "item": number,
                 "name": own.name,
                 "bound": _in_units(bound_of, replace(own.value, maximum=None), own.entry.row),
                 "limit": _in_units(bound_of, own.value, own.entry.row),
                 "source": own.value.source,
-                "over": _OVER.get(each.kind.name, ""),
+                "over": _OVER.get(kind, ""),
             }
         )
     reach = search(scene)
@@ -100,7 +111,8 @@ def live(answer: Answer) -> dict[str, Any] | None:
             {"name": name, "right": axes[0].tolist(), "down": axes[1].tolist()}
             for name, axes in views(directions).items()
         ],
-        "kinds": {name: _kind(name, scene) for name in KINDS},
+        "kinds": {name: _kind(name, scene) for name in (*KINDS, "resonance")},
+        "torsion": torsion,
         "units": scene.units,
         "torques": _shown("Nm"),
         "figures": figures,
@@ -125,7 +137,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         },
         "fixed": sorted(set_by_states(scene)),
         "shims": _shims(answer) if scene.is_measured else None,
-        "given": given(scene),
+        "given": changeable,
         "source": {
             "name": Path(scene.name).name,
             "text": scene.text,
@@ -177,6 +189,61 @@ def _kind(name: str, scene: Scene) -> dict[str, Any]:
         "source": row.source,
         "path": _place(name, scene),
         "ending": row.ending(),
+    }
+
+
+def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | None:
+    """What natural frequencies and critical speeds follow from; ``None`` without [torsion].
+
+    ``changeable`` is what a page can change. ``arguments`` are those of the core's function but for
+    the driveline, and inertias without those of tubes. The shafts ``springs`` have the stiffness
+    of their tube.
+    """
+    case, found = answer.scene.torsion, answer["torsion"]
+    if case is None or found is None:
+        return None
+    system, tubes = case.system, answer.scene.tubes
+    rigid = [shaft not in system.compliant for shaft in range(system.line.n_joints + 1)]
+    shear = (
+        np.broadcast_to(tubes.given.get("shear_modulus", SHEAR_MODULUS), (len(tubes.shafts),))
+        if tubes
+        else np.zeros(0)
+    )
+    return {
+        "arguments": {
+            "inertias": case.apart.tolist(),
+            "stiffnesses": [
+                None if is_rigid else own
+                for own, is_rigid in zip(system.stiffnesses.tolist(), rigid, strict=True)
+            ],
+            "load_torque": float(system.load_torque),
+            "free": system.drive == "free",
+            **coupling_data(system.couplings),
+            "orders": [float(order) for order in case.orders],
+            "excited": [order in case.excited for order in case.orders],
+            "range": [found.speed_range.start, found.speed_range.stop],
+            "margin": case.margin,
+        },
+        "is_loaded": case.is_loaded and changeable["torque"] is not None,
+        "springs": list(case.springs),
+        "shear_modulus": shear.tolist(),
+        "frequency": {"factor": UNITS["Hz"].factor, **_shown("Hz")},
+        "speed": {"factor": UNITS["rpm"].factor, **_shown("rpm")},
+        "away": {"factor": UNITS["percent"].factor, **_shown("percent")},
+    }
+
+
+def coupling_data(couplings: Mapping[int, Coupling]) -> dict[str, Any]:
+    """Return couplings by their shafts as arguments of the core's function, but for dampings."""
+    laws = [each._fields(shaft) for shaft, each in couplings.items()]
+    return {
+        "couplings": [shaft for shaft, *_ in laws],
+        "coupling_stiffnesses": [stiffness for _, stiffness, *_ in laws],
+        "twist_counts": [len(points) for _, _, points, *_ in laws],
+        "twist_torques": [points for _, _, points, *_ in laws],
+        "plays": [play for *_, play, _, _, _ in laws],
+        "mean_counts": [len(points) for *_, points in laws],
+        "stiffnesses_by_mean": [points for *_, points in laws],
     }
 
 
@@ -318,9 +385,9 @@ def _with_imports(name: str) -> Iterator[str]:
 
 def _enclosed(name: str) -> str:
     """A module as a function that returns what it exports."""
-    # Types and descriptions are for those who read the modules.
+    # Types, descriptions and indents are for those who read the modules.
     text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", _text(name))
-    text = re.sub(r"(?m)^ *(?:// .*)?\n", "", text)
+    text = re.sub(r"(?m)^ *(?:(?:// .*)?\n)?", "", text)
     exported = re.findall(r"(?m)^export (?:async )?\w+ (\w+)", text)
     text = re.sub(r"(?m)^export ", "", text)
     text = _IMPORT.sub(r"const \1 = modules.\3;", text)

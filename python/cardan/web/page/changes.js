@@ -165,7 +165,7 @@ export function dataOf(sent, changes) {
       const by = byOf(changes, "phase", i + 1);
       return by ? DEGREE * exact(exact(phase / DEGREE) + by) : phase;
     };
-    for (const name of ["phases", "step_phases"]) {
+    for (const name of ["phases", "step_phases", "drawn_phases"]) {
       if (machine[name]) data[name] = machine[name].map((/** @type {number[]} */ row) => row.map(turned));
     }
   }

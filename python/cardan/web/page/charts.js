@@ -31,6 +31,7 @@ const TILTS = [0, 30, 45, 60, 90];
  * @property {Values | null} values
  * @property {string} [kind] the classes of its line, which else follow from its place
  * @property {string} [mark] what is written beside the line
+ * @property {number} [marked] at which sample; else where the line turns
  * @property {{text: string, path: string, value: number} | null} [figure] its size
  */
 
@@ -43,6 +44,8 @@ const TILTS = [0, 30, 45, 60, 90];
  * @property {number[]} [bounds] a band from the first to the second
  * @property {number[]} [holds] values that the axis shows in any case
  * @property {number} [scale] a size beside which a billionth is rounding
+ * @property {number[]} [span] a band from the first to the second place along the axis
+ * @property {{x: number, y: number, kind: string}[]} [dots]
  * @property {string[]} [names]
  */
 
@@ -228,8 +231,10 @@ export class Chart {
     this.frame = new Frame(parent, titles);
     const { below, plot, svg } = this.frame;
     this.band = drawn("path", { class: "allowed" }, below);
+    this.span = drawn("path", { class: "span" }, below);
     this.limits = drawn("path", { class: "bound" }, plot);
     this.cursor = drawn("path", { class: "cursor" }, plot);
+    this.dots = drawn("g", {}, svg);
     if (picked) this.#follow(svg, picked);
   }
 
@@ -262,8 +267,10 @@ export class Chart {
    * @param {Drawn} what
    * @param {boolean} isGrowing whether the axis of the values may only grow
    */
-  draw({ x, curves, ghosts = [], bounds = [], holds = [], scale = 1, names = [] }, isGrowing = false) {
+  draw(what, isGrowing = false) {
+    const { x, curves, ghosts = [], bounds = [], holds = [], scale = 1, names = [], span = [], dots = [] } = what;
     const { frame } = this;
+    const isMoved = this.#x !== x;
     this.#x = x;
     const lists = curves.flatMap(({ values }) => (values ? [values] : []));
     const axis = this.#axis;
@@ -276,16 +283,23 @@ export class Chart {
     const ends = [first, last > first ? last : first + 1];
     const key = [low, high, ...ends, frame.width].join();
     const places = fitted ? names.map((_, i) => i) : x;
-    if (key !== axis.key) {
+    const former = axis.key;
+    if (key !== former) {
       this.#axis = { low, high, key };
       /** @type {[number, string][]} */
       const along = fitted
         ? fitted.texts.map((text, i) => [i, text])
         : ticksAlong(frame.titles.over, ends[0], ends[1]).map((at) => [at, roundText(at)]);
       frame.axes(ends, [low, high], along, up.map((at) => [at, roundText(at)]), { lines: true, ...fitted });
-      this.#along = Array.from(places, (at) => px(frame.across(Number(at))));
       this.#bounds(bounds);
       this.mark(this.#marked);
+    }
+    if (key !== former || isMoved) this.#along = Array.from(places, (at) => px(frame.across(Number(at))));
+    const [left, right] = span.map((at) => px(frame.across(at)));
+    put(this.span, { d: span.length ? `M${left} ${TOP}H${right}V${frame.bottom}H${left}Z` : "" });
+    this.dots.replaceChildren();
+    for (const { x: along, y, kind } of dots) {
+      drawn("circle", { class: kind, cx: frame.across(along), cy: frame.up(y), r: 4 }, this.dots);
     }
     this.#fill(curves, ghosts, places, isFlat, isGrowing);
     const { heading, unit } = frame.titles;
@@ -313,7 +327,7 @@ export class Chart {
   #fill(curves, ghosts, x, isFlat, isGrowing) {
     /** @type {number[][]} */
     const taken = [];
-    curves.forEach(({ label, values, kind, mark, figure }, i) => {
+    curves.forEach(({ label, values, kind, mark, marked, figure }, i) => {
       const own = (this.#curves[i] ??= this.#made(kind ?? `c${i % 6}`, mark !== undefined));
       own.line.setAttribute("d", values ? this.#path(values, isFlat) : "");
       const ghost = ghosts[i] ? `${this.#axis.key} ${i}` : "";
@@ -321,7 +335,8 @@ export class Chart {
         own.ghost.setAttribute("d", ghost && this.#path(ghosts[i], false));
         [own.former, own.key] = [ghosts[i], ghost];
       }
-      if (!isGrowing) own.at = values && mark ? this.#free(values, x, taken) : -1;
+      if (marked !== undefined) own.at = marked;
+      else if (!isGrowing) own.at = values && mark ? this.#free(values, x, taken) : -1;
       const at = values && own.at >= 0 ? this.#place(values, x, own.at) : null;
       if (own.mark) {
         put(own.mark, at ? { x: at[0], y: at[1] - 4, visibility: "visible" } : { visibility: "hidden" });

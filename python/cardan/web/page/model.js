@@ -7,6 +7,7 @@
 
 import { CardanError } from "../cardan.js";
 import { addressOf, byOf, changeable, changed, dataOf, listed, moved, movedLine, positionsOf, readAddress, textOf, turnsOf } from "./changes.js";
+import { torsionOf } from "./torsion.js";
 import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantityText, settled, tidy, units } from "./numbers.js";
 
 /** @typedef {import("./numbers.js").Digits} Digits */
@@ -35,6 +36,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
  *   source: string, over: string}[]} figures
  *   those that have a limit
  * @property {{name: string, verdict: string, words: InUnits}[]} others that are not computed here
+ * @property {import("./torsion.js").SentTorsion | null} torsion
  * @property {import("./numbers.js").System} units of the scene
  * @property {import("./numbers.js").Measured} torques
  * @property {string[]} verdicts from the worst
@@ -133,6 +135,8 @@ export class Model {
     this.refused = "";
     /** @type {import("../cardan.js").Figure[]} */
     this.figures = [];
+    /** @type {import("./torsion.js").Found | null} */
+    this.torsion = null;
     this.compute();
     this.#isLoaded = this.figures.some(({ kind }) => kind.name === "bearing_force");
     /** The rows of the scene as sent. */
@@ -321,12 +325,16 @@ export class Model {
     const found = yield* this.machine.suggesting(search);
     return found
       .filter(({ variable, item }) => !fixed.some(([name, held]) => name === variable && held === item))
-      .map(({ variable, item, axis, from, to, verdict, worst }) => {
+      .map((change) => {
+        const { variable, item, axis, from, to, worst } = change;
+        const resonance = this.#resonance(this.#torsion(this.machine.apply(change))).flatMap(({ ranks }) => ranks);
+        const verdict = this.#worst([...resonance, change.verdict]);
         const isLength = variable === "point" || variable === "bearing" || variable === "engaged";
         const size = isLength ? Math.ceil(1e4 * Math.abs(to - from) - 1e-6) / 10 : 0;
         let by = isLength ? Math.sign(to - from) * size : (to - from) / DEGREE;
         if (variable === "rating") by = to;
-        const left = worst ? this.sent.kinds[worst.kind.name].label : "";
+        const kind = verdict === change.verdict ? worst?.kind.name : "resonance";
+        const left = kind ? this.sent.kinds[kind].label : "";
         return { variable, item, axis, by, verdict, left };
       });
   }
@@ -484,7 +492,8 @@ export class Model {
     const size = byOf(this.changes, "point", point, axis) + by;
     try {
       const machine = this.#changed(changed(this.changes, "point", point, axis, tidy(size)));
-      const ranks = machine.figures({ limited: true }).map(({ ranks }) => this.#worst(ranks));
+      const found = [...machine.figures({ limited: true }), ...this.#resonance(this.#torsion(machine))];
+      const ranks = found.map(({ ranks }) => this.#worst(ranks));
       return this.sent.verdicts.find((verdict) => ranks.includes(verdict)) ?? "not judged";
     } catch (error) {
       if (error instanceof CardanError) return "";
@@ -539,13 +548,35 @@ export class Model {
    */
   compute(whole = true) {
     try {
-      this.figures = this.machine.figures({ limited: !whole });
+      const torsion = this.#torsion(this.machine);
+      this.figures = [...this.machine.figures({ limited: !whole }), ...this.#resonance(torsion)];
+      this.torsion = torsion;
     } catch (error) {
       this.#refuse(error, this.changes);
       ({ changes: this.changes, machine: this.machine } = this.#judged);
       return;
     }
     this.#judged = { changes: this.changes, machine: this.machine };
+  }
+
+  /** @param {import("../cardan.js").Machine} machine */
+  #torsion(machine) {
+    const { torsion } = this.sent;
+    return torsion && torsionOf(machine, torsion, this.state);
+  }
+
+  /**
+   * The distance of the nearest critical speed as a figure, if it has a limit.
+   * @param {import("./torsion.js").Found | null} found
+   * @returns {import("../cardan.js").Figure[]}
+   */
+  #resonance(found) {
+    const limit = this.sent.torsion?.arguments.margin ?? null;
+    if (!found || limit === null) return [];
+    /** @type {import("../cardan.js").KindRow} */
+    const kind = { name: "resonance", unit: "1", per: null, most: false, scope: "once" };
+    const values = Float64Array.of(found.nearest < 0 ? NaN : found.away[found.nearest]);
+    return [{ kind, item: null, values, ranks: [found.rank], limit, maximum: limit, worst: 0 }];
   }
 
   /**

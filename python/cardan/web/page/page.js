@@ -20,6 +20,7 @@ import { lengths, minus, showIn, signedLength } from "./numbers.js";
 import { Panel, newMark } from "./panel.js";
 import { Ribbon } from "./ribbon.js";
 import { copy, note, noted, save } from "./sharing.js";
+import { torsionCard } from "./torsion.js";
 import { foot } from "./trust.js";
 
 const FRAME_MS = 6; // that figures may take of a frame, on average
@@ -85,6 +86,7 @@ function show(cardan, sent) {
     angle.value = String(Math.round(degrees));
     turn();
   });
+  const torsion = torsionCard(element("torsion"), model);
   let search = 0;
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
@@ -124,6 +126,7 @@ function show(cardan, sent) {
     } else {
       model.compute(false);
       panel.show(false);
+      torsion(false);
       chips();
       drawing.label();
       figuresOf = model.machine;
@@ -155,6 +158,7 @@ function show(cardan, sent) {
     dials.show();
     dials.mark();
     curves.show(true);
+    torsion(true);
     panel.list((changes) => {
       model.take(changes);
       settle();

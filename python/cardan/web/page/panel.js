@@ -247,10 +247,11 @@ export class Panel {
       made("span", `then ${classOf(verdict)}`, button, then);
       button.addEventListener("click", () => apply(suggestion));
     }
-    const isWithin = this.model.rows().every((row) => row.verdict === "within");
-    if (!found.length) {
-      made("p", "", this.ways, isWithin ? `Nothing${isPart ? " computed here" : ""} needs help.` : "No single change helps.");
-    }
+    if (found.length) return;
+    const beyond = this.model.rows().filter((row) => row.verdict !== "within");
+    const isSought = beyond.some((row) => !row.key.startsWith("resonance "));
+    const words = isSought ? "No single change helps." : "Changes that move critical speeds are not searched.";
+    made("p", "", this.ways, beyond.length ? words : `Nothing${isPart ? " computed here" : ""} needs help.`);
   }
 
   /**

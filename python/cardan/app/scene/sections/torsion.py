@@ -162,6 +162,9 @@ class TorsionCase:
         motor: speeds in rad/s and torques in N m of the curve of the motor, if any.
         unstable: share of the range of speeds in which motion may be unstable, if it is limited.
         rattle: share in which a torque may change its sign, if it is limited.
+        apart: inertias without those of tubes in kg m², ``(shafts, 2)``.
+        springs: the shafts with the stiffness of their tube.
+        is_loaded: whether the load torque is that of [load].
     """
 
     system: TorsionalSystem
@@ -174,6 +177,9 @@ class TorsionCase:
     motor: tuple[FloatArray, FloatArray] | None = None
     unstable: float | None = None
     rattle: float | None = None
+    apart: FloatArray = field(default_factory=lambda: np.zeros(0))
+    springs: tuple[int, ...] = ()
+    is_loaded: bool = False
 
     @property
     def excited(self) -> tuple[float, ...]:
@@ -203,11 +209,12 @@ class TorsionCase:
 def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
     line, tubes = scene.line, scene[TUBES]
     TORSION.check_counts(values, line.n_joints)
-    of_tubes = {}
+    of_tubes: dict[int, float] = {}
     # A number is the inertia of a whole shaft, a pair that of its ends.
     inertias = np.array(
         [end if isinstance(end, list) else [0.5 * end] * 2 for end in values["inertias_kgm2"]]
     )
+    apart = inertias.copy()
     if tubes is not None:
         of_tubes = dict(zip(tubes.shafts, np.asarray(tubes.tube.stiffness).tolist(), strict=True))
         inertias[list(tubes.shafts)] += 0.5 * np.asarray(tubes.tube.inertia)[:, np.newaxis]
@@ -215,9 +222,13 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
     couplings = _couplings(tables["coupling"], line.n_joints + 1, scene)
     harmonics = _harmonics(tables["harmonic"], line.n_joints + 1, scene)
     drive, at_drive = values.get("drive", ""), values["inertias_kgm2"][0]
+    by_shaft = _stiffnesses(values, line.n_joints + 1, of_tubes, couplings)
     arguments = TORSION.arguments(values) | {
         "inertias": inertias,
-        "stiffnesses": _stiffnesses(values, line.n_joints + 1, of_tubes, couplings),
+        "stiffnesses": [
+            {_TUBE: of_tubes.get(i), _COUPLING: math.inf}.get(own, own)
+            for i, own in enumerate(by_shaft)
+        ],
         "load_torque": _load_torque(values, scene.load),
         "harmonics": harmonics,
         "couplings": couplings,
@@ -256,10 +267,11 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
         tuple(values.get("names", ())),
         {each["shaft"]: _ratings(each) for each in tables["coupling"]},
         _motor(tables["motor"], scene) if "motor" in values else None,
-        *(
-            0.01 * values[key] if key in values else None
-            for key in ("unstable_percent", "rattle_percent")
-        ),
+        0.01 * values["unstable_percent"] if "unstable_percent" in values else None,
+        0.01 * values["rattle_percent"] if "rattle_percent" in values else None,
+        apart=apart,
+        springs=tuple(i for i, own in enumerate(by_shaft) if own == _TUBE),
+        is_loaded="load_torque_Nm" not in values and scene.load is not None,
     )
 
 
@@ -284,8 +296,8 @@ def _stiffnesses(
     shafts: int,
     of_tubes: Mapping[int, float],
     couplings: Mapping[int, Coupling],
-) -> FloatArray:
-    """Stiffness of each shaft in N m/rad, ``(shafts,)``; infinite for a rigid one or a coupling."""
+) -> list[Any]:
+    """Stiffness of each shaft in N m/rad, infinite for a rigid one, or a word for what it has."""
     if _STIFFNESSES not in values and not of_tubes and not couplings:
         raise ArgumentValueError(
             _STIFFNESSES, "is missing; give it, a section [tubes] or a [[torsion.coupling]]"
@@ -305,10 +317,7 @@ def _stiffnesses(
                 problem = f'is {own!r}; write "{_COUPLING}", which [[torsion.coupling]] describes'
         if problem:
             raise ArgumentValueError(_STIFFNESSES, problem, (i,))
-    springs = {_COUPLING: np.inf}
-    return np.array(
-        [of_tubes[i] if own == _TUBE else springs.get(own, own) for i, own in enumerate(given)]
-    )
+    return list(given)
 
 
 def _couplings(tables: list[dict[str, Any]], shafts: int, scene: Reading) -> dict[int, Coupling]:
