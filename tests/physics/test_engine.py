@@ -118,7 +118,7 @@ def test_natural_frequencies_of_the_twin(number: int) -> None:
 
 def test_shapes_of_modes_balance() -> None:
     system = system_of(CASES[16])
-    for frequency, shape in system._core.modes():
+    for frequency, shape, *_ in system._core.modes():
         of_ends = np.array(shape).reshape(-1, 2)
         assert np.max(of_ends) == 1.0
         assert np.min(of_ends) >= -1.0

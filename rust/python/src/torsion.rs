@@ -28,6 +28,9 @@ type Engine = (Option<f64>, Vec<(usize, f64, f64, f64)>, Vec<CouplingFields>);
 /// The fields of [`Coupling`] in order.
 type CouplingFields = (usize, Option<f64>, Vec<[f64; 2]>, f64, bool, f64, Vec<[f64; 2]>);
 
+/// The fields of [`Mode`] in order.
+type ModeFields = (f64, Vec<f64>, Vec<f64>, usize);
+
 /// The fields of the critical speeds of natural frequencies in rad/s and of orders, each excited or
 /// not, beside a range of drive speeds in rad/s.
 #[pyfunction]
@@ -127,9 +130,8 @@ impl NativeTorsion {
         found.into_pyarray(py)
     }
 
-    /// The fields of the modes of the only system: frequency in rad/s, shape, shares of the compliant
-    /// shafts in the energy of twist, and the shaft with the largest.
-    fn modes(&self) -> PyResult<Vec<(f64, Vec<f64>, Vec<f64>, usize)>> {
+    /// The modes of the only system.
+    fn modes(&self) -> PyResult<Vec<ModeFields>> {
         let fields = |Mode { frequency, shape, shares, shaft }| (frequency, shape, shares, shaft);
         Ok(self.only()?.modes().into_iter().map(fields).collect())
     }

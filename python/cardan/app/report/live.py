@@ -385,9 +385,9 @@ def _with_imports(name: str) -> Iterator[str]:
 
 def _enclosed(name: str) -> str:
     """A module as a function that returns what it exports."""
-    # Types and descriptions are for those who read the modules.
+    # Types, descriptions and indents are for those who read the modules.
     text = re.sub(r"/\*\*(?:(?!\*/)[\s\S])*\*/ ?", "", _text(name))
-    text = re.sub(r"(?m)^ *(?:// .*)?\n", "", text)
+    text = re.sub(r"(?m)^ *(?:(?:// .*)?\n)?", "", text)
     exported = re.findall(r"(?m)^export (?:async )?\w+ (\w+)", text)
     text = re.sub(r"(?m)^export ", "", text)
     text = _IMPORT.sub(r"const \1 = modules.\3;", text)
