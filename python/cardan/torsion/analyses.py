@@ -703,8 +703,8 @@ def running_speeds(
     ...     load_torque=30,
     ...     drive="free",
     ... )
-    >>> [(round(at.speed, 1), at.stable) for at in system.running_speeds([150, 350], [150, 10])]
-    [(186.1, True), (243.2, False), (299.6, True)]
+    >>> [(round(at.speed, 1), at.stable) for at in system.running_speeds([150, 350], [64, 30])]
+    [(203.1, True), (250.8, False), (312.6, True)]
     """
     check_single(self)
     if not self.free:
