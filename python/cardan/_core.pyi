@@ -29,6 +29,7 @@ __all__ = [
     "check_bearings",
     "check_deviations",
     "common_phases",
+    "critical_speeds",
     "derivatives_at",
     "differentiate",
     "dq",
