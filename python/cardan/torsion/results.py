@@ -35,7 +35,7 @@ _POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")
 _REASONS = (
     "",
     "the speed is not a positive finite number",
-    "no periodic orbit was found",
+    "no periodic orbit was found from rigid shafts, even rotation or growing bends",
     "the orbit needs more points than are allowed",
 )
 
