@@ -47,6 +47,27 @@ def two_springs() -> cardan.TorsionalSystem:
     )
 
 
+def engine(law: str) -> cardan.TorsionalSystem:
+    """Three inertias that a free engine drives with half orders, through a coupling of some law."""
+    laws = {
+        "viscous": cardan.Coupling(850),
+        "loss factor": cardan.Coupling(850, loss_factor=0.13),
+        "play": cardan.Coupling(850, play=0.01),
+    }
+    gas = [(0.5, 90, 60), (1.0, 70, 120), (1.5, 43, 32), (3.0, 19, 8), (4.5, 6, 3)]
+    return cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([4.5, 4.5], degrees=True),
+        inertias=[[0.8, 0.004], [0.003, 0.003], [0.004, 0.07]],
+        stiffnesses=[INF, INF, 14000.0],
+        dampings=[0.0 if law == "loss factor" else 1.0, 0.0, 1.0],
+        load_torque=5.0,
+        load_damping=0.27,
+        drive="free",
+        harmonics=cardan.firing_harmonics(gas, [1, 3, 2]),
+        couplings={0: laws[law]},
+    )
+
+
 def stability_map(size: int) -> object:
     """Stability over speed and bend around the natural frequency."""
     line = cardan.Driveline.from_bends(np.linspace(1.0, 40.0, size)[:, None, None], degrees=True)
@@ -166,6 +187,11 @@ def main() -> None:
         for workers, threads in ((1, "one thread"), (-1, "all threads")):
             work = functools.partial(system.steady, speeds, workers=workers)
             rows.append((f"steady, {name} compliant, {threads}", count, seconds(work, repeats)))
+    for law, part in (("viscous", 1), ("loss factor", 5), ("play", 20)):
+        several = np.linspace(63.0, 272.0, max(count // (5 * part), 1))
+        for workers, threads in ((1, "one thread"), (-1, "all threads")):
+            work = functools.partial(engine(law).steady, several, [1.5, 3], workers=workers)
+            rows.append((f"steady, engine, {law}, {threads}", len(several), seconds(work, 1)))
     mapped = seconds(lambda: stability_map(size), 1)
     rows.append((f"stability map, {size} x {size}", size * size, mapped))
     few = [70.0, 180.0, 350.0, 700.0]

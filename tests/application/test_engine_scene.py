@@ -339,7 +339,7 @@ def test_torques_of_a_coupling_are_judged() -> None:
     ANSWERS.validate(check_data(found))
     bare = Answer(Scene.parse(ENGINE))
     names = [each.name for each in bare.judged if each.value.limit is None]
-    assert "vibratory torque in the coupling of shaft 0" in names
+    assert "vibratory torque at 10 Hz in the coupling of shaft 0" in names
     assert bare["torsion"].avoided == ()
 
 
@@ -442,12 +442,12 @@ def test_shapes_in_words(sizes: list[float], is_free: bool, said: str) -> None:
 
 def test_shapes_have_the_names_of_shafts() -> None:
     assert [mode.shape for mode in basics(ENGINE).modes] == [
-        "the engine against the rest",
+        "the drive against the rest",
         "the shaft against the rest",
     ]
     unnamed = re.sub(r"names = .*\n", "", ENGINE)
     assert [mode.shape for mode in basics(unnamed).modes] == [
-        "shaft 0 against the rest",
+        "the drive against the rest",
         "shaft 1 against the rest",
     ]
     # Two bodies of one shaft are its ends.
@@ -461,7 +461,7 @@ def test_orders_may_be_halves() -> None:
     said = PARTS["torsion"].text(found)
     assert re.search(r"\n    0 +1\.5 +\d+ rpm", said)
     assert re.search(r"\n    0 +2 +\d+ rpm", said)
-    assert "the engine against the rest and at" in " ".join(said.split())
+    assert "the drive against the rest and at" in " ".join(said.split())
     assert "contains one critical speed: that of order 1.5 at" in " ".join(said.split())
     data = data_of(found)
     ANSWERS.validate(answer("torsion", "", **data, files=[]))
@@ -482,3 +482,53 @@ def test_couplings_with_kinks_are_looked_at_at_few_speeds() -> None:
     largest = np.nanmax(np.abs(found.search.response.steady.torque_max[0]))
     assert coupling.largest.value == pytest.approx(largest)
     assert coupling.largest.verdict == "beyond"
+
+
+BY_MEAN = """
+[driveline]
+bends_deg = [5, 5]
+[torsion]
+drive = "free"
+inertias_kgm2 = [[0.3, 0], [0, 0], [0, 0.05]]
+dampings_Nms_per_rad = [3, 0, 0]
+load_damping_Nms_per_rad = 1.736
+speed_rpm = [1300, 2200]
+resonance_margin = 0.1
+[[torsion.harmonic]]
+order = 2
+amplitude_Nm = 50
+[[torsion.coupling]]
+shaft = 0
+mean_torque_Nm = [0, 200, 400]
+stiffness_by_mean_Nm_per_rad = [2500, 4200, 7000]
+rated_torque_Nm = 400
+"""
+
+
+def test_a_margin_is_that_of_the_stiffness_at_the_critical_speed() -> None:
+    found = basics(BY_MEAN)
+    inside = [(each.order, round(each.speed / RPM)) for each in found.resonances]
+    assert inside == [(2.0, 1774)]
+    assert found.margin.value == 0.0
+    assert found.margin.verdict == "beyond"
+    above = basics(BY_MEAN.replace("[1300, 2200]", "[1900, 2200]"))
+    assert above.margin.value == pytest.approx((1900 - 1773.7) / 1773.7, abs=1e-3)
+
+
+def test_a_rating_that_is_just_met_is_no_reason_to_avoid_a_speed() -> None:
+    text = BY_MEAN.replace("load_damping_Nms_per_rad = 1.736", "load_torque_Nm = 400")
+    assert not [part for part in basics(text).avoided if "mean torque" in part.reason]
+
+
+def test_a_loss_beside_play_says_what_to_do() -> None:
+    with pytest.raises(ValueError, match="Give shaft 0 a damping instead"):
+        basics(
+            BY_MEAN.partition("mean_torque_Nm")[0]
+            + """stiffness_Nm_per_rad = 2000
+relative_damping = 0.8
+[[torsion.coupling]]
+shaft = 2
+stiffness_Nm_per_rad = 20000
+play_deg = 2
+"""
+        )

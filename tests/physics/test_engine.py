@@ -287,6 +287,48 @@ def test_stiffness_by_mean_torque() -> None:
     np.testing.assert_allclose(found.torque_max, same.steady(300.0).torque_max, rtol=1e-8)
 
 
+def test_critical_speeds_have_the_stiffness_at_their_own_torque() -> None:
+    law = Coupling(mean_torque=[0, 200, 400], stiffness_by_mean=[2500, 4200, 7000])
+    own: dict[str, Any] = {"inertias": [[0.3, 0], [0, 0], [0, 0.05]]}
+    own["stiffnesses"] = [INF] * 3
+    straight = Driveline.from_bends([0, 0])
+    system = TorsionalSystem(
+        straight,
+        couplings={0: law},
+        dampings=[0.5, 0, 0],
+        load_damping=1.736,
+        drive="free",
+        harmonics=[TorqueHarmonic(0, "input", 2, 50)],
+        **own,
+    )
+    found = system.critical_speeds([2, 4])
+    for speed, order in zip(found[0], (2, 4), strict=True):
+        stiffness = law.stiffness_at(1.736 * float(speed))
+        natural = math.sqrt(stiffness * (1 / 0.3 + 1 / 0.05))
+        assert order * float(speed) == pytest.approx(natural, rel=1e-9)
+    # The motion itself is largest there.
+    speeds = float(found[0, 0]) * np.linspace(0.9, 1.1, 41)
+    torque = np.abs(system.steady(speeds, 2).torque_orders[0, :, 0])
+    assert speeds[torque.argmax()] == pytest.approx(float(found[0, 0]), rel=0.011)
+    # A batch has the critical speeds of its members.
+    batch = TorsionalSystem(
+        straight, couplings={0: law}, load_damping=[0.9, 1.736], drive="free", **own
+    )
+    np.testing.assert_allclose(batch.critical_speeds([2, 4])[1], found, rtol=1e-12)
+
+
+def test_a_straight_driveline_permits_no_instability() -> None:
+    line = Driveline.from_bends([0.1, 0.1], [0.0], [0.0])
+    (rule,) = TorsionalSystem(
+        line,
+        inertias=[[0.3, 0.0], [0.0, 0.0], [0.0, 0.05]],
+        stiffnesses=[4000, INF, INF],
+        drive="free",
+    ).bend_rules()
+    assert rule.factor < 1e-12
+    assert not rule.exceeded
+
+
 def test_a_loss_factor_against_the_twin() -> None:
     own: dict[str, Any] = {
         "inertias": [[0.3, 0], [0.0, 0.02], [0.01, 0.05]],
@@ -379,8 +421,9 @@ def test_firing_orders() -> None:
             known = np.sum(cos * np.cos(turns) + sin * np.sin(turns))
             got = own.cos * np.cos(own.order * angle) + own.sin * np.sin(own.order * angle)
             assert got == pytest.approx(known)
-    with pytest.raises(ValueError, match="each cylinder once"):
-        cardan.firing_harmonics(one, [1, 1])
+    for wrong in ([1, 1], [1, 3, 5, 2]):
+        with pytest.raises(ValueError, match="each cylinder, from 1 on, once"):
+            cardan.firing_harmonics(one, wrong)
 
 
 def test_kinked_cases_are_known() -> None:

@@ -109,7 +109,7 @@ TWINS = {
         "running_speeds": SEARCH,
         "period_turns": "torsion.System.period_turns",
         "changed couplings dampings drive drive_slope free harmonics inertias line load_damping "
-        "load_torque shape stiffnesses": SHAPE,
+        "load_torque shape stiffness_follows_speed stiffnesses": SHAPE,
     },
     "Machine": {
         "figures verdict": "design.ranked",

@@ -30,6 +30,9 @@ _FEWER = 4
 
 _JOINT_ORDERS = (2.0, 4.0)
 
+# Factors of bends below this are rounding.
+_STRAIGHT = 1e-12
+
 # Without damping the speed neither runs away nor returns; its multiplier is then 1 up to this.
 _NEUTRAL = 2e-6
 
@@ -94,7 +97,8 @@ class BendRule:
     @property
     def exceeded(self) -> bool:
         """Whether the motion can be unstable."""
-        return self.factor > self.damping_ratio
+        # A straight driveline has a bend of rounding.
+        return self.factor > max(self.damping_ratio, _STRAIGHT)
 
     @property
     def edges(self) -> tuple[float, float]:

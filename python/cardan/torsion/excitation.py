@@ -138,11 +138,16 @@ class Coupling:
         if self.stiffness is not None:
             return self.stiffness
         if self.mean_torque is not None:
-            x, y = np.array(self.mean_torque), np.array(self.stiffness_by_mean)
-            return float(np.interp(torque if x[0] < 0.0 else abs(torque), x, y))
+            return float(self.by_mean(torque))
         x, y = self._table()
         place = int(np.clip(np.searchsorted(y, torque) - 1, 0, len(x) - 2))
         return float(np.diff(y)[place] / np.diff(x)[place])
+
+    def by_mean(self, torque: ArrayLike) -> FloatArray:
+        """Return the stiffnesses in N m/rad at mean torques in N m, of a law by the mean torque."""
+        x, y = np.array(self.mean_torque), np.array(self.stiffness_by_mean)
+        given = as_float64("torque", torque)
+        return np.asarray(np.interp(given if x[0] < 0.0 else np.abs(given), x, y))
 
     def scaled(self, factor: float) -> Coupling:
         """Return the coupling with so many times the stiffness and the torques at every twist."""
@@ -206,8 +211,8 @@ def firing_harmonics(
     if strokes not in (2, 4):
         raise ArgumentValueError("strokes", f"is {strokes!r}; it must be 2 or 4")
     count = len(firing_order)
-    if not count or len(set(firing_order)) < count:
-        problem = f"is {list(firing_order)!r}; it must name each cylinder once"
+    if not count or sorted(firing_order) != list(range(1, count + 1)):
+        problem = f"is {list(firing_order)!r}; it must name each cylinder, from 1 on, once"
         raise ArgumentValueError("firing_order", problem)
     base = 2.0 * count / strokes
     return tuple(

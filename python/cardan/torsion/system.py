@@ -56,6 +56,8 @@ from cardan.torsion.transient import (
 _PARAMETERS = ("inertias", "stiffnesses", "dampings", "load_torque", "load_damping")
 # An orbit of more orders would need more points than the native module allows.
 _MOST_ORDER = 256
+# Halvings of the interval of a critical speed.
+_HALVINGS = 60
 _ORDER_RULE = f"; an order must be positive and at most {_MOST_ORDER}"
 _ENGINE = ("drive", "drive_slope", "harmonics")
 
@@ -295,12 +297,48 @@ class TorsionalSystem:
     def critical_speeds(self, orders: ArrayLike = (2, 4)) -> FloatArray:
         """Return the drive speeds in rad/s at which an order meets a natural frequency.
 
-        They are ``natural frequency / order``, ``(..., compliant, m)``.
+        They are ``natural frequency / order``, ``(..., compliant, m)``. Where stiffnesses depend on
+        the mean torque and the load on the speed, each is found with the stiffnesses at that speed.
 
         Args:
             orders: as of ``steady``, like the errors; joints excite even orders.
         """
-        return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
+        wanted = _orders(orders)
+        if not self.stiffness_follows_speed:
+            return np.asarray(self.natural_frequencies()[..., np.newaxis] / wanted)
+        load, viscous = (
+            each[..., np.newaxis, np.newaxis] for each in (self.load_torque, self.load_damping)
+        )
+        low = np.zeros((*self.shape, len(self.compliant), len(wanted)))
+        high = np.ones_like(low)
+        while np.any(above := self._frequencies_at(load + viscous * high) > wanted * high):
+            high = np.where(above, 2.0 * high, high)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            above = self._frequencies_at(load + viscous * middle) > wanted * middle
+            low, high = np.where(above, middle, low), np.where(above, high, middle)
+        return np.asarray(0.5 * (low + high))
+
+    @property
+    def stiffness_follows_speed(self) -> bool:
+        """Whether stiffnesses depend on the mean torque, and the load on the speed."""
+        by_mean = any(own.mean_torque is not None for own in self.couplings.values())
+        return by_mean and bool(np.any(self.load_damping > 0.0))
+
+    def _frequencies_at(self, torque: FloatArray) -> FloatArray:
+        """The frequency of each mode at its own load torques in N m, ``(..., compliant, m)``."""
+        springs = np.broadcast_to(
+            self.stiffnesses[..., np.newaxis, np.newaxis, :],
+            (*torque.shape, self.stiffnesses.shape[-1]),
+        ).copy()
+        for shaft, own in self.couplings.items():
+            if own.mean_torque is not None:
+                springs[..., shaft] = own.by_mean(torque)
+        line = self.line.reshape(*self.line.shape, 1, 1) if self.line.shape else self.line
+        inertias = self.inertias[..., np.newaxis, np.newaxis, :, :]
+        system = TorsionalSystem(line, inertias=inertias, stiffnesses=springs, drive=self.drive)
+        found = np.diagonal(system.natural_frequencies(), axis1=-3, axis2=-1)
+        return np.asarray(np.swapaxes(found, -1, -2))
 
     @property
     def free(self) -> bool:

@@ -200,7 +200,7 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
     of their tube.
     """
     case, found = answer.scene.torsion, answer["torsion"]
-    if case is None or found is None:
+    if case is None or found is None or case.system.stiffness_follows_speed:
         return None
     system, tubes = case.system, answer.scene.tubes
     rigid = [shaft not in system.compliant for shaft in range(system.line.n_joints + 1)]

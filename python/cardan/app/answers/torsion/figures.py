@@ -233,7 +233,7 @@ class CouplingTorques:
         "mean torque in the coupling", "Nm", limit="[torsion] coupling.rated_torque_Nm"
     )
     vibratory: Judged = figure(
-        "vibratory torque in the coupling",
+        "vibratory torque at 10 Hz in the coupling",
         "Nm",
         "half of largest less least torque, as if at 10 Hz: by the frequency of the largest order",
         source=_DIN,
@@ -389,6 +389,19 @@ def find(answer: Answer) -> TorsionBasics | None:
     frequencies = [mode.frequency for mode in modes]
     orders = [(order, order in given.excited) for order in given.orders]
     at, away, nearest = critical_speeds(frequencies, orders, (low, high))
+    if system.stiffness_follows_speed:
+        # Each critical speed has its own stiffnesses: as if it were of a frequency of its own.
+        own = [
+            critical_speeds((order * speeds).tolist(), [(order, excited)], (low, high))
+            for (order, excited), speeds in zip(
+                orders, system.critical_speeds(given.orders).T, strict=True
+            )
+        ]
+        at = [speed for speeds, _, _ in own for speed in speeds]
+        away = [distance for _, distances, _ in own for distance in distances]
+        count = len(modes)
+        near = [i * count + place for i, (*_, place) in enumerate(own) if place is not None]
+        nearest = min(near, key=lambda place: away[place], default=None)
     met = [(order, mode) for order in given.orders for mode in modes]
     critical = tuple(
         CriticalSpeed(
@@ -516,8 +529,8 @@ def _missing(response: SpeedResponse) -> Iterator[Missing]:
 def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
     """Return what moves as one between compliant shafts: the shaft ends, and what to call it.
 
-    A body is called by the shaft with the largest inertia in it. Two bodies of the same shaft are
-    its ends, and the input end of shaft 0 is the drive.
+    What is before a compliant shaft 0 is the drive. Any other body is called by the shaft with the
+    largest inertia in it; two bodies of the same shaft are its ends.
     """
     system, inertias = given.system, given.system.inertias
     bodies: list[list[tuple[int, int]]] = [[]]
@@ -531,9 +544,10 @@ def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
     called = []
     for body, (shaft, end) in zip(bodies, largest, strict=True):
         name = f"the {given.names[shaft]}" if given.names else f"shaft {shaft}"
-        if shafts.count(shaft) > 1:
-            side = f"the {'output' if end else 'input'} end of {name}"
-            name = "the drive" if (shaft, end) == (0, 0) else side
+        if body == [(0, 0)]:
+            name = "the drive"
+        elif shafts.count(shaft) > 1:
+            name = f"the {'output' if end else 'input'} end of {name}"
         called.append((body, name))
     return called
 
@@ -643,7 +657,7 @@ def _avoided(given: TorsionCase, search: Search) -> Iterator[Avoided]:
             if limit is None:
                 continue
             over = np.nan_to_num(value(speed, steady) - limit, nan=-limit)
-            for first, last in ranges(over > 0.0):
+            for first, last in ranges(over > _ROUNDING * limit):
                 ends = (_end(speed, over, first, -1), _end(speed, over, last, 1))
                 yield Avoided(
                     *ends, f"the {what} torque in the coupling of shaft {shaft} is above its rating"

@@ -336,6 +336,15 @@ def _couplings(tables: list[dict[str, Any]], shafts: int, scene: Reading) -> dic
                     **COUPLING.arguments(values),
                     contact_damping=values.get("damper") == "contact",
                 )
+    lossy = [shaft for shaft, own in made.items() if own.loss_factor > 0.0]
+    kinked = [shaft for shaft, own in made.items() if own.play > 0.0 or own.twist is not None]
+    if lossy and kinked and not set(lossy) & set(kinked):
+        raise ValueError(
+            f"the coupling of shaft {lossy[0]} has a constant loss per cycle, and that of shaft "
+            f"{kinked[0]} has play or a curve; motions are found with one or the other. Give shaft "
+            f"{lossy[0]} a damping instead: dampings_Nms_per_rad = stiffness · ψ/(2π ω), with "
+            "ω = 2π times the natural frequency"
+        )
     return made
 
 
