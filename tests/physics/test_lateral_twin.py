@@ -256,7 +256,7 @@ def test_a_tube_between_machines_near_half_its_critical_speed() -> None:
 def test_shudder_of_a_truck(
     stiffness: float, hertz: float, shudder: float, force: float, displacement: float
 ) -> None:
-    """The table of an independent model, in its digits."""
+    """Numbers of an independent model, in its digits."""
     truck = system_of(CASES["truck"])
     bearing = replace(truck.bearings[0], stiffness=(stiffness, stiffness))
     truck, rpm = replace(truck, bearings=[bearing]), math.pi / 30.0
@@ -269,6 +269,31 @@ def test_shudder_of_a_truck(
     assert peak > max(below, above)
     moved = largest(response.bearing_displacement[0, 1], [2])
     assert moved == pytest.approx(displacement, abs=0.5e-5)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "phases", "static", "shudder"),
+    few(
+        [
+            ((3, 4, 9, 4), (0, 0), 69.65, 513.4),
+            ((3, 4, 9, 7), (0, 0), 94.5, 756.0),
+            ((3, 4, 9, 4), (90, 0), 46.5, 319.0),
+            ((3, 4, 9, 14), (0, 0), 152.0, 1322.0),
+        ],
+        [((3, 4, 9, 14), (0, 0), 152.0, 1322.0)],
+    ),
+    ids=["Z", "pinion wound up", "yokes turned", "W"],
+)
+def test_layouts_of_a_truck(
+    slopes: Sequence[float], phases: Sequence[float], static: float, shudder: float
+) -> None:
+    """Numbers of an independent model: slopes, and phases, in degrees."""
+    down = -np.radians(slopes)
+    line = planar(np.diff(down).tolist(), np.radians(phases).tolist())
+    truck = replace(system_of(CASES["truck"], 0.3), line=line, lengths=[0.3, 1.25, 1.75, 0.3])
+    speeds = np.array([0.1, 640.0]) * math.pi / 30.0
+    force = truck.response(speeds, {"drive_torque": 1500.0}, [2]).bearing_force[0]
+    assert largest(force, [2]) == pytest.approx([static, shudder], rel=2e-3)
 
 
 # --- rigid shafts ------------------------------------------------------------------------------
