@@ -452,14 +452,6 @@ def test_a_ribbon_shows_at_which_heights_the_verdict_holds(truck: webdriver.Chro
     assert words == "Within all limits with y from \u2212112.4 to \u221270.2 mm"
     slices = js(truck, "return cardanPage.ribbon.slices")
     assert sum(count for count, _ in slices) == len(bands)
-    # One that looks at more than one height ends before 8 ms, unless the machine is busy.
-    long = [took for count, took in slices if count > 1]
-    assert np.median(long or [0.0]) < 9.0
-    ActionChains(truck).click_and_hold(joint).move_by_offset(0, 20).perform()
-    settled(truck)
-    assert ribbon.get_attribute("visibility") == "hidden"
-    ActionChains(truck).release().perform()
-    truck.find_element(By.CSS_SELECTOR, "#live-drawing .ribbon[visibility=visible]")
 
 
 APART = """const svg = document.getElementById("live-drawing").getBoundingClientRect();

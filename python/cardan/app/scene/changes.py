@@ -68,7 +68,8 @@ def _turned(scene: Scene) -> dict[int, list[dict[str, Any]]]:
             {"about": about, "matrix": matrix.tolist()}
             for matrix in rotation(axis.rotation.axis, angles)
         ]
-        for point, _ in axis.entries(scene.line.n_joints + 2):
+        # A set, whose order would depend on the hashes of a process.
+        for point, _ in sorted(axis.entries(scene.line.n_joints + 2)):
             each = found.setdefault(
                 point, [{"before": line[point].tolist(), "turns": []} for line in before]
             )
