@@ -663,13 +663,13 @@ def _crossing(speed: FloatArray, value: FloatArray, place: int) -> float:
 
 @dataclass(frozen=True)
 class RunningSpeed:
-    """A speed at which the torque of a motor is what a driveline needs.
+    """A speed at which a motor gives the torque that a driveline needs.
 
     Attributes:
         speed: mean speed of the drive in rad/s.
         torque: mean torque in N m.
         slope: what the torque of the motor loses with its speed there in N m s/rad.
-        torque_slope: what the driveline needs more with its speed in N m s/rad.
+        torque_slope: by how much the needed torque rises with the speed, in N m s/rad.
         stable: whether vibration and speed return after a disturbance. The speed does where the
             sum of both slopes is positive.
     """

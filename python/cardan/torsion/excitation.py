@@ -58,7 +58,7 @@ class Coupling:
     """What connects the ends of a compliant shaft where that is not a spring of one stiffness.
 
     One of ``stiffness``, ``twist`` with ``torque``, and ``mean_torque`` with ``stiffness_by_mean``
-    is given. The dampings of the system act beside it.
+    is given. The dampings of the system are added.
 
     Args:
         stiffness: in N m/rad.

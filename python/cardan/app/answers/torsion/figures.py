@@ -390,7 +390,7 @@ def find(answer: Answer) -> TorsionBasics | None:
     orders = [(order, order in given.excited) for order in given.orders]
     at, away, nearest = critical_speeds(frequencies, orders, (low, high))
     if system.stiffness_follows_speed:
-        # Each critical speed has its own stiffnesses: as if it were of a frequency of its own.
+        # The stiffnesses differ from speed to speed, so each critical speed has its own frequency.
         own = [
             critical_speeds((order * speeds).tolist(), [(order, excited)], (low, high))
             for (order, excited), speeds in zip(

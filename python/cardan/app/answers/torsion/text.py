@@ -114,7 +114,7 @@ def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[
 
 
 def _runaway(part: Runaway) -> str:
-    """Say what a drive needs whose speed would run away."""
+    """Say what torque keeps a drive from running away."""
     slope = quantity(part.needed_slope, "Nms_per_rad", rounds="up")
     return (
         f"{_where(part)} the torque that is needed falls with the speed: a drive of constant "
