@@ -447,7 +447,7 @@ def _moments(line: Driveline, load: object, speeds: FloatArray, orders: FloatArr
     moments = _amplitudes(line, Load(**end), orders)
     if load.inertias is not None:
         # The torques of inertias grow with the square of the speed.
-        none = {name: 0.0 for name in end}
+        none = dict.fromkeys(end, 0.0)
         unit = Load(**none, speed=1.0, inertias=load.inertias)
         square = (speeds**2)[..., np.newaxis, np.newaxis, np.newaxis]
         moments = moments + square * _amplitudes(line, unit, orders)
