@@ -12,7 +12,7 @@ ANGLE = ("deg", "rad")
 """Endings of keys that hold angles: degrees, or with ``--radians`` radians."""
 
 Kind = Literal[
-    *("run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion", "lateral")
+    "run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion", "lateral"
 ]
 _Schemas = Mapping[str, Any]
 

@@ -37,6 +37,8 @@ from cardan.arrays import FloatArray
 _THOMA = "D. Thoma, 1920: impulses of bending of the second and fourth order"
 # A bearing or a middle that moves this share of the most moving one moves with a shape.
 _MOVES = 0.3
+# A shape is that of shafts on a bearing if this has so much of the elastic energy.
+_HELD = 0.3
 _ROUNDING = 1e-9
 
 
@@ -228,7 +230,6 @@ class LateralFigures:
     response: Response | None = optional(parts("Response over the speed", is_detail=True))
 
 
-
 def find(answer: Answer) -> LateralFigures | None:
     """Return the lateral vibration of a scene in its worst state; ``None`` without [lateral]."""
     scene, case = answer.scene, answer.scene.lateral
@@ -240,11 +241,12 @@ def find(answer: Answer) -> LateralFigures | None:
     worst = 0 if why else int(np.argmax([_size(one) for one in found]))
     one = found[worst]
     state = scene.states.names[worst] if scene.states and len(found) > 1 else ""
-    basics = {"vibration": one, "state": state, "why": why}
     couples = () if why else tuple(_couples(one))
     if case.rigid_bearings:
         return LateralFigures(
-            **basics,
+            vibration=one,
+            state=state,
+            why=why,
             margin=None,
             torque_margin=None,
             speed_range=None,
@@ -261,7 +263,9 @@ def find(answer: Answer) -> LateralFigures | None:
     shapes = _shapes(one)
     low, high = float(case.speed[0]), float(case.speed[-1])
     return LateralFigures(
-        **basics,
+        vibration=one,
+        state=state,
+        why=why,
         margin=_margin(scene, found),
         torque_margin=_torque_margin(scene, found),
         speed_range=SpeedRange(low, high),
@@ -426,12 +430,8 @@ def _bearings(
         static = worst.statics
         size = None if static is None else length(static[number])
         if worst.load is None:
-            force, moved = (
-                Judged(None, why=unknown(scene), **limit) for limit in limits.values()
-            )
-            yield BearingVibration(
-                number, shaft, None, force, None, None, None, None, None, moved
-            )
+            force, moved = (Judged(None, why=unknown(scene), **limit) for limit in limits.values())
+            yield BearingVibration(number, shaft, None, force, None, None, None, None, None, moved)
             continue
         force, moved = (
             _over_speeds(scene, found, name, i, limits[key])
@@ -440,27 +440,29 @@ def _bearings(
                 ("bearing_displacement", "displacement_mm"),
             )
         )
-        outside = ~worst.unknown
+        outside, most = ~worst.unknown, dict.fromkeys(ALL, 0.0)
         speed = None
-        orders: list[float | None] = [None] * len(ALL)
         if np.any(outside):
             own = worst.response.largest("bearing_force")[i, outside]
             speed = float(worst.speed[outside][np.argmax(own)])
-            sizes = worst.response.of_order("bearing_force")[i, outside]
-            orders = [float(np.max(sizes[:, k])) for k in range(len(ALL))]
-            orders = [o if order in (0, *worst.excited) else 0.0 for o, order in zip(orders, ALL)]
-        yield BearingVibration(number, shaft, size, force, speed, *orders, moved)
+            sizes = np.max(worst.response.of_order("bearing_force")[i, outside], axis=0)
+            found_orders = dict(zip(ALL, sizes.tolist(), strict=True))
+            most |= {order: found_orders[order] for order in (0, *worst.excited)}
+        yield BearingVibration(
+            number, shaft, size, force, speed, most[0], most[1], most[2], most[4], moved
+        )
 
 
 def _over_speeds(
     scene: Scene, found: Sequence[Vibration], name: str, bearing: int, limit: dict[str, Any]
 ) -> Judged:
     """The largest value over the speeds; not judged if it may be larger in a band."""
-    values, bands = [], []
+    values: list[float] = []
+    bands: list[Met] = []
     for one in found:
         own = one.response.largest(name)[bearing, ~one.unknown]
         values.append(float(np.max(own, initial=0.0)))
-        bands += [met for met in one.bands]
+        bands += one.bands
     judged = over(scene, np.array(values), names=_names(scene), **limit)
     if bands and judged.verdict in ("within", "tolerable"):
         first = min(bands, key=lambda met: met.speed)
@@ -488,7 +490,7 @@ def _remedies(found: Vibration) -> Iterator[Remedy]:
     inside = [
         (met, peak)
         for met in found.met
-        if met.order == 2 and low <= met.speed <= high and float(np.max(met.group.shares, initial=0)) > 0.5
+        if met.order == 2 and low <= met.speed <= high and np.any(met.group.shares > _HELD)
         for peak in [found.peak(met)]
         if peak
     ]

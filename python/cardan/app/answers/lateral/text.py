@@ -49,9 +49,7 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
         )
     else:
         numbers = one.case.elastic or one.case.rigid_bearings
-        forces = [
-            f"bearing {i} with ±{quantity(length(one.statics[i]), 'N')}" for i in numbers
-        ]
+        forces = [f"bearing {i} with ±{quantity(length(one.statics[i]), 'N')}" for i in numbers]
         if forces:
             yield f"twice per turn the joints load {listed(forces)} by statics{state}"
     most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
@@ -64,8 +62,8 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
             )
         elif each.tilt <= _STILL * most:
             yield (
-                f"the couples on shaft {each.shaft} bow it with {bow} twice per turn, which excites "
-                "half its critical speed, and load no bearing"
+                f"the couples on shaft {each.shaft} bow it with {bow} twice per turn, which "
+                "excites half its critical speed, and load no bearing"
             )
         else:
             yield f"twice per turn, shaft {each.shaft} is bowed with {bow} and tilted with {tilt}"
@@ -106,10 +104,10 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
                 f"±{quantity(each.moved, 'mm', digits='small')}"
             )
         elif not each.known:
-            ends = f"{quantity(each.start, 'rpm').removesuffix(' rpm')} to {quantity(each.stop, 'rpm')}"
+            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
             yield (
-                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what}); its "
-                f"damping is not known, so stay out of {ends}"
+                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what}); "
+                f"its damping is too small or not known, so stay out of {start} to {stop}"
             )
         else:
             yield f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
@@ -146,12 +144,12 @@ def _help(found: LateralFigures) -> Iterator[str]:
     if ends:
         bend = float(found.vibration.line.equivalent().bend)
         best = min(ends, key=lambda each: each.bend)
-        text = (
-            f"{best.change}: this ends the shudder and leaves {quantity(best.left or 0.0, 'percent')} "
-            f"of order 2 at bearing {best.bearing}"
-        )
+        left = quantity(best.left or 0.0, "percent")
         now, then = quantity(bend, "deg"), quantity(best.bend, "deg")
-        yield f"{text}; the equivalent bend is then {then} in place of {now}"
+        yield (
+            f"{best.change}: this ends the shudder and leaves {left} of order 2 at bearing "
+            f"{best.bearing}; the equivalent bend is then {then} in place of {now}"
+        )
     elif layouts:
         best = min(layouts, key=lambda each: each.left or 0.0)
         yield (
@@ -163,11 +161,11 @@ def _help(found: LateralFigures) -> Iterator[str]:
         for factor in (0.5, 2.0)
     )
     if soft and stiff and soft.moved is not None and stiff.moved is not None:
+        less, more = (quantity(moved, "mm", digits="small") for moved in (soft.moved, stiff.moved))
         yield (
             f"half the stiffness of bearing {soft.bearing} moves the resonance to "
-            f"{quantity(soft.resonance, 'rpm')}, where the shaft moves by "
-            f"±{quantity(soft.moved, 'mm', digits='small')}, and twice the stiffness to "
-            f"{quantity(stiff.resonance, 'rpm')} with ±{quantity(stiff.moved, 'mm', digits='small')}"
+            f"{quantity(soft.resonance, 'rpm')}, where the shaft moves by ±{less}, and twice the "
+            f"stiffness to {quantity(stiff.resonance, 'rpm')}, with ±{more}"
         )
 
 
@@ -193,6 +191,6 @@ def _limits(found: LateralFigures) -> Iterator[str]:
         f"{given(KNOWN, '')} there is a band of 16 % in place of a peak."
     )
     yield (
-        f"Sliding without friction: {found.sliding}; these need free splines. Not included: engine, "
-        "gearbox and axle moving on their mounts, play, and the friction of splines."
+        f"Sliding without friction: {found.sliding}; these need free splines. Not included: "
+        "engine, gearbox and axle moving on their mounts, play, and the friction of splines."
     )

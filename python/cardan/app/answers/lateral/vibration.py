@@ -193,9 +193,7 @@ class Vibration:
         line, load = self.line, self.load
         assert load is not None
         sums = line.harmonics((2,), outputs="moment", load=load)
-        moments = np.stack(
-            [sums.mean["moment"], sums.complex_amplitude["moment"][..., 0]], axis=1
-        )
+        moments = np.stack([sums.mean["moment"], sums.complex_amplitude["moment"][..., 0]], axis=1)
         none = np.zeros((1, 2, 3))
         received = np.concatenate([none, moments])
         passed_on = np.concatenate([moments, none])
@@ -207,7 +205,7 @@ class Vibration:
 
     def window(self, met: Met) -> NDArray[np.bool_]:
         """Say which speeds are around a resonance."""
-        return np.abs(self.speed / met.speed - 1.0) <= _AROUND[-1] + 1e-12
+        return np.asarray(np.abs(self.speed / met.speed - 1.0) <= _AROUND[-1] + 1e-12)
 
     def peak(self, met: Met) -> tuple[int, float, float, float] | None:
         """Return bearing, speed, force and displacement at the peak of a resonance, if in range.
