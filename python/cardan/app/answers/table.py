@@ -154,7 +154,7 @@ _PARTS = (
         given="stiffnesses and inertias",
     ),
     Part(
-        *("lateral", "Lateral vibration", "the shafts", ("lateral",)),
+        *("lateral", "Lateral vibration", "", ("lateral",)),
         ("check", "lateral", "report"),
         given="the speeds, and makes bearings elastic",
     ),

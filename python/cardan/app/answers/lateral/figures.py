@@ -39,7 +39,8 @@ _THOMA = "D. Thoma, 1920: impulses of bending of the second and fourth order"
 _MOVES = 0.3
 # A shape is that of shafts on a bearing if this has so much of the elastic energy.
 _HELD = 0.3
-_ROUNDING = 1e-9
+# Couples below this share of the largest are what a drawing does not tell.
+_DRAWN = 1e-5
 
 
 @dataclass(frozen=True)
@@ -320,7 +321,7 @@ def _size(found: Vibration) -> float:
 
 
 def _couples(found: Vibration) -> Iterator[BendingCouples]:
-    least = _ROUNDING * float(np.max(np.abs(found.couples), initial=0.0))
+    least = _DRAWN * float(np.max(np.abs(found.couples), initial=0.0))
     for shaft, (upstream, downstream) in zip(found.case.moving, found.couples, strict=True):
         halves = (0.5 * (upstream - downstream), 0.5 * (upstream + downstream))
         means = [float(np.linalg.norm(half[0].real)) for half in halves]
@@ -361,7 +362,8 @@ def _resonance(found: Vibration, met: Met) -> Resonance:
     low, high = found.case.speed[0], found.case.speed[-1]
     inside, excited = bool(low <= met.speed <= high), met.order in found.excited
     peak = None
-    if found.load is not None and inside and excited and met.is_known:
+    has_size = met.order > 1 or bool(found.case.unbalance)
+    if found.load is not None and inside and excited and met.is_known and has_size:
         peak = found.peak(met)
     number = None if peak is None else found.case.elastic[peak[0]]
     return Resonance(
@@ -447,7 +449,8 @@ def _bearings(
             speed = float(worst.speed[outside][np.argmax(own)])
             sizes = np.max(worst.response.of_order("bearing_force")[i, outside], axis=0)
             found_orders = dict(zip(ALL, sizes.tolist(), strict=True))
-            most |= {order: found_orders[order] for order in (0, *worst.excited)}
+            known = set(worst.excited) - (set() if worst.case.unbalance else {1})
+            most |= {order: found_orders[order] for order in (0, *known)}
         yield BearingVibration(
             number, shaft, size, force, speed, most[0], most[1], most[2], most[4], moved
         )

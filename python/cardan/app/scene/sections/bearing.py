@@ -146,16 +146,22 @@ class Mounting:
             raise ArgumentValueError(bearing.key, problem) from None
 
 
+def check_across(key: str, direction: list[float], along: FloatArray) -> None:
+    """Refuse a direction along a shaft, of the directions ``(..., 3)`` of shafts."""
+    across = np.min(np.linalg.norm(np.cross(along, direction), axis=-1))
+    if across <= 1e-6 * float(np.linalg.norm(direction)):
+        text = ", ".join(f"{component:g}" for component in direction)
+        problem = f"is [{text}], along the shaft; it must point across it"
+        raise ArgumentValueError(key, problem)
+
+
 def _support(values: Mapping[str, Any], directions: FloatArray) -> dict[str, Any]:
     """Return what makes a bearing elastic; nothing of a rigid one."""
     support = BEARING.arguments(values)
     if not support:
         return {}
     if "axis" in support:
-        along = np.max(np.linalg.norm(np.cross(directions, support["axis"]), axis=-1))
-        if along < 1e-6 * max(float(np.linalg.norm(support["axis"])), 1e-12):
-            problem = f"is {values['axis']}, along the shaft; it must point across it"
-            raise ArgumentValueError("axis", problem)
+        check_across("axis", support["axis"], directions)
     else:
         for key, value in values.items():
             if key in SUPPORT and isinstance(value, list) and value[0] != value[1]:

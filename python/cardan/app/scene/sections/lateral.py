@@ -19,7 +19,7 @@ from cardan.app.scene.language.rules import (
 )
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.language.units import RPM
-from cardan.app.scene.sections.bearing import BEARING, STIFFNESS
+from cardan.app.scene.sections.bearing import BEARING, STIFFNESS, check_across
 from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.sections.torsion import SpeedValues
 from cardan.app.scene.sections.tubes import TUBES, Tubes
@@ -201,7 +201,7 @@ def _lateral(values: Mapping[str, Any], scene: Reading) -> LateralCase:
             "speed_rpm", "is missing; it says at which speeds the driveline runs"
         )
     attached = {
-        section: tuple(_attached(section, values.get(key, []), lengths, moving, scene))
+        section: tuple(_attached(section, values.get(key, []), moving, scene))
         for key, section in (("mass", MASS), ("unbalance", UNBALANCE))
     }
     case = LateralCase(
@@ -247,10 +247,10 @@ def _check_place(key: str, value: float, length: float, shaft: int) -> None:
 def _attached(
     section: Section[Any],
     tables: list[dict[str, Any]],
-    lengths: FloatArray,
     moving: set[int],
     scene: Reading,
 ) -> Iterator[Attached]:
+    lengths = np.asarray(scene.line.lengths().each)
     for i, given in enumerate(tables):
         with scene.document.within(f"{section.name}.{i}"):
             shaft = given["shaft"]
@@ -261,6 +261,8 @@ def _attached(
             key = next(key for key in given if key in _PLACES)
             _check_place(key, given[key], lengths[shaft], shaft)
             own = section.arguments(given)
+            if "direction" in own:
+                check_across("direction", own["direction"], scene.line.directions[shaft])
             yield Attached(shaft, key == _PLACES[1], 1e-3 * given[key], own)
 
 
