@@ -18,7 +18,8 @@ What there is, by what it is for:
 * Wear and forces: ``Life``, ``Losses``, ``Lengths``, ``SplineForce``, ``Slides``, ``tube`` with
   ``Tube``, ``BallJoint``.
 * Vibration: ``TorsionalSystem``, ``TorqueHarmonic``, ``Coupling``, ``firing_harmonics``,
-  ``FreeRunning``.
+  ``FreeRunning``; ``LateralSystem`` with ``RigidShaft``, ``ElasticBearing``, ``PointMass`` and
+  ``Unbalance``.
 * Inexact drivelines: ``Tolerances``, ``OrderTolerances``.
 * From measurements: ``identify`` and ``identify_two_joints``, with ``Identification`` and
   ``TwoJoints``.
@@ -61,6 +62,11 @@ if TYPE_CHECKING:
     from cardan.interop import jax as jax
     from cardan.interop import scipy as scipy
     from cardan.interop import torch as torch
+    from cardan.lateral import ElasticBearing as ElasticBearing
+    from cardan.lateral import LateralSystem as LateralSystem
+    from cardan.lateral import PointMass as PointMass
+    from cardan.lateral import RigidShaft as RigidShaft
+    from cardan.lateral import Unbalance as Unbalance
     from cardan.motion import workshop as workshop
     from cardan.motion.equivalent import EquivalentJoint as EquivalentJoint
     from cardan.motion.equivalent import Motion as Motion
@@ -109,6 +115,7 @@ else:
         "evaluation.plan": "Plan",
         "evaluation.result": "Result",
         "evaluation.sweep": "Sweep",
+        "lateral": "ElasticBearing LateralSystem PointMass RigidShaft Unbalance",
         "motion.equivalent": "EquivalentJoint Motion Steering Transmission",
         "motion.free_running": "FreeRunning",
         "motion.identification": "Identification TwoJoints identify identify_two_joints",

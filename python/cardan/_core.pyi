@@ -15,10 +15,12 @@ _SteppedLoad: TypeAlias = tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[in
 
 _Load: TypeAlias = tuple[str, Sequence[float], Sequence[float], list[tuple[int, Sequence[float]]]]
 _Cases: TypeAlias = tuple[Lines, Sequence[float], _Load | None]
+_Items: TypeAlias = tuple[Sequence[int], _Flat]
 _Figure: TypeAlias = tuple[str, int | None, _Flat, _Numbers, list[float], int | None]
 
 __all__ = [
     "Integral",
+    "Lateral",
     "Lines",
     "Machine",
     "Plan",
@@ -41,6 +43,7 @@ __all__ = [
     "from_points",
     "hours",
     "kinds",
+    "largest_over_turn",
     "least_drive_inertias",
     "levels",
     "mean_leads",
@@ -250,3 +253,28 @@ class Transmission:
     def q(self) -> NDArray[np.complex128]: ...
     def motion(self, lines: _Numbers, angles: _Flat) -> list[_Flat]: ...
     def gradient(self, lines: _Numbers, angles: _Flat) -> list[NDArray[np.complex128]]: ...
+
+def largest_over_turn(amplitudes: NDArray[np.complex128], orders: Sequence[float]) -> _Flat: ...
+
+@final
+class Lateral:
+    def __new__(
+        cls,
+        shape: Sequence[int],
+        geometry: Sequence[_Flat],
+        shafts: _Items,
+        attached: Sequence[_Items],
+        sliding: Sequence[int] | None,
+    ) -> Lateral: ...
+    def sliding(self) -> list[int]: ...
+    def modes(self, count: int, probes: Sequence[tuple[int, float]]) -> tuple[_Flat, _Flat]: ...
+    def responses(
+        self,
+        runs: tuple[_Numbers, _Flat],
+        orders: Sequence[float],
+        moments: NDArray[np.complex128],
+        probes: Sequence[tuple[int, float]],
+        workers: int | None,
+    ) -> tuple[NDArray[np.complex128], _Flat]: ...
+    def torque_stiffness(self) -> tuple[NDArray[np.complex128], _Flat]: ...
+    def largest_stable_torque(self, system: _Numbers, speed: _Flat) -> _Flat: ...

@@ -10,8 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array, together
-from cardan.arrays.errors import check_elements
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    not_negative,
+    positive,
+    scalar_or_array,
+    together,
+)
+from cardan.arrays.errors import ArgumentValueError, check_elements
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,12 +32,22 @@ class Tube:
         mass: in kg.
         critical_speed: first critical bending speed in rad/s, of a tube that is pinned at both
             ends: ``(pi/L)**2 sqrt(E I/(rho A))``.
+        bending_stiffness: ``E I`` in N m².
+        line_mass: mass per length ``rho A`` in kg/m.
+        shear_stiffness: ``kappa G A`` in N with ``rotary``, else infinite.
+        rotary_inertia: ``rho I`` in kg m with ``rotary``, else 0.
+        loss_factor: as given.
     """
 
     stiffness: Any
     inertia: Any
     mass: Any
     critical_speed: Any
+    bending_stiffness: Any
+    line_mass: Any
+    shear_stiffness: Any
+    rotary_inertia: Any
+    loss_factor: Any
     _shear_per_torque: FloatArray
 
     def shear_stress(self, torque: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
@@ -58,6 +76,9 @@ def tube(
     shear_modulus: ArrayLike = SHEAR_MODULUS,
     elastic_modulus: ArrayLike = 2.06e11,
     density: ArrayLike = 7850.0,
+    rotary: bool = False,
+    shear_coefficient: ArrayLike | None = None,
+    loss_factor: ArrayLike = 0.0,
 ) -> Tube:
     """Return the figures of a round shaft, by the textbook formulas for slender bars.
 
@@ -71,11 +92,15 @@ def tube(
         shear_modulus: ``G`` in Pa.
         elastic_modulus: ``E`` in Pa.
         density: in kg/m³.
+        rotary: whether a ``LateralSystem`` counts shear and rotary inertia (Timoshenko), and not
+            bending alone (Euler and Bernoulli).
+        shear_coefficient: ``kappa`` of Timoshenko's theory, by default that of Cowper, 1966.
+        loss_factor: of the material for a ``LateralSystem``, at most 1.
 
     Raises:
         TypeError: values that are not real numbers.
         ValueError: a value that is not positive and finite, a wall thicker than half the diameter,
-            shapes that do not broadcast.
+            a shear coefficient without ``rotary``, shapes that do not broadcast.
 
     >>> import cardan
     >>> shaft = cardan.tube(0.09, 0.003, length=1.5)
@@ -94,9 +119,28 @@ def tube(
         "elastic_modulus": elastic_modulus,
         "density": density,
     }
-    shape, full = together({name: (positive(name, x), 0) for name, x in given.items()})
+    if shear_coefficient is not None and not rotary:
+        problem = "is given without rotary=True; without it shear has no effect"
+        raise ArgumentValueError("shear_coefficient", problem)
+    loss = not_negative("loss_factor", loss_factor)
+    shape, full = together(
+        {name: (positive(name, x), 0) for name, x in given.items()} | {"loss_factor": (loss, 0)}
+    )
     rule = " m; a wall is at most half the outer diameter"
     check_elements("wall", full[1], full[1] <= 0.5 * full[0], rule)
-    flat = _core.tubes([array.ravel() for array in full])
-    stiffness, inertia, mass, speed, shear_per_torque = flat.reshape(5, *shape)
-    return Tube(stiffness, inertia, mass, speed, np.asarray(shear_per_torque))
+    flat = _core.tubes([array.ravel() for array in full[:6]])
+    stiffness, inertia, mass, speed, shear_per_torque, bending, cowper = flat.reshape(7, *shape)
+    _, _, own_length, shear, elastic, weight, own_loss = full
+    line_mass = mass / own_length
+    if rotary:
+        given_one = (
+            None if shear_coefficient is None else positive("shear_coefficient", shear_coefficient)
+        )
+        coefficient = cowper if given_one is None else given_one
+        by_shear, by_turning = coefficient * shear * line_mass / weight, weight * bending / elastic
+    else:
+        by_shear, by_turning = np.full(shape, np.inf), np.zeros(shape)
+    return Tube(
+        *(stiffness, inertia, mass, speed, bending, line_mass, by_shear, by_turning, own_loss),
+        np.asarray(shear_per_torque),
+    )

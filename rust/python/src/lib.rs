@@ -11,6 +11,7 @@ mod derivatives;
 mod design;
 mod driveline;
 mod judge;
+mod lateral;
 mod lines;
 mod measured;
 mod phases;
@@ -38,6 +39,8 @@ mod _core {
     };
     #[pymodule_export]
     use super::judge::{NativeMachine, kinds, ranks};
+    #[pymodule_export]
+    use super::lateral::{NativeLateral, largest_over_turn};
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]

@@ -34,11 +34,15 @@ pub struct Tube<T = f64> {
     pub critical_speed: T,
     /// Largest shear stress under 1 N·m in Pa, `D/(2 I_p)`, at the outer surface.
     pub shear_per_torque: T,
+    /// Bending stiffness `E I` in N·m².
+    pub bending_stiffness: T,
+    /// Shear coefficient of Timoshenko's theory (G. R. Cowper 1966).
+    pub shear_coefficient: T,
 }
 
 impl<T: Real> Tube<T> {
     /// The number of fields.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 7;
 
     /// The figures of a shaft with these dimensions.
     ///
@@ -69,14 +73,42 @@ impl<T: Real> Tube<T> {
             mass: density * area * length,
             critical_speed: (T::from_f64(PI) / length).square() * bending,
             shear_per_torque: radius / polar,
+            bending_stiffness: (elastic_modulus * polar).scaled(0.5),
+            shear_coefficient: cowper(elastic_modulus / shear_modulus, inner / radius),
         }
     }
 
     /// The figures, in the order of the fields.
-    pub fn fields(self) -> [T; 5] {
-        let Self { stiffness, inertia, mass, critical_speed, shear_per_torque } = self;
-        [stiffness, inertia, mass, critical_speed, shear_per_torque]
+    pub fn fields(self) -> [T; 7] {
+        let Self {
+            stiffness,
+            inertia,
+            mass,
+            critical_speed,
+            shear_per_torque,
+            bending_stiffness,
+            shear_coefficient,
+        } = self;
+        [
+            stiffness,
+            inertia,
+            mass,
+            critical_speed,
+            shear_per_torque,
+            bending_stiffness,
+            shear_coefficient,
+        ]
     }
+}
+
+/// `6 (1 + ν)(1 + m²)²/((7 + 6ν)(1 + m²)² + (20 + 12ν) m²)` of a hollow round section with the ratio
+/// `m` of its radii, where `E/G = 2 (1 + ν)`.
+fn cowper<T: Real>(ratio: T, radii: T) -> T {
+    let square = radii.square();
+    let sum = (square + T::from_f64(1.0)).square();
+    let own = ratio.scaled(3.0);
+    let contraction = |constant: f64| own + T::from_f64(constant);
+    own * sum / (contraction(1.0) * sum + contraction(4.0).scaled(2.0) * square)
 }
 
 #[cfg(test)]

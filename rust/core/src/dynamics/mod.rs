@@ -9,6 +9,7 @@ mod coupling;
 mod gauss;
 mod instant;
 mod lanes;
+pub mod lateral;
 mod modes;
 mod motion_equation;
 mod newton;

@@ -42,7 +42,7 @@ class Tubes:
         return np.asarray(_made({**self.given, "length": lengths}).critical_speed)
 
 
-def _made(given: Mapping[str, FloatArray]) -> Tube:
+def _made(given: Mapping[str, Any]) -> Tube:
     """Return tubes without a warning of wide ones, on which the answer remarks."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

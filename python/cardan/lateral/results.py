@@ -1,0 +1,148 @@
+"""Results of lateral systems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from cardan import _core
+from cardan.arrays import ComplexArray, FloatArray
+from cardan.arrays.errors import check_choice
+
+Vectors: TypeAlias = Literal[
+    "bearing_force", "bearing_displacement", "joint_force", "joint_displacement", "displacement"
+]
+"""What a response has as vectors."""
+
+VECTORS: tuple[Vectors, ...] = (
+    "bearing_force",
+    "bearing_displacement",
+    "joint_force",
+    "joint_displacement",
+    "displacement",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LateralResponse:
+    """The vibration at steady speeds; ``...`` is the shape of systems, speeds and loads.
+
+    A quantity is ``Re(sum(orders * exp(1j * m * angle)))`` with the drive angle and the order
+    ``m``; order 0 is its mean. The drive angle is 0 when the driving pin of joint 0 lies in the
+    plane of shafts 0 and 1.
+
+    Attributes:
+        orders: multiples of the drive speed, ``(orders,)``.
+        bearing_force: of each bearing on its shaft in N, ``(bearings, ..., orders, 3)``.
+        bearing_displacement: of each shaft in its bearing in m, likewise.
+        joint_force: of each joint on its driven shaft in N, across the sliding shaft,
+            ``(joints, ..., orders, 3)``.
+        joint_displacement: of the end that slides in m, likewise.
+        displacement: of the probes in m, ``(probes, ..., orders, 3)``.
+        bearing_power: mean power lost in each bearing in W, ``(bearings, ..., orders)``.
+        tube_power: mean power lost in all tubes in W, ``(..., orders)``.
+        given_power: mean power of all excitations in W, ``(..., orders)``.
+    """
+
+    orders: FloatArray
+    bearing_force: ComplexArray
+    bearing_displacement: ComplexArray
+    joint_force: ComplexArray
+    joint_displacement: ComplexArray
+    displacement: ComplexArray
+    bearing_power: FloatArray
+    tube_power: FloatArray
+    given_power: FloatArray
+
+    def largest(self, name: Vectors) -> FloatArray:
+        """Return the largest length of a vector over the turn, ``(items, ...)``.
+
+        All orders of the response act together.
+
+        Args:
+            name: of a vector of the response, such as ``"bearing_force"``.
+
+        Raises:
+            ValueError: an unknown name, orders that do not repeat within 16 turns.
+        """
+        check_choice("name", name, VECTORS)
+        amplitudes: ComplexArray = getattr(self, name)
+        found = _core.largest_over_turn(amplitudes.ravel(), self.orders.tolist())
+        return found.reshape(amplitudes.shape[:-2])
+
+    def of_order(self, name: Vectors) -> FloatArray:
+        """Return the largest length over the turn of each order alone, ``(items, ..., orders)``.
+
+        Arguments and errors are as of ``largest``. It is ``sqrt((|x|**2 + |x . x|)/2)``.
+        """
+        check_choice("name", name, VECTORS)
+        amplitudes: ComplexArray = getattr(self, name)
+        each = [
+            _core.largest_over_turn(np.ascontiguousarray(amplitudes[..., i, :]).ravel(), [order])
+            for i, order in enumerate(self.orders.tolist())
+        ]
+        shape = (len(self.orders), *amplitudes.shape[:-2])
+        return np.moveaxis(np.array(each).reshape(shape), 0, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class LateralModes:
+    """Natural frequencies at rest and without damping, lowest first.
+
+    Attributes:
+        frequencies: in rad/s, ``(..., count)``; infinite where the system has fewer.
+        displacement: of the probes, ``(probes, ..., count, 3)``, scaled so that the longest of a
+            mode has the length 1.
+    """
+
+    frequencies: FloatArray
+    displacement: FloatArray
+
+
+@dataclass(frozen=True)
+class LateralResonance:
+    """A drive speed at which an order meets a natural frequency.
+
+    Attributes:
+        speed: in rad/s.
+        order: multiple of the drive speed.
+        frequency: the natural frequency in rad/s.
+        shaft: on which the place lies that moves most.
+        position: of this place, from the upstream end of the shaft in m.
+        direction: unit vector along which it moves.
+    """
+
+    speed: float
+    order: float
+    frequency: float
+    shaft: int
+    position: float
+    direction: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueStiffness:
+    """How the moments of the joints change where a steady torque displaces points of a driveline.
+
+    The points are the ends of shafts that can move, each with two components across its shaft.
+    Their forces are ``(mean + Re(turning exp(2 i angle))) d`` for displacements ``d``.
+
+    Attributes:
+        mean: in N/m, ``(..., m, m)``; an antisymmetric part is circulatory.
+        turning: complex amplitude of order 2 in N/m, likewise.
+    """
+
+    mean: FloatArray
+    turning: ComplexArray
+
+    @property
+    def kappa(self) -> FloatArray:
+        """Size of ``kappa`` in ``kappa exp(2 i angle) conj(z)`` in N/m, ``(...)``.
+
+        Of several points it is the largest.
+        """
+        if not self.turning.shape[-1]:
+            return np.zeros(self.turning.shape[:-2])
+        return np.asarray(np.linalg.norm(self.turning, 2, axis=(-2, -1)) / 2.0)

@@ -1,0 +1,20 @@
+//! Lateral vibration of shafts on elastic bearings: shafts that are rigid or bend, excited by the
+//! moments of ideal joints and by unbalances at steady speeds.
+
+mod band;
+mod equations;
+mod largest;
+mod modes;
+mod response;
+mod span;
+mod system;
+mod torque;
+
+pub use largest::largest_lengths;
+pub use modes::LateralMode;
+pub use response::LateralRuns;
+pub use system::{
+    Attached, BendingShaft, ElasticBearing, LateralShaft, LateralSystem, PointMass, RigidShaft,
+    Unbalance,
+};
+pub use torque::{TorqueStiffness, Yokes};
