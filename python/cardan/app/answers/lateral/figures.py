@@ -16,7 +16,6 @@ from cardan.app.answers.lateral.vibration import (
     Met,
     Vibration,
     length,
-    stable_torque,
 )
 from cardan.app.answers.over import limit_of, over
 from cardan.app.answers.printed import listed, quantity
@@ -415,8 +414,8 @@ def _torque_margin(scene: Scene, found: Sequence[Vibration]) -> Judged | None:
         own = [met.speed for met in one.met if met.order == 1 and low <= met.speed <= high]
         torque = float(abs(one.load.torque))
         if torque:
-            most = stable_torque(one.system, [low, *own, high], torque)
-            margins.append(np.inf if most is None else most / torque)
+            most = one.system.largest_stable_torque(np.array([low, *own, high]))
+            margins.append(float(np.min(most)) / torque)
     known = [margin for margin in margins if np.isfinite(margin)]
     if len(known) < len(found):
         return None

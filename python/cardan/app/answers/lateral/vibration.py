@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -95,8 +94,11 @@ class Vibration:
     def groups(self) -> tuple[Group, ...]:
         """The natural frequencies, those of one shape together."""
         case, frequencies = self.case, self.system.natural_frequencies(_MODES)
+        # Rigid shafts have few.
+        count = int(np.count_nonzero(np.isfinite(frequencies)))
+        frequencies = frequencies[:count]
         slopes = [
-            np.log(case.stiffened(b, 1.0 + _SOFTER).on(self.line).natural_frequencies(_MODES))
+            np.log(case.stiffened(b, 1.0 + _SOFTER).on(self.line).natural_frequencies(count))
             for b in case.elastic
         ]
         shares = np.array(
@@ -245,21 +247,3 @@ def _loss(support: Any, frequency: float) -> float:  # noqa: ANN401 - arguments 
         support.get("damping", 0.0)
     ) / np.asarray(support["stiffness"])
     return float(np.mean(lost))
-
-
-def stable_torque(system: LateralSystem, speeds: Sequence[float], torque: float) -> float | None:
-    """Return the least torque that makes motion unstable at a speed, ``None`` of very large ones.
-
-    The torque is searched for from a thousandth to 16 000 times a given one.
-    """
-    at = np.asarray(speeds)
-    tried = abs(torque) * 2.0 ** np.arange(-10.0, 15.0)
-    for _ in range(4):
-        stable = np.all(system.is_stable(at, tried[:, np.newaxis]), axis=-1)
-        if np.all(stable):
-            return None
-        first = int(np.argmin(stable))
-        if not first:
-            return float(tried[0])
-        tried = np.linspace(tried[first - 1], tried[first], 12)
-    return float(tried[0])

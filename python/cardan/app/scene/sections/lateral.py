@@ -27,7 +27,7 @@ from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.lateral import ElasticBearing, LateralSystem, PointMass, RigidShaft, Unbalance
-from cardan.torsion import tube
+from cardan.torsion import Tube, tube
 
 _MASS = Number(0, 1e6, what="a mass")
 _INERTIA = Number(0, 1e6, what="an inertia")
@@ -123,11 +123,10 @@ class LateralCase:
             sliding=self.sliding,
         )
 
-    def _shaft(self, shaft: int, length: float) -> Any:  # noqa: ANN401 - None, a shaft or a tube
-        tubes = self.tubes
+    def _shaft(self, shaft: int, length: float) -> RigidShaft | Tube | None:
         if shaft in self.rigid:
             given = self.rigid[shaft]
-            mass = given["mass"] if "mass" in given else self._mass(shaft, length)
+            mass = given["mass"] if "mass" in given else float(self._tube(shaft, length).mass)
             rod = mass * length**2 / 12.0
             return RigidShaft(
                 mass,
@@ -137,17 +136,16 @@ class LateralCase:
             )
         if shaft not in self.bending:
             return None
+        return self._tube(shaft, length)
+
+    def _tube(self, shaft: int, length: float) -> Tube:
+        """Return the tube of a shaft with the length that it has between its joints."""
+        tubes = self.tubes
         assert tubes
         place = tubes.shafts.index(shaft)
-        own = {key: float(value[place]) for key, value in tubes.given.items()}
-        more = {"rotary": True, "loss_factor": self.tube_loss or 0.0}
-        return tube(**{**own, "length": length}, **more)
-
-    def _mass(self, shaft: int, length: float) -> float:
-        assert self.tubes
-        place = self.tubes.shafts.index(shaft)
-        own = {key: float(value[place]) for key, value in self.tubes.given.items()}
-        return float(tube(**{**own, "length": length}).mass)
+        own: dict[str, Any] = {key: float(value[place]) for key, value in tubes.given.items()}
+        own |= {"length": length, "rotary": True, "loss_factor": self.tube_loss or 0.0}
+        return tube(**own)
 
 
 def _lateral(values: Mapping[str, Any], scene: Reading) -> LateralCase:
