@@ -151,8 +151,8 @@ def torsion(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
 def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
     """Find where bent joints shake the shafts on their bearings: shudder and boom.
 
-    The section [lateral] of the scene gives the range of drive speeds, [[bearing]] the stiffness
-    and the loss factor of each bearing, and [tubes] the shafts that bend.
+    The section [lateral] of the scene gives the range of drive speeds. [[bearing]] gives the
+    stiffness and the loss factor of a bearing, and [tubes] the shafts that bend.
 
     The answer has the couples by which the joints bend each shaft, the natural frequencies, the
     resonances of orders 1, 2 and 4, the largest force and displacement of each elastic bearing and

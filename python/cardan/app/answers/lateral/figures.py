@@ -101,7 +101,7 @@ class Resonance:
     peak_speed: float | None = figure(
         "at", "rpm", "where the peak is; damping moves it", is_detail=True
     )
-    bearing: int | None = count("bearing", "that bears it", is_detail=True)
+    bearing: int | None = optional(count("bearing", "that bears it", is_detail=True))
     moved: float | None = figure(
         "displacement", "mm", "of the shaft in this bearing there", digits="small"
     )
@@ -490,12 +490,13 @@ def _remedies(found: Vibration) -> Iterator[Remedy]:
     """What helps against the largest resonance of order 2 of a bearing in the range."""
     low, high = found.case.speed[0], found.case.speed[-1]
     inside = [
-        (met, peak)
+        met
         for met in found.met
         if met.order == 2 and low <= met.speed <= high and np.any(met.group.shares > _HELD)
-        for peak in [found.peak(met)]
-        if peak
     ]
-    if inside and 2 in found.excited:
-        met, peak = max(inside, key=lambda each: each[1][2])
-        yield from remedies(found, met, peak[0])
+    if not inside or 2 not in found.excited:
+        return
+    peaks = [found.peak(met) if met.is_known else None for met in inside]
+    worst = int(np.argmax([peak[2] if peak else 0.0 for peak in peaks]))
+    peak, met = peaks[worst], inside[worst]
+    yield from remedies(found, met, peak[0] if peak else int(np.argmax(met.group.shares)))

@@ -21,6 +21,7 @@ _REACH, _SLOPE = 0.08, math.radians(10.0)
 # A single change that leaves more than this share is not listed, and a pair must end it.
 _HELPS, _ENDS = 0.7, 0.1
 _STEPS, _SMALL = 4, 1e-4
+_ROUNDING = 1e-9
 _AROUND = np.linspace(0.9, 1.1, 161)
 # A driveline whose first shaft is steeper than this along y has z upwards.
 _STEEP = 0.9
@@ -92,16 +93,19 @@ def _after(
     assert found.load
     response = changed.system.response(speed, found.load, orders=(met.order,))
     forces = response.of_order("bearing_force")[bearing, :, 0]
-    at, peak = int(np.argmax(forces)), found.peak(met)
+    moved = response.of_order("bearing_displacement")[bearing, :, 0]
+    at, peak = int(np.argmax(forces)), found.peak(met) if met.is_known else None
+    left = None if peak is None else float(forces[at]) / peak[2]
+    is_none = left is not None and left < _ROUNDING
     return Remedy(
         change,
         number,
         stiffer,
         slow,
         own.speed if at in (0, len(speed) - 1) else float(speed[at]),
-        float(forces[at]),
-        float(response.of_order("bearing_displacement")[bearing, at, 0]),
-        None if peak is None else float(forces[at]) / peak[2],
+        0.0 if is_none else float(forces[at]),
+        0.0 if is_none else float(moved[at]),
+        0.0 if is_none else left,
         float(line.equivalent().bend),
     )
 
@@ -150,7 +154,7 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
     """
     line, load, number = found.line, found.load, found.case.elastic[bearing]
     assert load
-    peak = found.peak(met)
+    peak = found.peak(met) if met.is_known else None
     speed = np.array([met.speed if peak is None else peak[1]])
 
     def force(changed: Driveline) -> Complex:

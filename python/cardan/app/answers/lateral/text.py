@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
 from cardan.app.answers.lateral.vibration import KNOWN, length
-from cardan.app.answers.printed import capital, given, listed, part_text, quantity
+from cardan.app.answers.printed import capital, given, items_text, listed, part_text, quantity
 from cardan.design.wrapping import wrap
 
 _STILL = 1e-3  # of the couples, that is no excitation
@@ -41,17 +41,22 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
         return
     state = f", in {found.state}" if found.state else ""
     one = found.vibration
-    if one.statics is None:
+    if one.statics is None and one.case.elastic:
         yield (
-            "statics does not determine the forces of the bearings: where a joint supports neither "
-            "of its shafts, its force depends on the stiffnesses of all bearings, and the forces "
-            "here are those of these stiffnesses"
+            "statics does not determine the forces of the bearings; those below follow from their "
+            "stiffnesses"
         )
-    else:
+    if one.statics is not None:
         numbers = one.case.elastic or one.case.rigid_bearings
         forces = [f"bearing {i} with ±{quantity(length(one.statics[i]), 'N')}" for i in numbers]
         if forces:
             yield f"twice per turn the joints load {listed(forces)} by statics{state}"
+    if one.redundant and one.case.elastic:
+        yield (
+            f"no shaft needs the support of {items_text('joint', one.redundant)}: statics takes "
+            "the force there as 0, and with the stiffnesses of the bearings it is not; only the "
+            "static forces are without it"
+        )
     most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
     for each in found.couples:
         bow, tilt = (quantity(size, "Nm") for size in (each.bow, each.tilt))
@@ -89,13 +94,10 @@ def _distances(found: LateralFigures) -> Iterator[str]:
 
 def _resonances(found: LateralFigures) -> Iterator[str]:
     """Say which resonances are in the range, the worst first, and what moves there."""
-    shapes = {mode.number: mode for mode in found.modes}
     inside = [each for each in found.resonances if each.inside and each.excited]
     worst = sorted(inside, key=lambda each: -(each.peak or 0.0))
     for each in worst:
-        mode = shapes[each.mode]
-        frequency = quantity(mode.frequency, "Hz")
-        what = f"{frequency}, {mode.shape}"
+        what = _shape(found, each)
         if each.peak is not None and each.peak_speed is not None and each.moved is not None:
             yield (
                 f"order {each.order} is in resonance at {quantity(each.peak_speed, 'rpm')} "
@@ -111,10 +113,25 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
             )
         else:
             yield f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
+    for each in found.resonances:
+        met = [band for band in found.vibration.bands if band.speed == each.speed]
+        if met and not each.inside:
+            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
+            yield (
+                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} "
+                f"({_shape(found, each)}), outside the speed range; its damping is too small or "
+                f"not known, so stay out of {start} to {stop}"
+            )
     if found.resonances and not inside:
         yield "no resonance of an excited order lies in the speed range"
     elif found.modes and not found.resonances:
         yield "no order of 1, 2 and 4 meets a natural frequency near the speed range"
+
+
+def _shape(found: LateralFigures, each: Resonance) -> str:
+    """Say which natural frequency a resonance meets, and what moves most."""
+    mode = next(mode for mode in found.modes if mode.number == each.mode)
+    return f"{quantity(mode.frequency, 'Hz')}, {mode.shape}"
 
 
 def _times(found: LateralFigures, each: Resonance) -> str:
@@ -191,6 +208,7 @@ def _limits(found: LateralFigures) -> Iterator[str]:
         f"{given(KNOWN, '')} there is a band of 16 % in place of a peak."
     )
     yield (
-        f"Sliding without friction: {found.sliding}; these need free splines. Not included: "
-        "engine, gearbox and axle moving on their mounts, play, and the friction of splines."
+        f"Shafts that slide without friction, each in a free spline: {found.sliding}. Not "
+        "included: engine, gearbox and axle moving on their mounts, play, and the friction of "
+        "splines."
     )

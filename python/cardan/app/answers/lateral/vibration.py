@@ -205,23 +205,36 @@ class Vibration:
             [np.cross(received[moving], u), -np.cross(passed_on[moving], u)], axis=1
         ).astype(np.complex128)
 
-    def window(self, met: Met) -> NDArray[np.bool_]:
-        """Say which speeds are around a resonance."""
-        return np.asarray(np.abs(self.speed / met.speed - 1.0) <= _AROUND[-1] + 1e-12)
-
     def peak(self, met: Met) -> tuple[int, float, float, float] | None:
         """Return bearing, speed, force and displacement at the peak of a resonance, if in range.
 
-        It is that of the bearing with the largest force of this order.
+        It is that of the bearing with the largest force of this order, at the speeds to which no
+        other resonance of the order is nearer.
         """
-        around, place = self.window(met), ALL.index(met.order)
+        away = np.abs(self.speed / met.speed - 1.0)
+        around = (away <= _AROUND[-1] + 1e-12) & ~self.unknown
+        for each in self.met:
+            if each.order == met.order and each is not met:
+                around &= away < np.abs(self.speed / each.speed - 1.0)
+        place = ALL.index(met.order)
         forces = self.response.of_order("bearing_force")[:, around, place]
-        if not forces.size:
+        is_hidden = any(low < met.speed < high for low, high in (each.band for each in self.bands))
+        if not forces.size or is_hidden:
             return None
         bearing, at = np.unravel_index(int(np.argmax(forces)), forces.shape)
         moved = self.response.of_order("bearing_displacement")[bearing, around, place]
         speed = float(self.speed[around][at])
         return int(bearing), speed, float(forces[bearing, at]), float(moved[at])
+
+    @cached_property
+    def redundant(self) -> tuple[int, ...]:
+        """The joints that support neither of their shafts, whose force statics takes as 0."""
+        moving, count = self.case.moving, self.line.n_joints + 1
+        held = [
+            shaft not in moving or sum(own == shaft for own, _ in self.line.bearings) > 1
+            for shaft in range(count)
+        ]
+        return tuple(j for j in range(count - 1) if held[j] and held[j + 1])
 
 
 def static_forces(line: Driveline, load: Load | None) -> Complex | None:
