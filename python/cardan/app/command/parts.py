@@ -154,10 +154,10 @@ def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
     The section [lateral] of the scene gives the range of drive speeds. [[bearing]] gives the
     stiffness and the loss factor of a bearing, and [tubes] the shafts that bend.
 
-    The answer has the couples by which the joints bend each shaft, the natural frequencies, the
-    resonances of orders 1, 2 and 4, the largest force and displacement of each elastic bearing and
-    its speed, and what helps: other heights and slopes, yokes, and stiffnesses. Without stiffnesses
-    it has the couples and the force of order 2 at each bearing. The exit status does not depend on
+    The answer has the couples by which the joints bend each shaft, the natural frequencies and the
+    resonances of orders 1, 2 and 4. It has the largest force and displacement of each elastic
+    bearing, and what helps: other heights, slopes, yokes and stiffnesses. Without stiffnesses it
+    has the couples and the force of order 2 at each bearing. The exit status does not depend on
     the verdict.
 
     The picture shows the force of the bearings over the drive speed. "cardan plot SCENE --what
