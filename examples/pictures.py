@@ -182,6 +182,12 @@ vibration = torsion_figures(scene)
 assert vibration is not None
 save("boat_response", plots.plot_torsion(vibration))
 
+# A light truck that shudders: force over the speed, shapes, and force over the stiffness.
+scene = cardan.Scene.load(Path(__file__).with_name("shudder.toml"))
+save("lateral", plots.plot_part(scene, "lateral"))
+save("lateral_shapes", plots.plot_part(scene, "shapes"))
+save("lateral_stiffness", plots.plot_part(scene, "stiffness"))
+
 # Where a test rig with a torsion bar is unstable.
 scene = cardan.Scene.load(Path(__file__).with_name("rig_torsion.toml"))
 vibration = torsion_figures(scene)

@@ -181,6 +181,8 @@ def test_examples_of_the_help_work(
     if name in ("life", "plot"):
         for needed in ("conveyor.toml", "joint_sizes.csv"):
             shutil.copy(TRUCK.with_name(needed), ".")
+    if name == "lateral":
+        shutil.copy(TRUCK.with_name("shudder.toml"), "shaft.toml")
     if name == "torsion":
         with Path("shaft.toml").open("a") as scene:
             scene.write(TORSION)

@@ -60,7 +60,7 @@ def test_units_are_what_they_are_called() -> None:
         "percent": 100.0,
     }
     expected |= {"Hz": 1.0 / turn, "rpm_deg": 60.0 / turn * 360.0 / turn}
-    expected |= {"GPa": 1e-9, "um_per_MPa": 1e12}
+    expected |= {"GPa": 1e-9, "um_per_MPa": 1e12, "N_per_mm": 1e-3, "gmm": 1e6}
     inch, pound = 0.0254, 0.45359237
     force = 9.80665 * pound
     torque, pressure = 12.0 * inch * force, force / inch**2
@@ -69,6 +69,7 @@ def test_units_are_what_they_are_called() -> None:
     us |= {"psi": pressure, "Mpsi": 1e6 * pressure, "uin_per_psi": 1e-6 * inch / pressure}
     us |= {"deg_per_klbft": 1.0 / torque, "in_per_klbft": 1000.0 * inch / torque}
     us |= {"lb": pound, "lb_in3": pound / inch**3}
+    us |= {"lbf_per_in": force / inch, "lbfs_per_in": force / inch, "ozin": pound / 16.0 * inch}
     expected |= {name: 1.0 / size for name, size in us.items()}
     for name, unit in UNITS.items():
         assert unit.factor == pytest.approx(expected.get(name, 1.0), rel=1e-14), name

@@ -108,6 +108,30 @@ amplitude_Nm = 20
 shaft = 0
 stiffness_Nm_per_rad = 8000
 """
+# A rigid two-piece shaft on rubber, above its shudder.
+RUBBER = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, 0, 0], [3200, -250, 0], [3500, -260, 0]]
+[load]
+drive_torque_Nm = 800
+[[bearing]]
+shaft = 1
+from_end_mm = 150
+stiffness_N_per_mm = 300
+loss_factor = 0.1
+[limits]
+equivalent_bend_deg = 60
+{limits}
+[lateral]
+speed_rpm = {{from = 900, to = 1100, steps = 5}}
+{lateral}
+[[lateral.rigid]]
+shaft = 1
+mass_kg = 14
+[[lateral.rigid]]
+shaft = 2
+mass_kg = 18
+"""
 BALL = """
 [ball_joint]
 load_N = 5000
@@ -141,6 +165,15 @@ LIMITED: dict[str, Callable[[float], str]] = {
         f"[torsion] coupling.{key}": in_section(ENGINE.replace("{limit}", ""), key)
         for key in ("rated_torque_Nm", "vibratory_torque_Nm", "largest_torque_Nm")
     },
+    "[limits] bearing_displacement_mm": lambda x: RUBBER.format(
+        limits=f"bearing_displacement_mm = {x!r}", lateral=""
+    ),
+    "[lateral] resonance_margin": lambda x: RUBBER.format(
+        limits="", lateral=f"resonance_margin = {0.01 * x!r}"
+    ),
+    "[lateral] least_torque_margin": lambda x: RUBBER.format(
+        limits="", lateral=f"least_torque_margin = {x!r}"
+    ),
     "[tolerances] limit": lambda x: (
         f"{MOTION}[limits]\nequivalent_bend_deg = {x!r}\n[tolerances]\nbends_deg = 0.5\n"
     ),

@@ -128,7 +128,7 @@ def test_every_scene_that_uses_axes_says_them() -> None:
     using = [
         text for text in texts if re.search("^(points|directions|slopes|projected)", text, re.M)
     ]
-    assert len(using) == 17
+    assert len(using) == 18
     for text in using:
         assert "right-handed" in text
         assert all(re.search(rf"^#   {axis}  ", text, re.M) for axis in "xyz")

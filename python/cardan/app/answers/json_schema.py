@@ -11,7 +11,9 @@ VERSION = 2
 ANGLE = ("deg", "rad")
 """Endings of keys that hold angles: degrees, or with ``--radians`` radians."""
 
-Kind = Literal["run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion"]
+Kind = Literal[
+    "run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion", "lateral"
+]
 _Schemas = Mapping[str, Any]
 
 

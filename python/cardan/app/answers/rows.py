@@ -28,7 +28,7 @@ class Unit(NamedTuple):
 
 _FACTORS = {
     **{"deg": 180.0 / math.pi, "mm": 1e3, "rpm": 1.0 / RPM},
-    **{"MPa": 1e-6, "GPa": 1e-9, "um_per_MPa": 1e12},
+    **{"MPa": 1e-6, "GPa": 1e-9, "um_per_MPa": 1e12, "N_per_mm": 1e-3, "gmm": 1e6},
 }
 _MORE = {
     "": Unit(""),

@@ -8,6 +8,7 @@ from typing import Any
 from cardan.app.answers.data import schema_of
 from cardan.app.answers.identification.figures import Identified
 from cardan.app.answers.json_schema import Kind, answer_schema
+from cardan.app.answers.lateral.figures import LateralFigures
 from cardan.app.answers.limits.data import check_schema
 from cardan.app.answers.optimise.figures import Optimised
 from cardan.app.answers.table import PARTS
@@ -46,6 +47,7 @@ def answers_schema() -> dict[str, Any]:
         "tolerances": _of_rows("tolerances", AllToleranceFigures),
         "life": answer_schema("life", "what cardan life prints with --json", *of_life),
         "torsion": _of_rows("torsion", TorsionFigures, _FILES),
+        "lateral": _of_rows("lateral", LateralFigures, _FILES),
     }
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

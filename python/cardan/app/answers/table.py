@@ -154,6 +154,11 @@ _PARTS = (
         given="stiffnesses and inertias",
     ),
     Part(
+        *("lateral", "Lateral vibration", "", ("lateral",)),
+        ("check", "lateral", "report"),
+        given="the speeds, and makes bearings elastic",
+    ),
+    Part(
         *("optimise", "Best values", "", ("optimise",), ("optimise", "report")),
         given="what may change",
     ),

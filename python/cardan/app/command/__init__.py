@@ -22,6 +22,7 @@ SUBCOMMANDS = {
     "check": ("check", "Check a scene against the limits."),
     "explain": ("about", "Describe how a scene is evaluated."),
     "identify": ("parts", "Find the bend in a recording."),
+    "lateral": ("parts", "Find where shafts shudder or boom."),
     "life": ("parts", "Say how long the joints last."),
     "new": ("about", "Write a scene to start from."),
     "optimise": ("parts", "Find the best values of a scene."),

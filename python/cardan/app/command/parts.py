@@ -138,13 +138,58 @@ def torsion(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
       cardan torsion shaft.toml --json
     """
     answer = _answer(scene, output, workbook)
-    found, loaded = answer.needed("torsion"), answer.scene
+    loaded = answer.scene
     left_out = "states" if loaded.states else "study" if loaded.study else ""
+    _say_vibration(answer, "torsion", left_out, output, workbook, as_json=as_json)
+
+
+@click.command()
+@scene_argument
+@picture_as_well
+@workbook_as_well
+@json_option
+def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
+    """Find where bent joints shake the shafts on their bearings: shudder and boom.
+
+    The section [lateral] of the scene gives the range of drive speeds. [[bearing]] gives the
+    stiffness and the loss factor of a bearing, and [tubes] the shafts that bend.
+
+    The answer has the couples by which the joints bend each shaft, the natural frequencies and the
+    resonances of orders 1, 2 and 4. It has the largest force and displacement of each elastic
+    bearing, and what helps: other heights, slopes, yokes and stiffnesses. Without stiffnesses it
+    has the couples and the force of order 2 at each bearing. The exit status does not depend on
+    the verdict.
+
+    The picture shows the force of the bearings over the drive speed. "cardan plot SCENE --what
+    shapes" draws the shafts in resonance, "--what stiffness" the force over stiffness and speed.
+
+    \b
+    Examples:
+      cardan lateral shaft.toml
+      cardan lateral shaft.toml --output force.svg
+      cardan lateral shaft.toml --json
+    """
+    answer = _answer(scene, output, workbook)
+    left_out = "study" if answer.scene.study and not answer.scene.states else ""
+    _say_vibration(answer, "lateral", left_out, output, workbook, as_json=as_json)
+
+
+def _say_vibration(
+    answer: Answer,
+    name: Kind,
+    left_out: str,
+    output: Path | None,
+    workbook: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Print an answer that leaves a section of the scene out, and say so."""
+    found = answer.needed(name)
     note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
     _say(
         answer,
-        "torsion",
-        lambda: PARTS["torsion"].text(found) + (f"\n\n{note}" if left_out else ""),
+        name,
+        lambda: PARTS[name].text(found) + (f"\n\n{note}" if left_out else ""),
         data_of(found) | {"files": [] if output is None else [str(output)]},
         output,
         workbook,

@@ -30,6 +30,7 @@ from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
 from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
+from cardan.app.scene.sections.lateral import LATERAL, LateralCase
 from cardan.app.scene.sections.life import LIFE, DutyCycle
 from cardan.app.scene.sections.limits import LIMITS
 from cardan.app.scene.sections.load import LOAD, at_samples, largest_speed
@@ -237,6 +238,7 @@ class Scene:
         duty: the duty cycle: that of [life], or the load as its only step.
         tubes: the round sections of shafts, if the scene gives any.
         torsion: its shafts as torsion springs, if the scene says so.
+        lateral: its shafts as beams on elastic bearings, if the scene says so.
         deviations: of the joints in rad, ``(n, 3)``, if any; ``line_as_built`` has them.
         tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
         tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
@@ -277,6 +279,7 @@ class Scene:
     duty: DutyCycle | None = made_of(LIFE)
     tubes: Tubes | None = made_of(TUBES)
     torsion: TorsionCase | None = made_of(TORSION)
+    lateral: LateralCase | None = made_of(LATERAL)
     ball_joint: BallJointCase | None = made_of(BALL_JOINT)
     study: Study | None = made_of(STUDY)
     states: States | None = made_of(STATES)

@@ -28,6 +28,7 @@ _AS_READ = {
     "duty": "life",
     "slip": "spline",
     "torsion": "torsional vibration",
+    "lateral": "lateral vibration",
     "tolerances": "tolerances",
 }
 

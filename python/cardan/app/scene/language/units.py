@@ -64,6 +64,9 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "um_per_MPa": Unit("µm/MPa", "micrometres per megapascal"),
         "deg_per_kNm": Unit("°/kN m", "degrees per kN m"),
         "mm_per_kNm": Unit("mm/kN m", "millimetres per kN m"),
+        "N_per_mm": Unit("N/mm", "newtons per millimetre"),
+        "Ns_per_m": Unit("N s/m", "N s/m"),
+        "gmm": Unit("g mm", "gram-millimetres"),
         "kg": Unit("kg", "kilograms"),
         "kg_m3": Unit("kg/m³", "kilograms per cubic metre"),
         "in": Unit("in", "inches", "mm", _INCH),
@@ -83,6 +86,9 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "in_per_klbft": Unit(
             "in/1000 lb·ft", "inches per 1000 lb·ft", "mm_per_kNm", _INCH / (_FOOT * _FORCE)
         ),
+        "lbf_per_in": Unit("lbf/in", "pounds per inch", "N_per_mm", _FORCE / _INCH),
+        "lbfs_per_in": Unit("lbf·s/in", "lbf·s/in", "Ns_per_m", 1e3 * _FORCE / _INCH),
+        "ozin": Unit("oz·in", "ounce-inches", "gmm", 1e3 * _POUND / 16.0 * _INCH),
         "lb": Unit("lb", "pounds", "kg", _POUND),
         "lb_in3": Unit("lb/in³", "pounds per cubic inch", "kg_m3", 1e9 * _POUND / _INCH**3),
     }

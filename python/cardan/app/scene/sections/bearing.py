@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, ListOf, Number, each
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
@@ -26,14 +26,24 @@ _UPSTREAM = ("position_mm", "position_m")
 POSITIONS = (*_UPSTREAM, "from_end_mm", "from_end_m")
 """The keys that say where on its shaft a bearing is; it has one of them."""
 
+STIFFNESS = "stiffness_N_per_mm"
+"""The key that makes a bearing elastic."""
+
+SUPPORT = (STIFFNESS, "axis", "loss_factor", "damping_Ns_per_m")
+"""The keys that describe an elastic bearing."""
+
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing as the file gives it: the key of its position, and its value or values."""
+    """A bearing as the file gives it: the key of its position, and its value or values.
+
+    ``support`` has the arguments of ``ElasticBearing`` but the place; it is empty of a rigid one.
+    """
 
     shaft: int
     key: str
     value: float | FloatArray
+    support: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def unit(self) -> str:
@@ -81,7 +91,9 @@ class Mounting:
         if self.lengths is None and not has_lengths(line):
             raise ArgumentValueError("shaft", f"has no length; a bearing needs {LENGTHS_NEEDED}")
         key = next(key for key in values if key in POSITIONS)
-        found = replace(self, bearings=(*self.bearings, Bearing(shaft, key, values[key])))
+        support = _support(values, line.directions[..., shaft, :])
+        bearing = Bearing(shaft, key, values[key], support)
+        found = replace(self, bearings=(*self.bearings, bearing))
         found.on(line)
         return found
 
@@ -134,6 +146,30 @@ class Mounting:
             raise ArgumentValueError(bearing.key, problem) from None
 
 
+def check_across(key: str, direction: list[float], along: FloatArray) -> None:
+    """Refuse a direction along a shaft, of the directions ``(..., 3)`` of shafts."""
+    across = np.min(np.linalg.norm(np.cross(along, direction), axis=-1))
+    if across <= 1e-6 * float(np.linalg.norm(direction)):
+        text = ", ".join(f"{component:g}" for component in direction)
+        problem = f"is [{text}], along the shaft; it must point across it"
+        raise ArgumentValueError(key, problem)
+
+
+def _support(values: Mapping[str, Any], directions: FloatArray) -> dict[str, Any]:
+    """Return what makes a bearing elastic; nothing of a rigid one."""
+    support = BEARING.arguments(values)
+    if not support:
+        return {}
+    if "axis" in support:
+        check_across("axis", support["axis"], directions)
+    else:
+        for key, value in values.items():
+            if key in SUPPORT and isinstance(value, list) and value[0] != value[1]:
+                problem = f"is missing; {key} differs in two directions, and axis is the first"
+                raise ArgumentValueError("axis", problem)
+    return support
+
+
 class Mounted(NamedTuple):
     """The bearings of a scene, and its driveline in them."""
 
@@ -146,6 +182,10 @@ def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
     mounting = Mounting(lengths=described.lengths)
     for i, values in enumerate(scene.document.tables.get(BEARING.name, ())):
         with scene.document.within(f"{BEARING.name}.{i}"):
+            if STIFFNESS in values and "lateral" not in scene.given:
+                raise ArgumentValueError(
+                    STIFFNESS, "needs a section [lateral], which gives the speeds"
+                )
             mounting = mounting.and_bearing(values, described.line)
     return Mounted(mounting, mounting.on(described.line))
 
@@ -169,10 +209,35 @@ BEARING: Section[Mounted] = Section(
             factor=1e-3,
         ),
         "from_end_m": Key(NOT_NEGATIVE, "or: the same in metres"),
+        STIFFNESS: Key(
+            each(Number(1e-3, 1e9, what="a stiffness"), "two numbers", 2),
+            "for [lateral]: dynamic stiffness across the shaft, under preload and with its bracket "
+            "in series; one number, or two: along axis, and across both axis and shaft; default: "
+            "the bearing is rigid",
+            "stiffness",
+            1e3,
+        ),
+        "axis": Key(
+            ListOf(Number(), "three numbers", 3),
+            "direction of the first of two stiffnesses; what is along the shaft does not count",
+            "axis",
+        ),
+        "loss_factor": Key(
+            each(Number(0, 1, what="a loss factor"), "two numbers", 2),
+            "of the bearing, the tangent of its loss angle; rubber: 0.05 to 0.2; default: no "
+            "damping is known",
+            "loss_factor",
+        ),
+        "damping_Ns_per_m": Key(
+            each(Number(0, 1e9, what="a damping"), "two numbers", 2),
+            "viscous damping of the bearing",
+            "damping",
+        ),
     },
     _mounted,
     together=(*combinations(POSITIONS, 2),),
     needed=(("shaft",), POSITIONS),
+    with_key=tuple((key, STIFFNESS) for key in SUPPORT[1:]),
     repeated=True,
     always=True,
 )

@@ -48,6 +48,9 @@ _BEND_LIMIT, _LIMIT = _limit(ACUTE), _limit(POSITIVE)
 
 OF_PARTS: Mapping[str, Key] = {
     "bearing_force_N": Key(_LIMIT, "largest force of a bearing over the turn"),
+    "bearing_displacement_mm": Key(
+        _LIMIT, "largest displacement of a shaft in an elastic bearing over the turn"
+    ),
     "joint_force_N": Key(_LIMIT, "largest force of a joint over the turn"),
     "lash_deg": Key(_BEND_LIMIT, "angle by which the last shaft is loose while the drive is held"),
 }
@@ -63,8 +66,11 @@ class GivenLimits:
 
 
 def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
-    if "bearing_force_N" in values and not scene.line.n_bearings:
-        raise ArgumentValueError("bearing_force_N", "needs a section [[bearing]]")
+    for key in ("bearing_force_N", "bearing_displacement_mm"):
+        if key in values and not scene.line.n_bearings:
+            raise ArgumentValueError(key, "needs a section [[bearing]]")
+    if "bearing_displacement_mm" in values and "lateral" not in scene.given:
+        raise ArgumentValueError("bearing_displacement_mm", "needs a section [lateral]")
     source = values.get("source", OWN)
     return GivenLimits(
         Limits(**{key: value for key, value in values.items() if key not in OF_PARTS}),

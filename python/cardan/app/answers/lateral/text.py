@@ -1,0 +1,214 @@
+"""Lateral vibration of a scene in words: what shakes, what helps, and how good the figures are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cardan.app.answers.lateral.figures import LateralFigures, Resonance
+from cardan.app.answers.lateral.vibration import KNOWN, length
+from cardan.app.answers.printed import capital, given, items_text, listed, part_text, quantity
+from cardan.design.wrapping import wrap
+
+_STILL = 1e-3  # of the couples, that is no excitation
+_ENDS = 0.1  # of the force, that is the end of a shudder
+
+
+def brief(found: LateralFigures) -> str:
+    """Return what a check says of lateral vibration as plain text, 79 wide."""
+    lines = []
+    for sentence in (*_excitation(found), *_resonances(found), *_verdicts(found), *_help(found)):
+        lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
+    return "\n".join(["Lateral vibration", *lines])
+
+
+def words(found: LateralFigures, *, radians: bool = False) -> str:
+    """Return the whole answer as plain text; the changes are sentences."""
+    return part_text("Lateral vibration", found, sentences(found), radians=radians)
+
+
+def sentences(found: LateralFigures) -> Iterator[str]:
+    """Say what shakes the shafts, where, what helps, and what can be trusted."""
+    for sentence in (*_excitation(found), *_resonances(found), *_verdicts(found), *_help(found)):
+        yield f"{capital(sentence)}."
+    yield from _changes(found)
+    yield from _limits(found)
+
+
+def _excitation(found: LateralFigures) -> Iterator[str]:
+    """Say by how much the joints bend the shafts and load the bearings twice per turn."""
+    if found.why:
+        yield f"the forces are not known: {found.why}"
+        return
+    state = f", in {found.state}" if found.state else ""
+    one = found.vibration
+    if one.statics is None and one.case.elastic:
+        yield (
+            "statics does not determine the forces of the bearings; those below follow from their "
+            "stiffnesses"
+        )
+    if one.statics is not None:
+        numbers = one.case.elastic or one.case.rigid_bearings
+        forces = [f"bearing {i} with ±{quantity(length(one.statics[i]), 'N')}" for i in numbers]
+        if forces:
+            yield f"twice per turn the joints load {listed(forces)} by statics{state}"
+    if one.redundant and one.case.elastic:
+        yield (
+            f"no shaft needs the support of {items_text('joint', one.redundant)}: statics takes "
+            "the force there as 0, and with the stiffnesses of the bearings it is not; only the "
+            "static forces are without it"
+        )
+    most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
+    for each in found.couples:
+        bow, tilt = (quantity(size, "Nm") for size in (each.bow, each.tilt))
+        if each.bow <= _STILL * most:
+            yield (
+                f"the couples on shaft {each.shaft} tilt it with {tilt} twice per turn and do not "
+                "bow it, so they do not excite half its critical speed"
+            )
+        elif each.tilt <= _STILL * most:
+            yield (
+                f"the couples on shaft {each.shaft} bow it with {bow} twice per turn, which "
+                "excites half its critical speed, and load no bearing"
+            )
+        else:
+            yield f"twice per turn, shaft {each.shaft} is bowed with {bow} and tilted with {tilt}"
+    if one.case.tubes is not None and one.case.rigid_bearings:
+        yield from _distances(found)
+
+
+def _distances(found: LateralFigures) -> Iterator[str]:
+    """Say how far order 2 is from half the critical speeds, and what the bearings may add."""
+    one = found.vibration
+    assert one.case.tubes
+    speeds = one.case.tubes.critical_speed(one.line)
+    halves = [
+        f"{quantity(0.5 * float(speeds[i]), 'rpm')} of shaft {shaft}"
+        for i, shaft in enumerate(one.case.tubes.shafts)
+    ]
+    yield (
+        f"order 2 meets half the critical speeds at {listed(halves)}, as [tubes] judges, and the "
+        "resonance of the shafts on their bearings at a speed that only stiffness_N_per_mm of "
+        "[[bearing]] tells"
+    )
+
+
+def _resonances(found: LateralFigures) -> Iterator[str]:
+    """Say which resonances are in the range, the worst first, and what moves there."""
+    inside = [each for each in found.resonances if each.inside and each.excited]
+    worst = sorted(inside, key=lambda each: -(each.peak or 0.0))
+    for each in worst:
+        what = _shape(found, each)
+        if each.peak is not None and each.peak_speed is not None and each.moved is not None:
+            yield (
+                f"order {each.order} is in resonance at {quantity(each.peak_speed, 'rpm')} "
+                f"({what}): {quantity(each.peak, 'N')} at bearing {each.bearing}"
+                f"{_times(found, each)}, where the shaft moves by "
+                f"±{quantity(each.moved, 'mm', digits='small')}"
+            )
+        elif not each.known:
+            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
+            yield (
+                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what}); "
+                f"its damping is too small or not known, so stay out of {start} to {stop}"
+            )
+        else:
+            yield f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
+    for each in found.resonances:
+        met = [band for band in found.vibration.bands if band.speed == each.speed]
+        if met and not each.inside:
+            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
+            yield (
+                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} "
+                f"({_shape(found, each)}), outside the speed range; its damping is too small or "
+                f"not known, so stay out of {start} to {stop}"
+            )
+    if found.resonances and not inside:
+        yield "no resonance of an excited order lies in the speed range"
+    elif found.modes and not found.resonances:
+        yield "no order of 1, 2 and 4 meets a natural frequency near the speed range"
+
+
+def _shape(found: LateralFigures, each: Resonance) -> str:
+    """Say which natural frequency a resonance meets, and what moves most."""
+    mode = next(mode for mode in found.modes if mode.number == each.mode)
+    return f"{quantity(mode.frequency, 'Hz')}, {mode.shape}"
+
+
+def _times(found: LateralFigures, each: Resonance) -> str:
+    """How many times the static force of order 2 the peak is."""
+    statics = found.vibration.statics
+    if each.order != 2 or statics is None or each.bearing is None or each.peak is None:
+        return ""
+    static = length(statics[each.bearing])
+    return f", {quantity(each.peak / static, '')} times the static force" if static else ""
+
+
+def _verdicts(found: LateralFigures) -> Iterator[str]:
+    """Say what the torque does to stability."""
+    margin = found.torque_margin
+    if margin and margin.value is not None and margin.value < 4.0:
+        yield (
+            f"vibration of order 1 grows by itself from {quantity(margin, '')} times the torque of "
+            "the load, because the torque acts like a stiffness that turns with the shaft: more "
+            "damping in the bearings or stiffer ones prevent this"
+        )
+
+
+def _help(found: LateralFigures) -> Iterator[str]:
+    """Say what each change leaves at the bearing."""
+    layouts = [each for each in found.remedies if each.stiffness == 1.0 and each.left is not None]
+    ends = [each for each in layouts if each.left is not None and each.left <= _ENDS]
+    if ends:
+        bend = float(found.vibration.line.equivalent().bend)
+        best = min(ends, key=lambda each: each.bend)
+        left = quantity(best.left or 0.0, "percent")
+        now, then = quantity(bend, "deg"), quantity(best.bend, "deg")
+        yield (
+            f"{best.change}: this ends the shudder and leaves {left} of order 2 at bearing "
+            f"{best.bearing}; the equivalent bend is then {then} in place of {now}"
+        )
+    elif layouts:
+        best = min(layouts, key=lambda each: each.left or 0.0)
+        yield (
+            f"{best.change}: this leaves {quantity(best.left or 0.0, 'percent')} of order 2 at "
+            f"bearing {best.bearing}, and no single change leaves less"
+        )
+    soft, stiff = (
+        next((each for each in found.remedies if each.stiffness == factor), None)
+        for factor in (0.5, 2.0)
+    )
+    if soft and stiff and soft.moved is not None and stiff.moved is not None:
+        less, more = (quantity(moved, "mm", digits="small") for moved in (soft.moved, stiff.moved))
+        yield (
+            f"half the stiffness of bearing {soft.bearing} moves the resonance to "
+            f"{quantity(soft.resonance, 'rpm')}, where the shaft moves by ±{less}, and twice the "
+            f"stiffness to {quantity(stiff.resonance, 'rpm')}, with ±{more}"
+        )
+
+
+def _changes(found: LateralFigures) -> Iterator[str]:
+    """Say what each change of the layout leaves."""
+    for each in found.remedies:
+        if each.stiffness == 1.0 and each.left is not None:
+            size = "" if each.peak is None else f", {quantity(each.peak, 'N')}"
+            yield (
+                f"{capital(each.change)}: {quantity(each.left, 'percent')} of order 2 left{size}, "
+                f"equivalent bend {quantity(each.bend, 'deg')}."
+            )
+
+
+def _limits(found: LateralFigures) -> Iterator[str]:
+    """Say what is exact, what is good to 10 % and what is only as good as the loss factor."""
+    if not found.modes:
+        return
+    yield (
+        "How good this is: couples, orders and static forces are exact for the drawn positions. "
+        "Speeds of resonances are good to 10 % if each stiffness is the dynamic one under preload, "
+        "with its bracket in series. Peaks are only as good as the loss factor, and below "
+        f"{given(KNOWN, '')} there is a band of 16 % in place of a peak."
+    )
+    yield (
+        f"Shafts that slide without friction, each in a free spline: {found.sliding}. Not "
+        "included: engine, gearbox and axle moving on their mounts, play, and the friction of "
+        "splines."
+    )
