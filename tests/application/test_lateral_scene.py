@@ -238,7 +238,9 @@ def test_without_a_stiffness_the_couples_and_static_forces_are_said() -> None:
     )
     found = figures(text)
     assert found.statics[0].static == pytest.approx(69.65, abs=0.02)
-    assert not (found.modes or found.resonances or found.bearings)
+    assert not found.modes
+    assert not found.resonances
+    assert not found.bearings
     assert found.couples == figures(TEXT).couples
     assert "half the critical speeds at 4755 rpm of shaft 1 and 2426 rpm of shaft 2" in said(text)
     with pytest.raises(ValueError, match="bearing 0 has no stiffness_N_per_mm"):
@@ -350,11 +352,16 @@ ERRORS: dict[str, tuple[str, tuple[tuple[str, str], ...], str]] = {
         (),
         r"direction is \[1, 0, 0\], along the shaft",
     ),
+    "margin of rigid bearings": (
+        RUBBER.format(limits="", lateral="resonance_margin = 0.1"),
+        (("stiffness_N_per_mm = 300\nloss_factor = 0.1", ""),),
+        r"\[lateral\] resonance_margin needs stiffness_N_per_mm in \[\[bearing\]\]",
+    ),
     "displacement without": (
         "[driveline]\nbends_deg = [5, 5]\nlengths_mm = [300, 900, 300]\n[[bearing]]\nshaft = 1\n"
         "position_mm = 100\n[limits]\nbearing_displacement_mm = 2\n",
         (),
-        r"bearing_displacement_mm needs a section \[lateral\]",
+        r"bearing_displacement_mm needs stiffness_N_per_mm in \[\[bearing\]\]",
     ),
 }
 
