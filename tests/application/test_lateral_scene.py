@@ -171,6 +171,16 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
     assert both.bend < math.radians(0.05)
     assert both.left is not None
     assert both.left < 0.05
+    # Shaft 0 slopes 0.74 degrees less, about joint 0.
+    raised = 15.701 - 299.589 * math.tan(math.radians(3.0 - 0.74))
+    made = changed(
+        TEXT,
+        ("[0, 0, 0],", f"[0, {-raised}, 0],"),
+        ("-102.896", f"{-102.896 - 16.9}"),
+        ("[load]", "phases_deg = [90, 0]\n[load]"),
+    )
+    assert float(figures(made).vibration.line.equivalent().bend) < math.radians(0.2)
+    assert shudder(made)[1] == pytest.approx(both.peak, rel=0.2)
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
@@ -233,7 +243,7 @@ def test_without_a_stiffness_the_couples_and_static_forces_are_said() -> None:
         TEXT,
         ("stiffness_N_per_mm = 300 ", "#"),
         ("loss_factor = 0.12", ""),
-        ("bearing_displacement_mm = 1 ", "#"),
+        ("bearing_displacement_mm = 1 ", "equivalent_bend_deg = 3 "),
         ("speed_rpm = {from = 300, to = 2500, steps = 221}\ntube_", "#"),
     )
     found = figures(text)
