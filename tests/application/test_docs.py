@@ -26,7 +26,8 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 LONG_PAGES = {
-    *("cluster.md", "optimise.md", "report.md", "rumble.md", "tolerances.md", "torsion.md"),
+    *("cluster.md", "optimise.md", "report.md", "rumble.md", "shudder.md"),
+    *("tolerances.md", "torsion.md"),
     *(page.name for page in (DOCS / "machines").glob("*.md")),
 }
 """Pages whose snippets compute for more than a second."""

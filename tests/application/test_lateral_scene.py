@@ -171,6 +171,16 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
     assert both.bend < math.radians(0.05)
     assert both.left is not None
     assert both.left < 0.05
+    # Shaft 0 slopes 0.74 degrees less, about joint 0.
+    raised = 15.701 - 299.589 * math.tan(math.radians(3.0 - 0.74))
+    made = changed(
+        TEXT,
+        ("[0, 0, 0],", f"[0, {-raised}, 0],"),
+        ("-102.896", f"{-102.896 - 16.9}"),
+        ("[load]", "phases_deg = [90, 0]\n[load]"),
+    )
+    assert float(figures(made).vibration.line.equivalent().bend) < math.radians(0.2)
+    assert shudder(made)[1] == pytest.approx(both.peak, rel=0.2)
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
@@ -233,12 +243,14 @@ def test_without_a_stiffness_the_couples_and_static_forces_are_said() -> None:
         TEXT,
         ("stiffness_N_per_mm = 300 ", "#"),
         ("loss_factor = 0.12", ""),
-        ("bearing_displacement_mm = 1 ", "#"),
+        ("bearing_displacement_mm = 1 ", "equivalent_bend_deg = 3 "),
         ("speed_rpm = {from = 300, to = 2500, steps = 221}\ntube_", "#"),
     )
     found = figures(text)
     assert found.statics[0].static == pytest.approx(69.65, abs=0.02)
-    assert not (found.modes or found.resonances or found.bearings)
+    assert not found.modes
+    assert not found.resonances
+    assert not found.bearings
     assert found.couples == figures(TEXT).couples
     assert "half the critical speeds at 4755 rpm of shaft 1 and 2426 rpm of shaft 2" in said(text)
     with pytest.raises(ValueError, match="bearing 0 has no stiffness_N_per_mm"):
@@ -350,11 +362,16 @@ ERRORS: dict[str, tuple[str, tuple[tuple[str, str], ...], str]] = {
         (),
         r"direction is \[1, 0, 0\], along the shaft",
     ),
+    "margin of rigid bearings": (
+        RUBBER.format(limits="", lateral="resonance_margin = 0.1"),
+        (("stiffness_N_per_mm = 300\nloss_factor = 0.1", ""),),
+        r"\[lateral\] resonance_margin needs stiffness_N_per_mm in \[\[bearing\]\]",
+    ),
     "displacement without": (
         "[driveline]\nbends_deg = [5, 5]\nlengths_mm = [300, 900, 300]\n[[bearing]]\nshaft = 1\n"
         "position_mm = 100\n[limits]\nbearing_displacement_mm = 2\n",
         (),
-        r"bearing_displacement_mm needs a section \[lateral\]",
+        r"bearing_displacement_mm needs stiffness_N_per_mm in \[\[bearing\]\]",
     ),
 }
 

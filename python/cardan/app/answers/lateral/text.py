@@ -16,7 +16,7 @@ _ENDS = 0.1  # of the force, that is the end of a shudder
 def brief(found: LateralFigures) -> str:
     """Return what a check says of lateral vibration as plain text, 79 wide."""
     lines = []
-    for sentence in (*_excitation(found), *_resonances(found), *_verdicts(found), *_help(found)):
+    for sentence in (*_resonances(found), *_help(found), *_verdicts(found), *_excitation(found)):
         lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
     return "\n".join(["Lateral vibration", *lines])
 
@@ -28,7 +28,7 @@ def words(found: LateralFigures, *, radians: bool = False) -> str:
 
 def sentences(found: LateralFigures) -> Iterator[str]:
     """Say what shakes the shafts, where, what helps, and what can be trusted."""
-    for sentence in (*_excitation(found), *_resonances(found), *_verdicts(found), *_help(found)):
+    for sentence in (*_resonances(found), *_help(found), *_verdicts(found), *_excitation(found)):
         yield f"{capital(sentence)}."
     yield from _changes(found)
     yield from _limits(found)

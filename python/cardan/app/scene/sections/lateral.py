@@ -194,6 +194,9 @@ def _lateral(values: Mapping[str, Any], scene: Reading) -> LateralCase:
     if on_rigid and any(supports):
         with scene.document.within(f"{BEARING.name}.{on_rigid[0]}"):
             raise ArgumentValueError(STIFFNESS, "is missing; another bearing has one")
+    for key in ("resonance_margin", "least_torque_margin") if on_rigid else ():
+        if key in values:
+            raise ArgumentValueError(key, f"needs {STIFFNESS} in [[bearing]]")
     if not on_rigid and "speed_rpm" not in values:
         raise ArgumentValueError(
             "speed_rpm", "is missing; it says at which speeds the driveline runs"

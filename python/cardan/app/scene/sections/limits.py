@@ -19,6 +19,7 @@ from cardan.app.scene.language.rules import (
     refused,
 )
 from cardan.app.scene.language.section import Key, Reading, Section
+from cardan.app.scene.sections.bearing import BEARING, STIFFNESS
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
 
@@ -69,8 +70,9 @@ def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
     for key in ("bearing_force_N", "bearing_displacement_mm"):
         if key in values and not scene.line.n_bearings:
             raise ArgumentValueError(key, "needs a section [[bearing]]")
-    if "bearing_displacement_mm" in values and "lateral" not in scene.given:
-        raise ArgumentValueError("bearing_displacement_mm", "needs a section [lateral]")
+    bearings = scene[BEARING].mounting.bearings
+    if "bearing_displacement_mm" in values and not any(each.support for each in bearings):
+        raise ArgumentValueError("bearing_displacement_mm", f"needs {STIFFNESS} in [[bearing]]")
     source = values.get("source", OWN)
     return GivenLimits(
         Limits(**{key: value for key, value in values.items() if key not in OF_PARTS}),
