@@ -724,7 +724,7 @@ def book() -> str:
     parts = []
     for source in SOURCES:
         titles = {name: cardan.Scene.parse(SCENES[name]).title for name in source.scenes}
-        links = [f"[{title}](cases/moving.html?{name})" for name, title in titles.items()]
+        links = [f"[{title}](machines/moving.html?{name})" for name, title in titles.items()]
         parts += [f"## {source.title}", "", source.text, "", f"To move: {', '.join(links)}.", ""]
         parts += ["| given | figure | published | cardan | difference | why |"]
         parts += ["|---|---|--:|--:|--:|---|", *(case.row for case in source.cases()), ""]

@@ -6,10 +6,16 @@ import html
 import re
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cases
 from latex2mathml.converter import convert
+
+import cardan
+
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parent.parent
 
@@ -21,13 +27,83 @@ _BEFORE = re.compile(rf"(?:(?<=</m[in]>)|(?<=</mfrac>))(?={_FUNCTION})")
 _AFTER = re.compile(rf"({_FUNCTION})(?!(?:<mrow>)?<mo[^>]*>&#x00028;|</mrow>)")
 _SPACE = '<mspace width="0.17em"/>'
 _BAR = re.compile(r'<mo(?: stretchy="false")?>&#x0007C;</mo>')
-_INCLUDE = re.compile(r"^\{\{ (.+?) \}\}$", re.MULTILINE)
+_INCLUDE = re.compile(r"\{\{ (.+?) \}\}")
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
+_DECISION = re.compile(r"\]\(((?:[\w./]*/)?)(\d{4})-[\w-]+\.md\)")
+_DOCSTRING = re.compile(
+    r'(<div class="doc-signature highlight">(?:(?!<div).)*</div>)?(\s*<div class="doc doc-contents[^>]*>\s*)?'
+    r"<!--docstring-->\s*(<p>.*?</p>)?(.*?)<!--/docstring-->",
+    re.DOTALL,
+)
+_CODE = re.compile(r'<div class="language-\w+ highlight">.*?</div>', re.DOTALL)
+_FEW = 4
+"""Lines of a signature above which it is folded with what it takes."""
+_TABLE = re.compile(r"<table>.*?</table>", re.DOTALL)
+_VERBATIM = re.compile(r"(<(?:pre|script)\b.*?</(?:pre|script)>)", re.DOTALL)
+_LONG = 40
+"""Lines of code above which a block is folded."""
+_SHOWN = 8
+"""Lines of a long output that are shown at least."""
 
 
-def on_page_content(content: str, **_: Any) -> str:  # noqa: ANN401
-    """Turn formulas into MathML, which browsers show without a script."""
-    return _FORMULA.sub(_formula, content)
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Show the version at the head of every page."""
+    config.site_name = f"cardan {cardan.__version__}"
+    return config
+
+
+def on_page_content(content: str, *, page: Page, **_: Any) -> str:  # noqa: ANN401
+    """Turn formulas into MathML, which browsers show without a script; fold what is long.
+
+    A page whose head has ``fold: tables`` folds all of them.
+    """
+    folded = _CODE.sub(_code, _DOCSTRING.sub(_docstring, content))
+    if page.meta.get("fold") == "tables":
+        folded = _TABLE.sub(_table, folded)
+    return _FORMULA.sub(_formula, folded)
+
+
+def on_post_page(output: str, **_: Any) -> str:  # noqa: ANN401
+    """Drop indentation and empty lines, except in code."""
+    parts = _VERBATIM.split(output)
+    parts[::2] = [re.sub(r"\s*\n\s*", "\n", part) for part in parts[::2]]
+    return "".join(parts)
+
+
+def _table(match: re.Match[str]) -> str:
+    rows = match[0].count("<tr>") - 1
+    summary = f"{rows} row{'s' if rows > 1 else ''}"
+    return f"<details><summary>{summary}</summary>{match[0]}</details>"
+
+
+def _docstring(match: re.Match[str]) -> str:
+    """Show the first sentence, and a signature of few lines; fold the rest."""
+    signature, opening, first, rest = (group or "" for group in match.groups())
+    shown, folded = (signature, "") if signature.count("\n") <= _FEW else ("", signature)
+    more = f"{folded}{rest}".strip()
+    summary = "<summary>Details</summary>"
+    details = f"<details data-search-exclude>{summary}{more}</details>" if more else ""
+    return f"{shown}{opening}{first}{details}"
+
+
+def _code(match: re.Match[str]) -> str:
+    """Fold long code, and what a long output says after its first paragraphs."""
+    lines = match[0].split("\n")
+    block = match[0].replace("<div ", "<div data-search-exclude ", 1)
+    if len(lines) <= _LONG:
+        return block
+    if match[0].startswith('<div class="language-text '):
+        first = next((i for i, line in enumerate(lines) if i > _SHOWN and not line), _SHOWN)
+        head, tail = "\n".join(lines[:first]), "\n".join(lines[first + 1 :])
+        opening = re.match(r".*?<code>", block, re.DOTALL)
+        closing = "</code></pre></div>"
+        assert opening is not None
+        shown = head.replace("<div ", "<div data-search-exclude ", 1) + closing
+        summary = f"{len(lines) - first} more lines"
+        return f"{shown}<details><summary>{summary}</summary>{opening[0]}{tail}</details>"
+    name = re.search(r'<span class="filename">(.*?)</span>', match[0])
+    title = f"<code>{name[1]}</code>" if name else "All of it"
+    return f"<details><summary>{title}, {len(lines)} lines</summary>{block}</details>"
 
 
 def _formula(match: re.Match[str]) -> str:
@@ -42,12 +118,30 @@ def _formula(match: re.Match[str]) -> str:
     return _AFTER.sub(rf"\1{_SPACE}", _BEFORE.sub(_SPACE, mathml))
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
+def on_page_markdown(markdown: str, *, page: Page, **_: Any) -> str:  # noqa: ANN401
     """Put in what ``{{ … }}`` names: a text of the project or a section of it, outputs, commands.
 
-    What the benches have not written yet is left out.
+    What the benches have not written yet is left out. All decisions are on one page.
     """
-    return _INCLUDE.sub(lambda match: included(match[1]), markdown)
+    own = page.file.src_uri == "decisions/index.md"
+
+    def decision(match: re.Match[str]) -> str:
+        return f"](#decision-{match[2]})" if own else f"]({match[1]}index.md#decision-{match[2]})"
+
+    text = _INCLUDE.sub(lambda match: included(match[1]), markdown)
+    return _DECISION.sub(decision, text)
+
+
+def decisions() -> str:
+    """Return the decisions that have a file of their own, folded."""
+    parts = []
+    for path in sorted((ROOT / "docs" / "decisions").glob("0*.md")):
+        title, text = path.read_text("utf-8").removeprefix("# ").split("\n", 1)
+        anchor = f'<a id="decision-{path.name[:4]}"></a>'
+        text = re.sub("^## (.*)$", r"**\1**", text, flags=re.MULTILINE)
+        summary = f"<summary>{html.escape(title)}</summary>"
+        parts.append(f'<details markdown="1">{summary}\n\n{anchor}\n{text}\n</details>')
+    return "\n\n".join(parts)
 
 
 def included(name: str) -> str:
@@ -61,6 +155,8 @@ def included(name: str) -> str:
         "commands": command_help,
         "cases-answer": cases.answer,
         "cases": cases.book,
+        "decisions": decisions,
+        "version": lambda: cardan.__version__,
     }
     if name in own:
         return own[name]()
@@ -72,10 +168,17 @@ def included(name: str) -> str:
     if heading:
         text = text.split(f"\n## {heading}\n")[1].split("\n## ")[0]
     # Its title goes, its sections become sections of the page; pictures lie beside it, and what
-    # else it links to is not part of the site.
+    # is no page of the documentation is not part of the site.
     text = re.sub(r"\A# .*\n", "", text)
     folder = path.parent.relative_to(ROOT).as_posix()
-    return _LINK.sub(lambda link: f"![{link[2]}]({folder}/{link[3]})" if link[1] else link[2], text)
+
+    def link(match: re.Match[str]) -> str:
+        if match[1]:
+            return f"![{match[2]}]({folder}/{match[3]})"
+        page = re.match(r"docs/(?=.*\.md)", match[3])
+        return f"[{match[2]}]({match[3][page.end() :]})" if page else match[2]
+
+    return _LINK.sub(link, text)
 
 
 def outputs() -> str:
@@ -158,7 +261,11 @@ def command_help() -> str:
             assert command is not None
             with click.Context(command, info_name=name, parent=parent) as context:
                 shown = command.get_help(context)
-            parts.append(f"## `cardan {name}`\n\n```text\n{shown}\n```")
+            parts.append(
+                f"## `cardan {name}`\n\n{command.get_short_help_str(80)}\n\n"
+                f'<details markdown="1"><summary>Options</summary>\n\n```text\n{shown}\n```\n\n'
+                "</details>"
+            )
     return "\n\n".join(parts)
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
@@ -17,7 +18,6 @@ import cases
 import cardan
 from cardan.app.answers.explain import reference
 from cardan.app.answers.schema import answers_schema
-from cardan.app.command.terminal import as_json_text
 from cardan.app.report.moving import moving_page
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ ROOT = Path(__file__).parent.parent
 # The folders of pictures, each with the script that draws it.
 SCRIPTS = {"drawings": ROOT / "docs" / "drawings", "pictures": ROOT / "examples" / "pictures.py"}
 CACHE = ROOT / "build" / "drawn"
+_LINES = re.compile(r"L [-\d. ]+(?:\nL [-\d. ]+)+")
+_PATH = re.compile(r'\bd="[^"]*"')
 MACHINES = ("truck-shaft", "steering-column", "pto-shaft", "mill-spindle", "test-rig", "ship-shaft")
 """Their scenes, in the order of their pages."""
 
@@ -36,33 +38,48 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add what is drawn and what moves, the JSON Schemas and the pictures of the benches."""
     from mkdocs.structure.files import File
 
-    benches = {f"benches/{path.name}": path for path in (ROOT / "benches").glob("*.svg")}
-    for uri, path in (pictures() | benches).items():
+    for uri, path in pictures().items():
         files.append(File.generated(config, uri, abs_src_path=str(path)))
-    texts = {"reference/figures.md": reference()}
-    texts |= {"machines/moving.html": machines(), "cases/moving.html": moving(cases.SCENES)}
+    texts = {"reference/figures.md": f"---\nfold: tables\n---\n\n{reference()}"}
+    texts |= {"machines/moving.html": moving()}
+    # Pictures that are committed: of the benches, and of the README.
+    committed = [ROOT / "docs" / "foeppl.svg", *(ROOT / "benches").glob("*.svg")]
+    for path in committed:
+        folder = "" if path.parent.name == "docs" else "benches/"
+        texts[f"{folder}{path.name}"] = small(path.read_text("utf-8"))
+    files.remove(files.src_uris["foeppl.svg"])
     for uri, text in (schemas() | texts).items():
         files.append(File.generated(config, uri, content=text))
     return files
 
 
+def on_post_build(config: MkDocsConfig) -> None:
+    """Remove what no page loads: maps of scripts for debuggers, searches in other languages."""
+    scripts = Path(config.site_dir) / "assets"
+    for path in scripts.rglob("*.map"):
+        path.unlink()
+    shutil.rmtree(scripts / "javascripts" / "lunr")
+
+
 def schemas() -> dict[str, str]:
-    """Return what ``cardan schema`` prints, by address on the site."""
+    """Return what ``cardan schema`` prints, on one line, by address on the site."""
     made = {"scene": cardan.Scene.schema(), "answers": answers_schema()}
-    return {f"{name}.schema.json": f"{as_json_text(schema)}\n" for name, schema in made.items()}
+    return {f"{name}.schema.json": json.dumps(schema) for name, schema in made.items()}
 
 
-def machines() -> str:
-    """Return the page in which one of the machines is chosen and moved."""
-    scenes = resources.files("cardan.app.scene").joinpath("machines")
-    return moving({name: scenes.joinpath(f"{name}.toml").read_text("utf-8") for name in MACHINES})
+def moving() -> str:
+    """Return the page in which one of the machines is chosen and moved.
 
-
-def moving(scenes: Mapping[str, str]) -> str:
-    """Return the page in which one of some scenes is chosen and moved."""
-    parsed = {name: cardan.Scene.parse(text, f"{name}.toml") for name, text in scenes.items()}
-    page = moving_page({name: cardan.Answer(scene) for name, scene in parsed.items()})
+    It also has the scenes of the case book, which the links of that page choose.
+    """
+    folder = resources.files("cardan.app.scene").joinpath("machines")
+    texts = {name: folder.joinpath(f"{name}.toml").read_text("utf-8") for name in MACHINES}
+    texts |= cases.SCENES
+    scenes = {name: cardan.Scene.parse(text, f"{name}.toml") for name, text in texts.items()}
+    page = moving_page({name: cardan.Answer(scene) for name, scene in scenes.items()})
     assert page is not None
+    for name in cases.SCENES:
+        page = page.replace(f'<li><a href="?{name}">', f'<li hidden><a href="?{name}">')
     return page
 
 
@@ -76,8 +93,22 @@ def pictures() -> dict[str, Path]:
             shutil.rmtree(folder, ignore_errors=True)
             # A process of its own draws with the modules as they are now.
             subprocess.run([sys.executable, str(script), str(folder)], check=True)
+            for path in folder.glob("*.svg"):
+                path.write_text(small(path.read_text("utf-8")), "utf-8")
             drawn_from.write_text(current, "utf-8")
     return {path.relative_to(CACHE).as_posix(): path for path in CACHE.rglob("*.svg")}
+
+
+def small(picture: str) -> str:
+    """Return a picture of half the size: without indentation and metadata, to a hundredth of a point."""
+    bare = re.sub(r"<metadata>.*?</metadata>", "", picture, flags=re.DOTALL)
+    return _PATH.sub(_rounded, re.sub(r"\s*\n\s*", "\n", bare))
+
+
+def _rounded(match: re.Match[str]) -> str:
+    path = re.sub(r"\d+\.\d+", lambda number: f"{round(float(number[0]), 2):g}", match[0])
+    # A line goes on without a letter.
+    return _LINES.sub(lambda lines: lines[0].replace("\nL ", "\n"), path)
 
 
 def sources(script: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
 import shlex
 from collections.abc import Iterator
@@ -25,9 +26,9 @@ from cardan.app.scene.starters import STARTERS
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+HOME = (DOCS / "index.md").read_text("utf-8")
 LONG_PAGES = {
-    *("cluster.md", "optimise.md", "report.md", "rumble.md", "shudder.md"),
-    *("tolerances.md", "torsion.md"),
+    *("cluster.md", "report.md", "ride-heights.md", "shudder.md", "tolerances.md", "torsion.md"),
     *(page.name for page in (DOCS / "machines").glob("*.md")),
 }
 """Pages whose snippets compute for more than a second."""
@@ -184,11 +185,47 @@ def test_contributing_names_what_ci_runs() -> None:
     assert {step for step in steps if step not in ci and "pip install" not in step} == set()
 
 
-def test_every_page_is_in_the_navigation() -> None:
-    listed = re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8"))
-    # The list of figures is made when the site is built.
-    pages = {page.relative_to(DOCS).as_posix() for page in PAGES} | {"reference/figures.md"}
-    assert sorted(listed) == sorted(pages)
+def test_the_navigation_is_short_and_leads_to_every_page() -> None:
+    """Pages that are not in it are on the pages that overviews and others link to."""
+    text = (ROOT / "mkdocs.yml").read_text("utf-8")
+    listed = re.findall(r"- (?:Home: )?([\w/-]+\.md)$", text.partition("\nnav:\n")[2], re.M)
+    # The list of figures is made when the site is built, and all decisions are on one page.
+    decisions = set((DOCS / "decisions").glob("0*.md"))
+    pages = {page.relative_to(DOCS).as_posix() for page in set(PAGES) - decisions}
+    pages.add("reference/figures.md")
+    assert len(listed) <= 52
+    assert len(pages) <= 80
+    assert set(listed) <= pages
+    found, ahead = set[str](), set(listed)
+    while ahead:
+        found |= ahead
+        ahead = {link for page in ahead for link in links(page)} & pages - found
+    assert found == pages
+
+
+def links(page: str) -> Iterator[str]:
+    """The pages that a page links to, as paths below the documentation."""
+    path = DOCS / page
+    text = path.read_text("utf-8") if path.exists() else ""
+    for link in re.findall(r"\]\((?!https?:)([^)#\s]+\.md)", text):
+        yield Path(os.path.normpath(Path(page).parent / link)).as_posix()
+
+
+@pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("Which bearing carries how many newtons?", "bearing 0"),
+        ("How do I phase three joints?", "optimal_phases"),
+        ("How accurate is it?", "ulp"),
+        ("A million geometries", "A million drivelines"),
+        ("It shudders at launch", "cardan lateral"),
+        ("I have an inclinometer and three readings", "readings_deg"),
+    ],
+)
+def test_home_answers_a_question_with_its_link(question: str, answer: str) -> None:
+    link = re.search(rf"\[\*\*{re.escape(question)}\*\*\]\((.*?\.md)", HOME)
+    assert link is not None
+    assert answer in (DOCS / link[1]).read_text("utf-8")
 
 
 def test_the_reference_has_every_public_name() -> None:

@@ -1,7 +1,7 @@
 """Motion and moments against multibody engines that know nothing of universal joints.
 
 Opt-in: ``pip install '.[physics]' && pytest -m physics``; without an engine its tests are skipped.
-``python tests/physics/test_multibody.py`` prints the table that ``docs/physics.md`` keeps.
+``python tests/physics/test_multibody.py`` prints the table that ``docs/testing.md`` keeps.
 
 The engines get shafts, crosses and hinges laid out from the points of a drawing. A cross hangs in
 the output-side pin of its driving shaft, and the loop is cut at its other pin, where the next
@@ -570,7 +570,7 @@ def test_a_mirrored_result_is_noticed(engine: str, output: str) -> None:
 
 
 def record() -> str:
-    """Return the table of ``docs/physics.md``: worst differences, and of the tolerance used up."""
+    """Return the table of ``docs/testing.md``: worst differences, and of the tolerance used up."""
     kinds = {"torque": ("driven", "braked"), "running": ("running", "overrunning")}
     table: dict[str, dict[str, float]] = {}
     for engine, (kind, loads) in itertools.product(ENGINES, kinds.items()):
