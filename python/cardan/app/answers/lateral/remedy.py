@@ -180,6 +180,9 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
                 layout = move.made(line, share * float(by[0]))
                 if length(force(layout)) <= _HELPS * present:
                     yield move.words(line, share * float(by[0])), layout
+    words, layout = _nearer(line, number)
+    if length(force(layout)) <= _HELPS * present:
+        yield words, layout
     turned = [("", line)]
     for shaft in range(1, line.n_joints):
         phases = np.array(line.phases)
@@ -201,6 +204,18 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
                 best = used, listed([*said, *filter(None, [words])]), layout
     if best is not None:
         yield best[1:]
+
+
+def _nearer(line: Driveline, bearing: int) -> tuple[str, Driveline]:
+    """Return the driveline with a bearing half as far from the nearest end of its shaft."""
+    shaft, position = line.bearings[bearing]
+    rest = float(line.lengths().each[shaft] - position)
+    is_upstream = shaft > 0 and (float(position) < rest or shaft == line.n_joints)
+    by = 0.5 * (-float(position) if is_upstream else rest)
+    moved = [(own, float(at) + by * (i == bearing)) for i, (own, at) in enumerate(line.bearings)]
+    joint = shaft - 1 if is_upstream else shaft
+    words = f"bearing {bearing} nearer to joint {joint} by {quantity(abs(by), 'mm')}"
+    return words, line.with_bearings(moved, line.lengths().each)
 
 
 def _all_made(line: Driveline, moves: Sequence[_Move], by: FloatArray) -> Driveline:
