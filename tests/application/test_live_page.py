@@ -85,10 +85,11 @@ NODE_READS = f"""
 import {{ readFileSync }} from "node:fs";
 import {{ createInterface }} from "node:readline";
 import {{ Cardan }} from "{WEB}/cardan.js";
+import {{ lateralOf }} from "{WEB}/page/lateral.js";
 import {{ Model }} from "{WEB}/page/model.js";
 import {{ numberText, showIn, useText }} from "{WEB}/page/numbers.js";
 const cardan = await Cardan.load(readFileSync("{WEB}/cardan.wasm.gz"));
-const known = {{ cardan, Model, numberText, showIn, useText }};
+const known = {{ cardan, lateralOf, Model, numberText, showIn, useText }};
 for await (const line of createInterface({{ input: process.stdin }})) {{
     const [data, script] = JSON.parse(line);
     let told;
@@ -790,6 +791,89 @@ def test_natural_frequencies_follow_yokes_torque_and_the_length_of_a_tube(run: R
     found = compared_torsion(run, Scene.parse(LOADED), moves)
     assert len(set(found)) == 4
     assert found[4] == found[0]
+
+
+SHAKEN = """
+[driveline]
+points_mm = [[0, 0, 0], [300, -20, 0], [1500, -90, 40], [3200, -300, 0], [3500, -320, 0]]
+phases_deg = [10, 0]
+[load]
+speed_rpm = 700
+output_torque_Nm = 900
+inertias_kgm2 = [0, 0, 0, 0.4]
+[[bearing]]
+shaft = 1
+position_mm = 1100
+stiffness_N_per_mm = [200, 350]
+axis = [0, 1, 0.2]
+loss_factor = 0.1
+damping_Ns_per_m = 60
+[tubes]
+outer_diameter_mm = 90
+wall_mm = 3
+[lateral]
+speed_rpm = {from = 400, to = 1800, steps = 5}
+[[lateral.mass]]
+shaft = 1
+from_end_mm = 20
+mass_kg = 4
+across_kgm2 = 0.01
+along_kgm2 = 0.006
+[[lateral.mass]]
+shaft = 2
+position_mm = 900
+mass_kg = 2
+"""
+
+
+@in_node
+def test_forces_of_elastic_bearings_are_those_of_the_package_of_what_is_saved(run: Run) -> None:
+    """After moves of joints, bearings, yokes and load, with inertias and two directions."""
+    shudder = Scene.load(next(path for path in DRIVELINES if path.stem == "shudder"))
+    moves: list[list[Move]] = [
+        [],
+        [("point", 2, [15.0, -20.0, 8.0])],
+        [("bearing", 0, [-40.0, 0.0, 0.0]), ("phase", 0, [90.0, 0.0, 0.0])],
+        [("torque", 0, [0.25, 0.0, 0.0])],
+    ]
+    for scene in (shudder, Scene.parse(SHAKEN)):
+        told = run(
+            {"sent": sent(scene), "moves": moves},
+            f"""const change = {CHANGE};
+            return data.moves.map((moves) => {{
+                const model = new Model(cardan, data.sent);
+                for (const move of moves) change(model, move);
+                return [lateralOf(model.machine, data.sent.lateral, 0), model.text, model.refused];
+            }});""",
+        )
+        peaks = set()
+        for found, saved, refused in told:
+            assert refused == ""
+            scene_now = Scene.parse(saved, scene.name)
+            assert scene_now.lateral
+            system = scene_now.lateral.on(scene_now.line)
+            lowest = float(system.natural_frequencies(1)[0])
+            speeds = np.array(found["speeds"])
+            response = system.response(speeds, scene_now.load_case, orders=[1, 2, 4])
+            forces = response.of_order("bearing_force")
+            size = np.max(forces)
+            shown = np.array(found["forces"])
+            assert np.max(np.abs(np.moveaxis(forces, -1, 0) - shown)) < 1e-9 * size
+            for resonance in found["resonances"]:
+                order = resonance["order"]
+                assert resonance["frequency"] == pytest.approx(lowest, rel=1e-11)
+                assert resonance["speed"] == pytest.approx(lowest / order, rel=1e-11)
+                near = np.abs(speeds * order / lowest - 1.0) < 0.12 + 1e-9
+                if resonance["at"] is None:
+                    assert not near.any()
+                    continue
+                own = forces[0, near, [1, 2, 4].index(order)]
+                assert resonance["force"] == pytest.approx(np.max(own), rel=1e-9)
+                peaks.add(round(resonance["force"], 6))
+            orders = [each["order"] for each in found["resonances"]]
+            assert orders == ([1, 2] if scene is shudder else [2, 4])
+        # An unbalance does not follow the torque.
+        assert len(peaks) == (7 if scene is shudder else 4)
 
 
 @in_node

@@ -35,6 +35,13 @@ _PLACES = 8
 # The least samples of a turn in which a vibration is taken apart.
 _SAMPLES = 256
 
+# What a function for browsers calls their shafts and their numbers.
+_FOR_BROWSERS = {
+    "bearings": ("elastic_shafts", "of_elastic"),
+    "masses": ("mass_shafts", "of_masses"),
+    "unbalance": ("unbalance_shafts", "of_unbalances"),
+}
+
 # Of each item its class, and its fields as numbers with their sizes.
 _ITEMS: dict[str, tuple[type[Any], dict[str, int]]] = {
     "bearings": (
@@ -360,6 +367,16 @@ class LateralSystem:
         See ``largest_stable_torque``.
         """
         return np.asarray(np.abs(finite("torque", torque)) < self.largest_stable_torque(speed))
+
+    def _described(self) -> dict[str, list[Any]]:
+        """Return the numbers of the only system, as the function for browsers takes them."""
+        kinds, numbers = _of_shafts(self.shafts)
+        found: dict[str, list[Any]] = {"kinds": kinds, "of_shafts": numbers.tolist()}
+        for name, (shafts, fields) in _FOR_BROWSERS.items():
+            items = getattr(self, name)
+            found[shafts] = [item.shaft for item in items]
+            found[fields] = _numbers(name, items, len(kinds)).tolist()
+        return found | {"sliding": list(self.sliding)}
 
     def _places(self) -> list[tuple[int, float]]:
         """Places of all shafts that move: ends, and between them where shafts bend."""

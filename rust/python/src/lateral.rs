@@ -1,8 +1,7 @@
 //! Lateral systems of a batch of drivelines.
 
 use cardan::dynamics::lateral::{
-    Attached, BendingShaft, ElasticBearing, LateralRuns, LateralShaft, LateralSystem, PointMass,
-    RigidShaft, TorqueStiffness, Unbalance, Yokes, largest_lengths,
+    Described, LateralRuns, LateralSystem, Numbers, TorqueStiffness, Yokes, largest_lengths,
 };
 use cardan::{Execution, Vector, check_length, unravel};
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -55,34 +54,30 @@ impl NativeLateral {
         sliding: Option<Vec<usize>>,
     ) -> PyResult<Self> {
         let count: usize = shape.iter().product();
-        let (kinds, numbers) = &shafts;
-        let n = kinds.len();
+        let n = shafts.0.len();
         let [directions, lengths, normals, phases] = &geometry;
         let directions = part("directions", directions, count, 3 * n)?;
         let lengths = part("lengths", lengths, count, n)?;
         let normals = part("normals", normals, count, 3)?;
         let phases = part("phases", phases, count, n.saturating_sub(2))?;
-        let numbers = part("shafts", numbers, count, 5 * n)?;
-        let [bearings, masses, unbalances] = &attached;
-        let of_bearings = part("bearings", &bearings.1, count, 10 * bearings.0.len())?;
-        let of_masses = part("masses", &masses.1, count, 4 * masses.0.len())?;
-        let of_unbalances = part("unbalance", &unbalances.1, count, 5 * unbalances.0.len())?;
+        let mut parts = vec![];
+        let names = ["shafts", "bearings", "masses", "unbalance"];
+        let each = Numbers::COUNTS.into_iter().zip(names);
+        for ((whole, fields), (size, name)) in std::iter::once(&shafts).chain(&attached).zip(each) {
+            parts.push((whole, part(name, fields, count, size * whole.len())?));
+        }
         let make = |i: usize| {
-            let shafts: Vec<LateralShaft> =
-                kinds.iter().zip(numbers(i).chunks_exact(5)).map(shaft_of).collect();
-            let attached = Attached {
-                bearings: items(&bearings.0, of_bearings(i), bearing_of),
-                masses: items(&masses.0, of_masses(i), mass_of),
-                unbalances: items(&unbalances.0, of_unbalances(i), unbalance_of),
+            let numbers = |part: usize| {
+                let (whole, fields) = &parts[part];
+                Numbers { whole, fields: fields(i) }
             };
-            let directions = vectors(directions(i));
-            let sliding = sliding.as_deref();
-            LateralSystem::new(&directions, lengths(i), &shafts, attached, sliding).map_err(
-                |error| {
-                    let place = if shape.is_empty() { vec![] } else { unravel(i, &shape) };
-                    error.within(&place)
-                },
-            )
+            let [shafts, bearings, masses, unbalances] = [0, 1, 2, 3].map(numbers);
+            let described = Described { shafts, bearings, masses, unbalances };
+            let system = described.system(&vectors(directions(i)), lengths(i), sliding.as_deref());
+            system.map_err(|error| {
+                let place = if shape.is_empty() { vec![] } else { unravel(i, &shape) };
+                error.within(&place)
+            })
         };
         let systems: cardan::Result<Vec<_>> = (0..count).map(make).collect();
         let yokes = |i| (Vector::from_column_slice(normals(i)), phases(i).to_vec());
@@ -226,47 +221,4 @@ fn part<'a>(
     let flat = slice(name, array)?;
     check_length(name, flat.len(), count, each).or_raise()?;
     Ok(move |i: usize| &flat[i * each..][..each])
-}
-
-fn items<T>(shafts: &[usize], numbers: &[f64], make: impl Fn(usize, &[f64]) -> T) -> Vec<T> {
-    let each = numbers.len() / shafts.len().max(1);
-    shafts.iter().enumerate().map(|(i, &shaft)| make(shaft, &numbers[i * each..][..each])).collect()
-}
-
-fn shaft_of((kind, numbers): (&usize, &[f64])) -> LateralShaft {
-    let &[a, b, c, d, e] = numbers else { return LateralShaft::Held };
-    match kind {
-        0 => LateralShaft::Held,
-        1 => LateralShaft::Rigid(RigidShaft { mass: a, centre: b, across: c, along: d }),
-        _ => LateralShaft::Bending(BendingShaft {
-            stiffness: a,
-            mass: b,
-            shear_stiffness: c,
-            rotary_inertia: d,
-            loss_factor: e,
-        }),
-    }
-}
-
-fn bearing_of(shaft: usize, numbers: &[f64]) -> ElasticBearing {
-    let axis = Vector::from_column_slice(&numbers[3..6]);
-    ElasticBearing {
-        shaft,
-        position: numbers[0],
-        stiffness: [numbers[1], numbers[2]],
-        // None is given as one that is no number.
-        axis: (!axis[0].is_nan()).then_some(axis),
-        loss_factor: [numbers[6], numbers[7]],
-        damping: [numbers[8], numbers[9]],
-    }
-}
-
-fn mass_of(shaft: usize, numbers: &[f64]) -> PointMass {
-    let [position, mass, across, along] = [numbers[0], numbers[1], numbers[2], numbers[3]];
-    PointMass { shaft, position, mass, across, along }
-}
-
-fn unbalance_of(shaft: usize, numbers: &[f64]) -> Unbalance {
-    let direction = Vector::from_column_slice(&numbers[2..5]);
-    Unbalance { shaft, position: numbers[0], mass_arm: numbers[1], direction }
 }

@@ -14,6 +14,7 @@ mod design;
 pub mod fma;
 mod geometry;
 mod judge;
+mod lateral;
 mod motion;
 mod table;
 mod torsion;

@@ -4,7 +4,7 @@ use cardan::judge::{Kind, Scope, Side};
 use cardan::{Output, Result};
 
 use crate::arguments::Arguments;
-use crate::{design, geometry, judge, motion, torsion};
+use crate::{design, geometry, judge, lateral, motion, torsion};
 
 /// What the numbers of an argument or a result are.
 #[derive(Clone, Copy)]
@@ -444,6 +444,36 @@ pub(crate) static FUNCTIONS: &[Function] = &[
             field("away", "1", "orders, modes"),
         ],
         call: torsion::torsion,
+    },
+    Function {
+        name: "lateral",
+        arguments: &[
+            JOINTS,
+            &[
+                field("directions", "1", "joints + 1, 3"),
+                field("lengths", "m", "joints + 1"),
+                field("kinds", "1", "joints + 1"),
+                field("of_shafts", "SI", "joints + 1, 5"),
+                field("elastic_shafts", "1", "elastic"),
+                field("of_elastic", "SI", "elastic, 10"),
+                field("mass_shafts", "1", "masses"),
+                field("of_masses", "SI", "masses, 4"),
+                field("unbalance_shafts", "1", "unbalances"),
+                field("of_unbalances", "SI", "unbalances, 5"),
+                field("sliding", "1", "joints"),
+                field("count", "1", ""),
+                field("speeds", "rad/s", "speeds"),
+                field("orders", "1", "orders"),
+                field("moments_re", "N m", "speeds, orders, joints, 3"),
+                field("moments_im", "N m", "speeds, orders, joints, 3"),
+            ],
+        ],
+        results: &[
+            field("frequencies", "rad/s", "count"),
+            field("forces", "N", "speeds, orders, elastic"),
+            field("displacements", "m", "speeds, orders, elastic"),
+        ],
+        call: lateral::lateral,
     },
     Function {
         name: "figures",

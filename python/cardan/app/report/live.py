@@ -14,6 +14,7 @@ from typing import Any, get_args
 import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
+from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
 from cardan.app.answers.moves.figures import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
@@ -113,6 +114,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
         ],
         "kinds": {name: _kind(name, scene) for name in (*KINDS, "resonance")},
         "torsion": torsion,
+        "lateral": _lateral(answer),
         "units": scene.units,
         "torques": _shown("Nm"),
         "figures": figures,
@@ -231,6 +233,55 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
         "speed": {"factor": UNITS["rpm"].factor, **_shown("rpm")},
         "away": {"factor": UNITS["percent"].factor, **_shown("percent")},
     }
+
+
+def _lateral(answer: Answer) -> dict[str, Any] | None:
+    """What the first resonance on elastic bearings follows from; ``None`` without one.
+
+    ``arguments`` are those of the core's function but for the driveline, speeds and moments. Shafts
+    whose mass follows from a length that the page can change are left out.
+    """
+    case, found = answer.scene.lateral, answer["lateral"]
+    if case is None or found is None or found.why or not case.elastic:
+        return None
+    if any("mass" not in given or "centre" not in given for given in case.rigid.values()):
+        return None
+    system = case.on(answer.scene.line)
+    arguments = system._described()
+    for name, items in (("of_masses", case.masses), ("of_unbalances", case.unbalance)):
+        for own, item in zip(arguments[name], items, strict=True):
+            own[0] = item.distance
+    first = next((each for each in found.vibration.groups), None)
+    return {
+        "arguments": _without_nan(arguments),
+        "elastic": list(case.elastic),
+        "from_end": {
+            "of_masses": [each.from_end for each in case.masses],
+            "of_unbalances": [each.from_end for each in case.unbalance],
+        },
+        "orders": list(ORDERS),
+        "is_known": first is not None and first.loss[1] >= KNOWN,
+        "range": [float(case.speed[0]), float(case.speed[-1])],
+        **{
+            name: {"factor": UNITS[unit].factor, **_shown(unit, digits)}
+            for name, unit, digits in (
+                ("frequency", "Hz", ""),
+                ("speed", "rpm", ""),
+                ("force", "N", ""),
+                ("moved", "mm", "small"),
+            )
+        },
+    }
+
+
+def _without_nan(arguments: dict[str, list[Any]]) -> dict[str, list[Any]]:
+    """JSON has no NaN and no infinity: ``None`` is one, and 1e300 is as good as the other."""
+    numbers = {
+        name: [[None if np.isnan(x) else min(float(x), 1e300) for x in row] for row in rows]
+        for name, rows in arguments.items()
+        if name.startswith("of_")
+    }
+    return arguments | numbers
 
 
 def coupling_data(couplings: Mapping[int, Coupling]) -> dict[str, Any]:

@@ -37,6 +37,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
  *   those that have a limit
  * @property {{name: string, verdict: string, words: InUnits}[]} others that are not computed here
  * @property {import("./torsion.js").SentTorsion | null} torsion
+ * @property {import("./lateral.js").SentLateral | null} lateral
  * @property {import("./numbers.js").System} units of the scene
  * @property {import("./numbers.js").Measured} torques
  * @property {string[]} verdicts from the worst

@@ -15,6 +15,7 @@ import { briefly, made } from "./elements.js";
 import { Editing } from "./editing.js";
 import { Field } from "./fields.js";
 import { coloured, measured, printed, stretched } from "./looks.js";
+import { lateralCard } from "./lateral.js";
 import { Model } from "./model.js";
 import { lengths, minus, showIn, signedLength } from "./numbers.js";
 import { Panel, newMark } from "./panel.js";
@@ -87,6 +88,7 @@ function show(cardan, sent) {
     turn();
   });
   const torsion = torsionCard(element("torsion"), model);
+  const lateral = lateralCard(element("lateral"), model);
   let search = 0;
   /** How many frames there are to one in which figures are found, and how many have passed. */
   let [every, passed] = [1, 0];
@@ -127,6 +129,7 @@ function show(cardan, sent) {
       model.compute(false);
       panel.show(false);
       torsion(false);
+      lateral(false);
       chips();
       drawing.label();
       figuresOf = model.machine;
@@ -159,6 +162,7 @@ function show(cardan, sent) {
     dials.mark();
     curves.show(true);
     torsion(true);
+    lateral(true);
     panel.list((changes) => {
       model.take(changes);
       settle();

@@ -163,12 +163,14 @@ impl<'a> Layout<'a> {
             .map(|(i, mass)| (mass.shaft, mass.position, Item::Mass(i)))
             .chain(unbalances.map(|(i, own)| (own.shaft, own.position, Item::Unbalance(i))));
         for (shaft, position, item) in items {
-            match own.at_node(shaft, position) {
-                Some(place) => own.at_nodes.push((item, place)),
-                None => own.between.push((shaft, position, item)),
+            if let Some(place) = own.at_node(shaft, position) {
+                own.at_nodes.push((item, place));
+                continue;
             }
+            let is_before = |other: &(usize, f64, Item)| (other.0, other.1) <= (shaft, position);
+            let place = own.between.partition_point(is_before);
+            own.between.insert(place, (shaft, position, item));
         }
-        own.between.sort_by(|x, y| (x.0, x.1).partial_cmp(&(y.0, y.1)).expect("finite"));
         own.bearings = attached
             .bearings
             .iter()
@@ -449,12 +451,13 @@ impl Equations {
 
     /// The unknowns of either direction of rotation that belong together.
     pub(super) fn pairs(&self) -> Vec<[usize; 2]> {
-        let mut nodes: Vec<usize> = self.pieces.iter().map(|piece| piece.start).collect();
-        nodes.extend(&self.base);
-        nodes.sort_unstable();
-        nodes.dedup();
-        let of_nodes = nodes.into_iter().flat_map(|node| [[node, node + 2], [node + 1, node + 3]]);
-        of_nodes.chain(self.joints.iter().map(|&joint| [joint, joint + 1])).collect()
+        let mut found: Vec<_> = self.joints.iter().map(|&joint| [joint, joint + 1]).collect();
+        let within = self.pieces.iter().map(|piece| piece.start);
+        let within = within.filter(|start| !self.base.contains(start));
+        for node in self.base.iter().copied().chain(within) {
+            found.extend([[node, node + 2], [node + 1, node + 3]]);
+        }
+        found
     }
 
     pub(super) fn entry(&self, row: usize, column: usize) -> C {

@@ -2,6 +2,7 @@
 //! moments of ideal joints and by unbalances at steady speeds.
 
 mod band;
+mod described;
 mod equations;
 mod largest;
 mod modes;
@@ -10,6 +11,7 @@ mod span;
 mod system;
 mod torque;
 
+pub use described::{Described, Numbers};
 pub use largest::largest_lengths;
 pub use modes::LateralMode;
 pub use response::LateralRuns;
@@ -18,3 +20,5 @@ pub use system::{
     Unbalance,
 };
 pub use torque::{TorqueStiffness, Yokes};
+
+pub use nalgebra::Complex;

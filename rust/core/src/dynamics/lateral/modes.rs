@@ -82,16 +82,19 @@ impl<'a> Scaled<'a> {
     /// Makes the unknowns those of the eigenvector with this number, and returns the eigenvalue.
     fn take_vector(&mut self, rate: f64, number: usize) -> Option<f64> {
         let found = SymmetricEigen::new(self.matrix(rate));
-        let mut order: Vec<usize> = (0..found.eigenvalues.len()).collect();
-        order.sort_by(|&i, &j| found.eigenvalues[i].total_cmp(&found.eigenvalues[j]));
-        let &own = order.get(number)?;
+        let values = found.eigenvalues.as_slice();
+        // Of equal ones the first comes first.
+        let is_before =
+            |i: usize, j: usize| values[j] < values[i] || (values[j] == values[i] && j < i);
+        let rank = |&i: &usize| (0..values.len()).filter(|&j| is_before(i, j)).count() == number;
+        let own = (0..values.len()).find(rank)?;
         let vector = found.eigenvectors.column(own);
         for [a, b] in self.equations.pairs() {
             let [x, y] = [a, b].map(|i| vector[i] * self.scales[i] * FRAC_1_SQRT_2);
             self.equations.unknowns[a] = Complex::new(x, y);
             self.equations.unknowns[b] = Complex::new(x, -y);
         }
-        Some(found.eigenvalues[own])
+        Some(values[own])
     }
 
     /// The displacement of a place in the eigenvector.

@@ -1,0 +1,249 @@
+// @ts-check
+/**
+ * Lateral vibration of the driveline of the drawing: what the core says of the first resonance of shafts
+ * on elastic bearings, and the forces of the bearings over the speed.
+ *
+ * @module lateral
+ */
+
+import { CardanError } from "../cardan.js";
+import { Chart } from "./charts.js";
+import { made, say } from "./elements.js";
+import { asGiven, quantityText } from "./numbers.js";
+
+/** Drive angles at which moments are taken apart into orders. */
+const ANGLES = Array.from({ length: 96 }, (_, i) => (2 * Math.PI * i) / 96);
+/** Speeds of the chart, and those around a resonance in shares of it. */
+const [STEPS, AROUND] = [120, Array.from({ length: 97 }, (_, i) => 1 + 0.0025 * (i - 48))];
+/** How far beside the range the first resonance is still drawn. */
+const ROOM = 1.15;
+/** The largest moments of an order that rounding leaves, as a share of all. */
+const ROUNDING = 1e-9;
+const COUNT = 8; // natural frequencies
+const OVER = "drive speed [rpm]";
+
+/** @typedef {import("./numbers.js").Measured & {factor: number}} Quantity */
+
+/**
+ * What Python sends.
+ * @typedef {object} SentLateral
+ * @property {Record<string, any>} arguments of the core's function, which do not follow from the driveline
+ * @property {number[]} elastic the bearings of the scene that are elastic
+ * @property {Record<"of_masses" | "of_unbalances", boolean[]>} from_end whether positions are from the downstream end
+ * @property {number[]} orders
+ * @property {boolean} is_known whether the damping of the first resonance is known
+ * @property {[number, number]} range of speeds in rad/s
+ * @property {Quantity} frequency
+ * @property {Quantity} speed
+ * @property {Quantity} force
+ * @property {Quantity} moved
+ */
+
+/**
+ * The first resonance of an order.
+ * @typedef {object} Resonance
+ * @property {number} order
+ * @property {number} frequency in rad/s
+ * @property {number} speed in rad/s at which the order meets it
+ * @property {number} at the speed of the peak in rad/s, NaN if it is out of the range
+ * @property {number} bearing with the largest force of this order
+ * @property {number} force in N
+ * @property {number} moved in m
+ */
+
+/**
+ * What the core says.
+ * @typedef {object} Found
+ * @property {Resonance[]} resonances the first one of each order that joints or unbalances excite
+ * @property {number[]} speeds in rad/s
+ * @property {number[][][]} forces in N, by order and bearing
+ */
+
+/**
+ * The moments of all joints by order, without and with the square of the speed.
+ * @param {import("../cardan.js").Machine} machine of one state
+ * @param {number[]} orders
+ * @returns {{re: number[], im: number[]}} in N m, `(orders, joints, 3)`
+ */
+function momentsOf(machine, orders) {
+  const { moment } = machine.evaluate({ outputs: ["moment"], angles: ANGLES });
+  const [re, im] = [/** @type {number[]} */ ([]), /** @type {number[]} */ ([])];
+  for (const order of orders) {
+    const scale = (order ? 2 : 1) / ANGLES.length;
+    for (const [planes] of moment) {
+      for (const plane of planes) {
+        const sum = (/** @type {(x: number) => number} */ of) =>
+          ANGLES.reduce((all, angle, i) => all + plane[i] * of(order * angle), 0) * scale;
+        re.push(sum(Math.cos));
+        im.push(-sum(Math.sin));
+      }
+    }
+  }
+  return { re, im };
+}
+
+/**
+ * The first resonances and the forces over the speed.
+ * @param {import("../cardan.js").Machine} machine
+ * @param {SentLateral} sent
+ * @param {number} state
+ * @returns {Found}
+ */
+export function lateralOf(machine, sent, state) {
+  const own = machine.only(state);
+  const { orders, range: [low, high] } = sent;
+  const lengths = Array.from(/** @type {ArrayLike<number>} */ (own.data.lengths)).flat();
+  const positions = Array.from(/** @type {ArrayLike<number>} */ (own.data.positions)).flat();
+  const given = { ...sent.arguments };
+  given.of_elastic = given.of_elastic.map((/** @type {number[]} */ [, ...rest], /** @type {number} */ i) =>
+    [positions[sent.elastic[i]], ...rest]);
+  for (const [name, shafts] of [["of_masses", given.mass_shafts], ["of_unbalances", given.unbalance_shafts]]) {
+    given[name] = given[name].map((/** @type {number[]} */ [at, ...rest], /** @type {number} */ i) =>
+      [sent.from_end[/** @type {"of_masses"} */ (name)][i] ? lengths[shafts[i]] - at : at, ...rest]);
+  }
+  // The torques of inertias grow with the square of the speed.
+  const torque = momentsOf(own.with({ speed: [0] }), orders);
+  const unit = (own.data.inertias ?? []).length
+    ? momentsOf(own.with({ torque: [0], speed: [1] }), orders)
+    : { re: torque.re.map(() => 0), im: torque.im.map(() => 0) };
+  const call = (/** @type {number} */ count, /** @type {number[]} */ speeds) => {
+    const of = (/** @type {"re" | "im"} */ part) =>
+      speeds.flatMap((speed) => torque[part].map((x, i) => x + speed * speed * unit[part][i]));
+    return own.call("lateral", { ...given, lengths, count, speeds, orders, moments_re: of("re"), moments_im: of("im") });
+  };
+  const { frequencies } = call(COUNT, []);
+  const each = torque.re.length / orders.length;
+  const size = orders.map((_, k) => Math.hypot(...[torque, unit].flatMap(({ re, im }) =>
+    [...re.slice(k * each, (k + 1) * each), ...im.slice(k * each, (k + 1) * each)])));
+  const most = Math.max(...size);
+  const excited = orders.map((order, k) => size[k] > ROUNDING * most || (order === 1 && given.unbalance_shafts.length > 0));
+  const first = frequencies[0];
+  const met = orders.map((order) => first / order);
+  const near = met.flatMap((speed, k) => (excited[k] ? AROUND.map((share) => share * speed) : []));
+  const even = Array.from({ length: STEPS + 1 }, (_, i) => low + ((high - low) * i) / STEPS);
+  const speeds = [...even, ...near].filter((x) => low <= x && x <= high).sort((a, b) => a - b);
+  const told = call(0, speeds);
+  const bearings = sent.elastic.length;
+  const over = (/** @type {Float64Array} */ flat) => orders.map((_, k) =>
+    sent.elastic.map((_, b) => speeds.map((_, i) => flat[(i * orders.length + k) * bearings + b])));
+  const [forces, moved] = [over(told.forces), over(told.displacements)];
+  const resonances = orders.flatMap((order, k) => {
+    if (!excited[k]) return [];
+    let found = { order, frequency: first, speed: met[k], at: NaN, bearing: sent.elastic[0], force: 0, moved: 0 };
+    speeds.forEach((speed, i) => {
+      if (speed < AROUND[0] * met[k] || speed > AROUND[AROUND.length - 1] * met[k]) return;
+      forces[k].forEach((values, b) => {
+        if (!(values[i] > found.force)) return;
+        found = { ...found, at: speed, bearing: sent.elastic[b], force: values[i], moved: moved[k][b][i] };
+      });
+    });
+    return [found];
+  });
+  return { resonances, speeds, forces };
+}
+
+/**
+ * Show the first resonance and the forces in an element, if the scene has elastic bearings.
+ * @param {HTMLElement} element
+ * @param {import("./model.js").Model} model
+ * @returns {(isWhole: boolean) => void} shows them as they are; during a drag axes grow only
+ */
+export function lateralCard(element, model) {
+  const { lateral: sent, states } = model.sent;
+  element.hidden = !sent;
+  if (!sent) return () => {};
+  const head = made("div", "top", element);
+  made("h3", "", head, "Lateral vibration");
+  const place = made("span", "of", head);
+  const parts = made("div", "parts", element);
+  const picture = made("div", "", parts);
+  const chart = new Chart(picture, { heading: "Largest force of each order", unit: sent.force.unit, over: OVER });
+  const words = made("div", "", parts);
+  words.setAttribute("role", "status");
+  const drawn = /** @type {Map<number, Found>} */ (new Map());
+  const told = (/** @type {number} */ inside, /** @type {Quantity} */ of) => quantityText(inside * of.factor, of);
+
+  /** @param {Found} found */
+  const tell = ({ resonances }) => {
+    words.replaceChildren();
+    const [low, high] = sent.range.map((speed) => told(speed, sent.speed));
+    const [first] = resonances;
+    if (!first) return void made("p", "", words, "Nothing excites these shafts.");
+    made("p", "", words, `The lowest natural frequency is ${told(first.frequency, sent.frequency)}. The speeds are ${low} to ${high}.`);
+    for (const { order, speed, at, bearing, force, moved } of resonances) {
+      const line = made("p", "", words);
+      made("span", "", line, `Order ${asGiven(order)} meets it at `);
+      const figure = made("b", "", line, told(speed, sent.speed));
+      figure.dataset.path = "derived:";
+      figure.dataset.value = String(speed * sent.speed.factor);
+      if (Number.isNaN(at)) made("span", "", line, ", outside the speeds.");
+      else if (!sent.is_known) made("span", "", line, ". Its damping is not known well enough for a force.");
+      else {
+        made("span", "", line, `. Bearing ${bearing} bears up to `);
+        const size = made("b", "", line, told(force, sent.force));
+        size.dataset.path = "derived:";
+        size.dataset.value = String(force * sent.force.factor);
+        made("span", "", line, ` there and moves ${told(moved, sent.moved)}.`);
+      }
+    }
+  };
+
+  /** @param {Found} found @param {Found | undefined} former @param {boolean} isGrowing */
+  const draw = (found, former, isGrowing) => {
+    const x = found.speeds.map((speed) => speed * sent.speed.factor);
+    const shown = found.resonances.map(({ order }) => sent.orders.indexOf(order));
+    const newton = (/** @type {Found} */ of, /** @type {number} */ k, /** @type {number} */ b) =>
+      of.forces[k][b].map((value) => value * sent.force.factor);
+    const curves = shown.flatMap((k) => sent.elastic.map((bearing, b) => {
+      const values = newton(found, k, b);
+      const most = values.indexOf(Math.max(...values));
+      const text = told(found.forces[k][b][most], sent.force);
+      const figure = { text, path: "derived:", value: values[most] };
+      return { label: `order ${asGiven(sent.orders[k])}, bearing ${bearing}`, kind: `s${k % 4}`, mark: text, marked: most, values, figure };
+    }));
+    const top = ROOM * Math.max(...curves.map(({ figure }) => figure.value));
+    // What was sent stands at its own speeds.
+    const ghosts = former ? shown.flatMap((k) => sent.elastic.map((_, b) => at(former, newton(former, k, b), found.speeds))) : [];
+    chart.draw({ x, curves, ghosts, holds: [0, top] }, isGrowing);
+  };
+
+  const show = (/** @type {boolean} */ isWhole) => {
+    const { state } = model;
+    const where = states.length > 1 ? states[state] : "";
+    say(place, where);
+    try {
+      if (!drawn.has(state)) drawn.set(state, lateralOf(model.drawnMachine, sent, state));
+      const found = lateralOf(model.machine, sent, state);
+      tell(found);
+      draw(found, model.isDrawn ? undefined : drawn.get(state), !isWhole);
+    } catch (error) {
+      if (!(error instanceof CardanError)) throw error;
+      words.replaceChildren(made("p", "", words, error.message));
+    }
+  };
+  let width = 0;
+  // A size that is set while sizes are observed would be observed again.
+  const fit = () => requestAnimationFrame(() => {
+    if (picture.clientWidth === width) return;
+    width = picture.clientWidth;
+    chart.fit();
+    show(true);
+  });
+  new ResizeObserver(fit).observe(picture);
+  return show;
+}
+
+/**
+ * Values at other speeds, by straight lines between their own.
+ * @param {Found} found
+ * @param {number[]} values
+ * @param {number[]} speeds
+ */
+function at({ speeds: own }, values, speeds) {
+  return speeds.map((speed) => {
+    const next = Math.min(Math.max(own.findIndex((each) => each >= speed), 1), own.length - 1);
+    const step = own[next] - own[next - 1];
+    const share = step > 0 ? Math.min(Math.max((speed - own[next - 1]) / step, 0), 1) : 0;
+    return values[next - 1] + share * (values[next] - values[next - 1]);
+  });
+}
