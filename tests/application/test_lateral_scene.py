@@ -180,7 +180,10 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
         ("[load]", "phases_deg = [90, 0]\n[load]"),
     )
     assert float(figures(made).vibration.line.equivalent().bend) < math.radians(0.2)
-    assert shudder(made)[1] == pytest.approx(both.peak, rel=0.2)
+    after = figures(made).vibration
+    assert (
+        np.interp(639.0 * RPM, after.speed, after.response.of_order("bearing_force")[0, :, 2]) < 10
+    )
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
