@@ -659,7 +659,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         };
         let mut orbit = self.period(from, intervals, Some(&mut gathered))?;
         let Gathered { means, orders, extremes, losses, quadrature } = gathered;
-        orbit.quadrature = Some(quadrature);
+        orbit.quadrature = Some(Box::new(quadrature));
         let scale = 1.0 / (PI * half_turns as f64);
         let mut series = means.iter().zip(orders).map(|(mean, sums)| FourierSeries {
             half_turns,

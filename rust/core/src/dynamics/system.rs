@@ -244,6 +244,8 @@ impl TorsionalSystem {
                 break;
             }
         }
+        // Torques are added in the order of the shafts.
+        self.pieces.iter_mut().for_each(|piece| piece.harmonics.sort_by_key(|own| own.follower));
         let closes = |half_turns: &usize| {
             let closed = |order: f64| {
                 let times = 0.5 * *half_turns as f64 * order;
@@ -275,7 +277,8 @@ impl TorsionalSystem {
                 let problem = format!("are at shaft {}, which is rigid", coupling.shaft);
                 return Err(Error::new("couplings", &[coupling.shaft], problem));
             };
-            spring.law = Law::of(coupling)?.at_mean(self.load_torque).0;
+            let law = Law::of(coupling)?;
+            spring.law = law.at_mean(self.load_torque).unwrap_or(law);
         }
         if let Some(spring) = self.springs.iter().find(|spring| spring.law.loss_factor > 0.0)
             && self.has_kinks()
@@ -291,16 +294,14 @@ impl TorsionalSystem {
     /// The system with the stiffnesses that belong to these mean torques of the compliant shafts in
     /// N m, if any of them differs.
     pub(super) fn at_means(&self, torques: impl Iterator<Item = f64>) -> Option<Self> {
-        let laws: Vec<_> =
-            self.springs.iter().zip(torques).map(|(s, torque)| s.law.at_mean(torque)).collect();
-        if !laws.iter().any(|(_, differs)| *differs) {
-            return None;
+        let mut settled = None;
+        for (s, (spring, torque)) in self.springs.iter().zip(torques).enumerate() {
+            if let Some(law) = spring.law.at_mean(torque) {
+                let copy = || Self { highest: OnceLock::new(), ..self.clone() };
+                settled.get_or_insert_with(copy).springs[s].law = law;
+            }
         }
-        let mut settled = Self { highest: OnceLock::new(), ..self.clone() };
-        for (spring, (law, _)) in settled.springs.iter_mut().zip(laws) {
-            spring.law = law;
-        }
-        Some(settled)
+        settled
     }
 
     /// The torque in N m that brakes the last shaft at a speed in rad/s.
