@@ -26,41 +26,13 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.sections.torsion import TorsionCase
+from engine_cases import ENGINE
 from us_units import us_scene
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 SCENES = jsonschema.Draft202012Validator(Scene.schema())
 RPM = np.pi / 30.0
 
-ENGINE = """\
-[driveline]
-bends_deg = [0, 8]
-[torsion]
-drive = "free"
-names = ["engine", "shaft", "propeller"]
-inertias_kgm2 = [[0.8, 0], [0.05, 0.01], [0, 0.15]]
-stiffnesses_Nm_per_rad = ["coupling", 40000, "rigid"]
-dampings_Nms_per_rad = [8, 5, 0]
-load_damping_Nms_per_rad = 0.8
-speed_rpm = {from = 700, to = 1300, steps = 13}
-
-[[torsion.harmonic]]
-order = [0.5, 1, 1.5, 2, 3]
-cos_Nm = [90, 70, 50, 20, 10]
-sin_Nm = [60, 120, 90, 60, 20]
-firing_order = [1, 3, 2]
-
-[[torsion.harmonic]]
-shaft = 2
-end = "output"
-order = 3
-amplitude_Nm = 15
-phase_deg = 30
-
-[[torsion.coupling]]
-shaft = 0
-stiffness_Nm_per_rad = 3000
-"""
 # Beyond the resonance near 2083 rpm the torque that is needed falls with the speed.
 MOTOR = """\
 [driveline]
