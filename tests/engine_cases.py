@@ -51,7 +51,7 @@ def coupling_of(curve: dict[str, list[float]]) -> Coupling:
     """Return the play or the odd table of a curve with two kinks."""
     twist, torque, slope = curve["twist"][1], curve["torque"][1], curve["slopes"][2]
     if torque == 0.0:
-        return Coupling(slope, play=twist)
+        return Coupling(slope, play=2.0 * twist)
     return Coupling(twist=[0.0, twist, twist + 1.0], torque=[0.0, torque, torque + slope])
 
 

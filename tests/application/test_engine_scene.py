@@ -113,7 +113,7 @@ def test_keys_are_the_arguments_of_the_library() -> None:
         ),
         (
             'stiffness_Nm_per_rad = 5000\nplay_deg = 2\ndamper = "contact"',
-            cardan.Coupling(5000, play=np.radians(1.0), contact_damping=True),
+            cardan.Coupling(5000, play=np.radians(2.0), contact_damping=True),
         ),
         ("stiffness_Nm_per_rad = 5000\nloss_factor = 0.2", cardan.Coupling(5000, loss_factor=0.2)),
     ],

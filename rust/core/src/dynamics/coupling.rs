@@ -12,7 +12,7 @@ pub struct Coupling {
     /// Points of the torque in N m over the twist in rad, which is linear between them and goes
     /// straight on beyond them. If the first one is `[0, 0]`, the other direction is the same.
     pub twist_torque: Vec<[f64; 2]>,
-    /// Half of the free angle in rad, in which there is no torque.
+    /// The free angle from one flank to the other in rad, in which there is no torque.
     pub play: f64,
     /// Whether the damping of the shaft acts in proportion to the stiffness, so not in the play.
     pub contact_damping: bool,
@@ -125,7 +125,7 @@ impl Law {
             if !table.is_empty() || !by_mean.is_empty() {
                 return refused("has play and a table; play needs one stiffness".to_owned());
             }
-            law.kinks = vec![[-play, 0.0], [*play, 0.0]];
+            law.kinks = vec![[-0.5 * play, 0.0], [0.5 * play, 0.0]];
             law.slopes = vec![stiffness, 0.0, stiffness];
         }
         if *loss_factor > 0.0 && !law.is_linear() {
@@ -223,7 +223,7 @@ mod tests {
     fn play_has_no_torque_within_it() {
         let coupling = Coupling {
             stiffness: Some(8000.0),
-            play: 0.01,
+            play: 0.02,
             contact_damping: true,
             ..Coupling::default()
         };

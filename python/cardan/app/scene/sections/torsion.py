@@ -491,7 +491,7 @@ COUPLING: Section[Ratings] = Section(
             Number(0, 360),
             "free angle from one flank to the other, in which there is no torque",
             "play",
-            math.radians(0.5),
+            math.radians(1.0),
         ),
         "damper": Key(
             OneOf(("always", "contact")),
