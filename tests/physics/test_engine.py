@@ -382,13 +382,23 @@ def test_bearings_see_the_engine() -> None:
     assert float(torque.max()) == pytest.approx(float(rough.torque_max[0]), rel=2e-3)
 
 
+def of_orders(*orders: float) -> dict[str, Any]:
+    return {"harmonics": [TorqueHarmonic(0, "input", order, 1) for order in orders]}
+
+
 @pytest.mark.parametrize(
     ("own", "words"),
     [
         ({"drive": None}, "drive is missing"),
         ({"drive_slope": -1.0}, "drive_slope is -1.0"),
         ({"inertias": [[0, 0], [0, 0.05]]}, r"inertias\[0, 0\].*a free drive needs an inertia"),
-        ({"harmonics": [TorqueHarmonic(0, "input", 1.3, 1)]}, "common divisor of at least 1/8"),
+        (of_orders(1.3), "divisor of at least 1/8, so take 1.25 or 1.375 instead of 1.3$"),
+        (of_orders(0.1), "so take 0.125 instead of 0.1$"),
+        (of_orders(1 / 3, 1.3), r"so take 1.16\d+ or 1.33\d+ instead of 1.3$"),
+        (
+            of_orders(0.2, 3, 1.5, 0.75),
+            r"\[0.2, 3.0, 1.5, 0.75\].* so take 1.4 or 1.6 instead of 1.5$",
+        ),
         ({"harmonics": [TorqueHarmonic(2, "input", 2, 1)]}, "acts on shaft 2; the last one is 1"),
         ({"harmonics": [TorqueHarmonic(0, "input", 0, 1)]}, "order 0.0; it must be positive"),
         ({"harmonics": [TorqueHarmonic(0, "input", 2, INF)]}, "not finite"),
