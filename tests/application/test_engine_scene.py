@@ -141,7 +141,7 @@ def test_couplings(law: str, coupling: cardan.Coupling) -> None:
         (
             'drive = "free"\n',
             'drive = "free"\ndrive_slope_Nms_per_rad = -1\n',
-            "drive_slope_Nms_per_rad is -1; what the torque of the drive loses with its speed",
+            "drive_slope_Nms_per_rad is -1; the fall of the drive's torque with rising speed must",
         ),
         ('drive = "free"', 'drive = "fre"', "drive is 'fre'; did you mean 'free'?"),
         ('"propeller"]', '"propeller", "b"]', "names has length 4; it needs 3, one per shaft"),

@@ -390,7 +390,11 @@ def of_orders(*orders: float) -> dict[str, Any]:
     ("own", "words"),
     [
         ({"drive": None}, "drive is missing"),
-        ({"drive_slope": -1.0}, "drive_slope is -1.0"),
+        (
+            {"drive_slope": -1.0},
+            "drive_slope is -1.0; it says how much the torque of the drive falls with rising "
+            "speed, so it must be 0 or more",
+        ),
         ({"inertias": [[0, 0], [0, 0.05]]}, r"inertias\[0, 0\].*a free drive needs an inertia"),
         (of_orders(1.3), "divisor of at least 1/8, so take 1.25 or 1.375 instead of 1.3$"),
         (of_orders(0.1), "so take 0.125 instead of 0.1$"),

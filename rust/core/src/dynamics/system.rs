@@ -208,8 +208,8 @@ impl TorsionalSystem {
             }
             if !(0.0..f64::INFINITY).contains(&slope) {
                 let problem = format!(
-                    "is {slope:?}; it is what the torque of the drive loses with its speed, and \
-                     must not be negative"
+                    "is {slope:?}; it says how much the torque of the drive falls with rising speed, \
+                     so it must be 0 or more, and finite"
                 );
                 return Err(Error::new("drive_slope", &[], problem));
             }
