@@ -416,6 +416,28 @@ def test_what_cannot_be_is_refused(own: dict[str, Any], words: str) -> None:
         two(**own)
 
 
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ({"drive_slope": -1.0}, "^drive_slope is -1.0"),
+        (of_orders(1.3), "^harmonics have the orders"),
+        (of_orders(-1), r"^harmonics\[0\] has the order -1.0"),
+        (
+            {"stiffnesses": [INF, INF], "couplings": {1: Coupling(9, play=-1)}},
+            r"^couplings\[1\] has",
+        ),
+        ({"inertias": [[0, 0], [0, 0.05]]}, r"^inertias\[0, 0, 0\] is 0"),
+    ],
+)
+def test_the_system_of_a_batch_is_named_only_where_systems_differ(
+    own: dict[str, Any], words: str
+) -> None:
+    batch = Driveline.from_bends([[0.1], [0.2]])
+    given: dict[str, Any] = {"inertias": [[0.3, 0], [0, 0.05]], "stiffnesses": [INF, 8e3]}
+    with pytest.raises(ValueError, match=words):
+        TorsionalSystem(batch, drive="free", **(given | own))
+
+
 def test_orders_may_be_refused() -> None:
     for orders in ([0.0], [-2.0], [300.0]):
         with pytest.raises(ValueError, match="positive and at most 256"):
