@@ -58,29 +58,21 @@ impl<'a> Pool<'a> {
 
     /// What searches find. Those that are left when the run is stopped find nothing.
     pub(super) fn run(&mut self, mut searches: Vec<Search<'_>>) -> Vec<Result<Found, Failure>> {
-        let mut waiting: Vec<usize> = (0..searches.len()).collect();
         while !is_set(self.stop) {
-            for &i in &waiting {
-                let Search { system, speed, .. } = searches[i];
-                if matches!(searches[i].state, State::Follow) {
-                    let found = system.followed(speed, self);
-                    searches[i].take_found(found);
+            // Those with the same need, in order; what nearly all wait for comes last.
+            let mut groups = BTreeMap::<(Need, usize), Vec<usize>>::new();
+            for (i, search) in searches.iter_mut().enumerate() {
+                if matches!(search.state, State::Follow) {
+                    let found = search.system.followed(search.speed, self);
+                    search.take_found(found);
+                }
+                if let State::Next(need, intervals) = search.state {
+                    groups.entry((need, intervals)).or_default().push(i);
                 }
             }
-            let need = |i: usize| match searches[i].state {
-                State::Next(need, intervals) => Some((need, intervals)),
-                _ => None,
-            };
-            waiting.retain(|&i| need(i).is_some());
-            // Those with the same need, in order; what nearly all wait for comes last.
-            waiting.sort_by_key(|&i| need(i));
-            let groups: Vec<&[usize]> = waiting.chunk_by(|&i, &j| need(i) == need(j)).collect();
-            let Some(group) = groups.iter().find(|group| group.len() >= LANES).or(groups.first())
-            else {
-                break;
-            };
-            let mut group = group[..group.len().min(LANES)].to_vec();
-            group.sort_unstable();
+            let full = groups.values().find(|group| group.len() >= LANES);
+            let Some(group) = full.or(groups.values().next()) else { break };
+            let group = &group[..group.len().min(LANES)];
             let mut lanes: Vec<&mut Search<'_>> = searches
                 .iter_mut()
                 .enumerate()
