@@ -335,10 +335,12 @@ ERRORS: dict[str, tuple[str, tuple[tuple[str, str], ...], str]] = {
         r"joint 0 joins two shafts that are held by their machines, shafts 0 and 1",
     ),
     "no support": (
-        "[driveline]\nbends_deg = 5\nlengths_mm = [300, 900]\n[lateral]\nspeed_rpm = [100, 200]\n"
-        "[[lateral.rigid]]\nshaft = 1\nmass_kg = 10\n",
+        "[driveline]\nbends_deg = [5, 4, 3, 2]\nlengths_mm = [300, 900, 900, 900, 300]\n"
+        "[[bearing]]\nshaft = 1\nposition_mm = 500\nstiffness_N_per_mm = 300\n"
+        "[lateral]\nspeed_rpm = [100, 200]\n"
+        + "".join(f"[[lateral.rigid]]\nshaft = {shaft}\nmass_kg = 10\n" for shaft in (1, 2, 3)),
         (),
-        r"\[lateral\] .*without support",
+        r"\[lateral\] bearings and joints leave shaft 3 without support",
     ),
     "no lengths": (
         "[driveline]\nbends_deg = 5\n[lateral]\nspeed_rpm = [100, 200]\n",
