@@ -28,6 +28,11 @@ const NODE: usize = 4;
 /// on.
 const LONGEST: f64 = 2.5;
 
+/// What is closer to a node than this share of the shaft's length moves with it as if rigid, where
+/// shapes are sought: shorter spans are so stiff that rounding hides all else, and their own bending
+/// changes a natural frequency by the third power of this.
+const CLOSE: f64 = 1e-3;
+
 /// A vibration at an order of the drive's rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rate {
@@ -114,11 +119,14 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
+    /// Up to which share of a shaft's length something belongs to a node.
+    close: f64,
 }
 
 impl<'a> Layout<'a> {
-    /// The nodes of a system; point masses of shafts that bend have nodes as well, if asked for.
-    pub(super) fn new(system: &'a LateralSystem, nodes_of_masses: bool) -> Self {
+    /// The nodes of a system. Where shapes are sought, point masses of shafts that bend have nodes as
+    /// well.
+    pub(super) fn new(system: &'a LateralSystem, of_shapes: bool) -> Self {
         let attached = &system.attached;
         let mut own = Self {
             system,
@@ -127,6 +135,7 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
+            close: if of_shapes { CLOSE } else { 0.0 },
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());
@@ -144,14 +153,18 @@ impl<'a> Layout<'a> {
                     own.stops.push((shaft, stiffest.unwrap_or(rigid.centre)));
                 }
                 LateralShaft::Bending(_) => {
-                    let mut positions = vec![0.0, system.lengths[shaft]];
-                    positions.extend(bearings.map(|own| own.position));
-                    if nodes_of_masses {
-                        let masses = attached.masses.iter().filter(|own| own.shaft == shaft);
-                        positions.extend(masses.map(|own| own.position));
+                    let length = system.lengths[shaft];
+                    let mut positions = vec![0.0, length];
+                    let masses =
+                        attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
+                    let others = bearings.map(|own| own.position);
+                    for position in others.chain(masses.map(|own| own.position)) {
+                        let is_near = |node: &f64| (position - node).abs() <= own.close * length;
+                        if !positions.iter().any(is_near) {
+                            positions.push(position);
+                        }
                     }
                     positions.sort_by(f64::total_cmp);
-                    positions.dedup();
                     own.stops.extend(positions.into_iter().map(|position| (shaft, position)));
                 }
             }
@@ -163,7 +176,7 @@ impl<'a> Layout<'a> {
             .map(|(i, mass)| (mass.shaft, mass.position, Item::Mass(i)))
             .chain(unbalances.map(|(i, own)| (own.shaft, own.position, Item::Unbalance(i))));
         for (shaft, position, item) in items {
-            if let Some(place) = own.at_node(shaft, position) {
+            if let Some(place) = own.near_node(shaft, position) {
                 own.at_nodes.push((item, place));
                 continue;
             }
@@ -180,7 +193,7 @@ impl<'a> Layout<'a> {
                     Some(axis) => pair_across(u, axis),
                     None => system.pairs[bearing.shaft],
                 };
-                (axes, own.at_node(bearing.shaft, bearing.position).expect("a node"))
+                (axes, own.near_node(bearing.shaft, bearing.position).expect("a node"))
             })
             .collect();
         own
@@ -188,6 +201,15 @@ impl<'a> Layout<'a> {
 
     /// The place of a position that belongs to a node at every frequency.
     pub(super) fn at_node(&self, shaft: usize, position: f64) -> Option<Place> {
+        self.node_within(shaft, position, 0.0)
+    }
+
+    /// The place of what is attached to a shaft, if it belongs to such a node.
+    fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
+        self.node_within(shaft, position, self.close * self.system.lengths[shaft])
+    }
+
+    fn node_within(&self, shaft: usize, position: f64, distance: f64) -> Option<Place> {
         let range = self.first[shaft]..self.first[shaft + 1];
         match self.system.shafts[shaft] {
             LateralShaft::Held => None,
@@ -196,8 +218,8 @@ impl<'a> Layout<'a> {
             }
             LateralShaft::Bending(_) => range
                 .into_iter()
-                .find(|&stop| self.stops[stop].1 == position)
-                .map(|stop| Place { stop, arm: 0.0 }),
+                .map(|stop| Place { stop, arm: position - self.stops[stop].1 })
+                .find(|place| place.arm.abs() <= distance),
         }
     }
 
@@ -279,7 +301,9 @@ impl Equations {
                 }
             }
         }
-        self.unit = (0..size).map(|i| self.band.get(i, i).norm_sqr()).fold(0.0, f64::max).sqrt();
+        let largest = (0..size).map(|i| self.band.get(i, i).norm_sqr()).fold(0.0, f64::max).sqrt();
+        // Joints may hold rigid shafts on their own.
+        self.unit = if largest > 0.0 { largest } else { 1.0 };
         for joint in 0..system.joints() {
             self.add_joint(layout, joint);
         }
@@ -485,6 +509,7 @@ impl Equations {
         shaft: usize,
         position: f64,
     ) -> [C; 3] {
+        let position = layout.system.snapped(shaft, position);
         if let Some(place) = layout.at_node(shaft, position) {
             return self.displacement(layout, shaft, place);
         }

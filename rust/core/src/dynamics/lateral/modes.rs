@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
 use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
-use crate::dynamics::lateral::system::{LateralShaft, LateralSystem};
+use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, RigidShaft};
 use crate::error::{Error, Result};
 
 /// A natural frequency beyond this one in rad/s belongs to no shaft.
@@ -42,7 +42,7 @@ impl<'a> Scaled<'a> {
     fn new(layout: &'a Layout<'a>, finest: f64) -> Self {
         let mut own = Self { layout, equations: Equations::default(), finest, scales: vec![] };
         let still = own.matrix(0.0).diagonal();
-        let largest = still.max();
+        let largest = if still.max() > 0.0 { still.max() } else { 1.0 };
         // Nothing holds a free shaft without bearings, and a joint force has no diagonal.
         let scale = |&x: &f64| if x > ROUNDING * largest { x } else { largest }.sqrt().recip();
         own.scales = still.iter().map(scale).collect();
@@ -114,7 +114,15 @@ impl LateralSystem {
         for own in &mut alike.attached.bearings {
             own.stiffness = own.stiffness.map(|k| if k > 0.0 { stiffest } else { 0.0 });
         }
-        let layout = Layout::new(&alike, true);
+        // Nor does it depend on bending, and short stiff spans would hide what else holds a shaft.
+        for (shaft, length) in alike.shafts.iter_mut().zip(&self.lengths) {
+            if let LateralShaft::Bending(_) = shaft {
+                let centre = 0.5 * length;
+                *shaft =
+                    LateralShaft::Rigid(RigidShaft { mass: 0.0, centre, across: 0.0, along: 0.0 });
+            }
+        }
+        let layout = Layout::new(&alike, false);
         let mut scaled = Scaled::new(&layout, 0.0);
         let least = scaled.take_vector(0.0, 2 * self.joints());
         if least.is_none_or(|least| least >= ROUNDING) {
