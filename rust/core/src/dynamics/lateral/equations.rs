@@ -29,9 +29,9 @@ const NODE: usize = 4;
 const LONGEST: f64 = 2.5;
 
 /// What is closer to a node than this share of the shaft's length moves with it as if rigid, where
-/// shapes are sought: shorter spans are so stiff that rounding hides all else, and their own bending
-/// changes a natural frequency by the third power of this.
-const CLOSE: f64 = 1e-3;
+/// shapes are sought. Shorter spans are so stiff that rounding hides all else; their own bending
+/// changes a natural frequency by the square of this.
+const CLOSE: f64 = 2e-4;
 
 /// A vibration at an order of the drive's rotation.
 #[derive(Clone, Copy, Debug)]
