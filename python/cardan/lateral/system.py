@@ -393,8 +393,8 @@ class LateralSystem:
         found: dict[str, list[Any]] = {"kinds": kinds, "of_shafts": numbers.tolist()}
         for name, (shafts, fields) in _FOR_BROWSERS.items():
             items = getattr(self, name)
-            found[shafts] = [item.shaft for item in items]
-            found[fields] = _numbers(name, items, len(kinds)).tolist()
+            found[shafts] = _shafts_of(name, items, len(kinds))
+            found[fields] = _numbers(name, items).tolist()
         return found | {"sliding": list(self.sliding)}
 
     def _places(self) -> list[tuple[int, float]]:

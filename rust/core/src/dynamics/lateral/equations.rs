@@ -28,10 +28,13 @@ const NODE: usize = 4;
 /// on.
 const LONGEST: f64 = 2.5;
 
-/// What is closer to a node than this share of the shaft's length moves with it as if rigid, where
-/// shapes are sought. Shorter spans are so stiff that rounding hides all else; their own bending
-/// changes a natural frequency by the square of this.
+/// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
+/// where shapes are sought: shorter spans are so stiff that rounding hides all else.
 const CLOSE: f64 = 2e-4;
+
+/// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
+/// are sought: beside an end that does not move it hardly changes the resonances of a piece.
+const BESIDE: f64 = 0.02;
 
 /// A vibration at an order of the drive's rotation.
 #[derive(Clone, Copy, Debug)]
@@ -119,13 +122,13 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
-    /// Up to which share of a shaft's length something belongs to a node.
+    /// Up to which share of a shaft's length a bearing belongs to another node.
     close: f64,
 }
 
 impl<'a> Layout<'a> {
     /// The nodes of a system. Where shapes are sought, point masses of shafts that bend have nodes as
-    /// well.
+    /// well, so that no piece with fixed ends resonates below its own frequencies.
     pub(super) fn new(system: &'a LateralSystem, of_shapes: bool) -> Self {
         let attached = &system.attached;
         let mut own = Self {
@@ -157,9 +160,11 @@ impl<'a> Layout<'a> {
                     let mut positions = vec![0.0, length];
                     let masses =
                         attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
-                    let others = bearings.map(|own| own.position);
-                    for position in others.chain(masses.map(|own| own.position)) {
-                        let is_near = |node: &f64| (position - node).abs() <= own.close * length;
+                    let others = bearings
+                        .map(|bearing| (bearing.position, own.close))
+                        .chain(masses.map(|mass| (mass.position, BESIDE)));
+                    for (position, share) in others {
+                        let is_near = |node: &f64| (position - node).abs() <= share * length;
                         if !positions.iter().any(is_near) {
                             positions.push(position);
                         }
@@ -176,7 +181,7 @@ impl<'a> Layout<'a> {
             .map(|(i, mass)| (mass.shaft, mass.position, Item::Mass(i)))
             .chain(unbalances.map(|(i, own)| (own.shaft, own.position, Item::Unbalance(i))));
         for (shaft, position, item) in items {
-            if let Some(place) = own.near_node(shaft, position) {
+            if let Some(place) = own.at_node(shaft, position) {
                 own.at_nodes.push((item, place));
                 continue;
             }
@@ -204,7 +209,7 @@ impl<'a> Layout<'a> {
         self.node_within(shaft, position, 0.0)
     }
 
-    /// The place of what is attached to a shaft, if it belongs to such a node.
+    /// The place of a bearing, if it belongs to such a node.
     fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
         self.node_within(shaft, position, self.close * self.system.lengths[shaft])
     }
