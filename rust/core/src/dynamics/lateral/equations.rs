@@ -28,6 +28,9 @@ const NODE: usize = 4;
 /// on.
 const LONGEST: f64 = 2.5;
 
+/// The most pieces of a shaft.
+const MOST_PIECES: f64 = 1e4;
+
 /// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
 /// where shapes are sought: shorter spans are so stiff that rounding hides all else.
 const CLOSE: f64 = 2e-4;
@@ -323,12 +326,7 @@ impl Equations {
         let mut next = 0;
         for (shaft, kind) in system.shafts.iter().enumerate() {
             let stops = &layout.stops[layout.first[shaft]..layout.first[shaft + 1]];
-            let waves = if let LateralShaft::Bending(own) = kind {
-                let at = Rate { omega: finest, speed, damped: false, lossy: false };
-                TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
-            } else {
-                0.0
-            };
+            let waves = wavenumber(kind, finest, speed);
             for (i, &(_, position)) in stops.iter().enumerate() {
                 if i > 0 {
                     let from = stops[i - 1].1;
@@ -569,6 +567,22 @@ impl Equations {
             }
         }
         sum
+    }
+}
+
+/// The largest wavenumber in 1/m of a shaft, 0 of one that does not bend.
+fn wavenumber(kind: &LateralShaft, omega: f64, speed: f64) -> f64 {
+    let LateralShaft::Bending(own) = kind else { return 0.0 };
+    let at = Rate { omega, speed, damped: false, lossy: false };
+    TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
+}
+
+impl LateralSystem {
+    /// Whether the waves in all shafts are long enough for their pieces to be counted.
+    pub(super) fn has_long_waves(&self, omega: f64, speed: f64) -> bool {
+        let mut shafts = self.shafts.iter().zip(&self.lengths);
+        shafts
+            .all(|(kind, length)| wavenumber(kind, omega, speed) * length <= LONGEST * MOST_PIECES)
     }
 }
 
