@@ -52,7 +52,7 @@ def engine(law: str) -> cardan.TorsionalSystem:
     laws = {
         "viscous": cardan.Coupling(850),
         "loss factor": cardan.Coupling(850, loss_factor=0.13),
-        "play": cardan.Coupling(850, play=0.01),
+        "play": cardan.Coupling(850, play=0.02),
     }
     gas = [(0.5, 90, 60), (1.0, 70, 120), (1.5, 43, 32), (3.0, 19, 8), (4.5, 6, 3)]
     return cardan.TorsionalSystem(

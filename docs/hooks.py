@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,8 @@ _INCLUDE = re.compile(r"\{\{ (.+?) \}\}")
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 _DECISION = re.compile(r"\]\(((?:[\w./]*/)?)(\d{4})-[\w-]+\.md\)")
 _DOCSTRING = re.compile(
-    r'(<div class="doc-signature highlight">(?:(?!<div).)*</div>)?(\s*<div class="doc doc-contents[^>]*>\s*)?'
+    r'(<div class="doc-signature highlight">(?:(?!<div).)*</div>)?'
+    r'(\s*<div class="doc doc-contents[^>]*>\s*)?'
     r"<!--docstring-->\s*(<p>.*?</p>)?(.*?)<!--/docstring-->",
     re.DOTALL,
 )
@@ -146,7 +148,7 @@ def decisions() -> str:
 
 def included(name: str) -> str:
     """Return the text to put in for a name."""
-    own = {
+    own: dict[str, Callable[[], str]] = {
         "scene-keys": scene_keys,
         "outputs": outputs,
         "limits": limits,

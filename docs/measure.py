@@ -51,8 +51,8 @@ def main(site: Path) -> int:
     faults, heights = [], {}
     with webdriver.Chrome(options, Service(shutil.which("chromedriver"))) as browser:
         for width in (1280, 390):
-            size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": False}
-            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+            screen = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
             for page in pages:
                 name = page.relative_to(site).as_posix()
                 browser.get(page.absolute().as_uri())

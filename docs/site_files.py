@@ -32,6 +32,7 @@ _LINES = re.compile(r"L [-\d. ]+(?:\nL [-\d. ]+)+")
 _PATH = re.compile(r'\bd="[^"]*"')
 MACHINES = ("truck-shaft", "steering-column", "pto-shaft", "mill-spindle", "test-rig", "ship-shaft")
 """Their scenes, in the order of their pages."""
+HEAD = "---\nfold: tables\nsearch: {exclude: true}\n---\n\n"
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
@@ -40,14 +41,10 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
     for uri, path in pictures().items():
         files.append(File.generated(config, uri, abs_src_path=str(path)))
-    texts = {"reference/figures.md": f"---\nfold: tables\n---\n\n{reference()}"}
+    texts = {"reference/figures.md": f"{HEAD}{reference()}"}
     texts |= {"machines/moving.html": moving()}
-    # Pictures that are committed: of the benches, and of the README.
-    committed = [ROOT / "docs" / "foeppl.svg", *(ROOT / "benches").glob("*.svg")]
-    for path in committed:
-        folder = "" if path.parent.name == "docs" else "benches/"
-        texts[f"{folder}{path.name}"] = small(path.read_text("utf-8"))
-    files.remove(files.src_uris["foeppl.svg"])
+    for path in (ROOT / "benches").glob("*.svg"):
+        texts[f"benches/{path.name}"] = small(path.read_text("utf-8"))
     for uri, text in (schemas() | texts).items():
         files.append(File.generated(config, uri, content=text))
     return files
@@ -100,7 +97,7 @@ def pictures() -> dict[str, Path]:
 
 
 def small(picture: str) -> str:
-    """Return a picture of half the size: without indentation and metadata, to a hundredth of a point."""
+    """Return a picture of half the size: to a hundredth of a point, without metadata."""
     bare = re.sub(r"<metadata>.*?</metadata>", "", picture, flags=re.DOTALL)
     return _PATH.sub(_rounded, re.sub(r"\s*\n\s*", "\n", bare))
 

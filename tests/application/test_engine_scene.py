@@ -26,41 +26,13 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.sections.torsion import TorsionCase
+from engine_cases import ENGINE
 from us_units import us_scene
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 SCENES = jsonschema.Draft202012Validator(Scene.schema())
 RPM = np.pi / 30.0
 
-ENGINE = """\
-[driveline]
-bends_deg = [0, 8]
-[torsion]
-drive = "free"
-names = ["engine", "shaft", "propeller"]
-inertias_kgm2 = [[0.8, 0], [0.05, 0.01], [0, 0.15]]
-stiffnesses_Nm_per_rad = ["coupling", 40000, "rigid"]
-dampings_Nms_per_rad = [8, 5, 0]
-load_damping_Nms_per_rad = 0.8
-speed_rpm = {from = 700, to = 1300, steps = 13}
-
-[[torsion.harmonic]]
-order = [0.5, 1, 1.5, 2, 3]
-cos_Nm = [90, 70, 50, 20, 10]
-sin_Nm = [60, 120, 90, 60, 20]
-firing_order = [1, 3, 2]
-
-[[torsion.harmonic]]
-shaft = 2
-end = "output"
-order = 3
-amplitude_Nm = 15
-phase_deg = 30
-
-[[torsion.coupling]]
-shaft = 0
-stiffness_Nm_per_rad = 3000
-"""
 # Beyond the resonance near 2083 rpm the torque that is needed falls with the speed.
 MOTOR = """\
 [driveline]
@@ -141,7 +113,7 @@ def test_keys_are_the_arguments_of_the_library() -> None:
         ),
         (
             'stiffness_Nm_per_rad = 5000\nplay_deg = 2\ndamper = "contact"',
-            cardan.Coupling(5000, play=np.radians(1.0), contact_damping=True),
+            cardan.Coupling(5000, play=np.radians(2.0), contact_damping=True),
         ),
         ("stiffness_Nm_per_rad = 5000\nloss_factor = 0.2", cardan.Coupling(5000, loss_factor=0.2)),
     ],
@@ -169,7 +141,7 @@ def test_couplings(law: str, coupling: cardan.Coupling) -> None:
         (
             'drive = "free"\n',
             'drive = "free"\ndrive_slope_Nms_per_rad = -1\n',
-            "drive_slope_Nms_per_rad is -1; what the torque of the drive loses with its speed",
+            "drive_slope_Nms_per_rad is -1; the fall of the drive's torque with rising speed must",
         ),
         ('drive = "free"', 'drive = "fre"', "drive is 'fre'; did you mean 'free'?"),
         ('"propeller"]', '"propeller", "b"]', "names has length 4; it needs 3, one per shaft"),

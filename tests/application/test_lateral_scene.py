@@ -180,7 +180,10 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
         ("[load]", "phases_deg = [90, 0]\n[load]"),
     )
     assert float(figures(made).vibration.line.equivalent().bend) < math.radians(0.2)
-    assert shudder(made)[1] == pytest.approx(both.peak, rel=0.2)
+    after = figures(made).vibration
+    assert (
+        np.interp(639.0 * RPM, after.speed, after.response.of_order("bearing_force")[0, :, 2]) < 10
+    )
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
@@ -207,8 +210,9 @@ def test_the_band_of_a_tube_begins_in_the_speeds() -> None:
     order_2 = 1e3 * response.of_order("displacement")[1, :, 2]
     assert np.interp(2212.0, speed, order_2) == pytest.approx(0.48, abs=0.006)
     assert np.interp(2500.0, speed, order_2) == pytest.approx(1.35, abs=0.01)
-    outside = ~figures(text).vibration.unknown
-    assert figures(text).middles[1].moved == pytest.approx(1e-3 * np.max(middle[outside]))
+    # Within the band it would move by 12 mm.
+    assert np.max(middle) > 10.0
+    assert figures(text).middles[1].moved == pytest.approx(1.34e-3, abs=6e-6)
 
 
 def test_a_limit_that_a_band_reaches_is_not_judged_within() -> None:
@@ -331,10 +335,12 @@ ERRORS: dict[str, tuple[str, tuple[tuple[str, str], ...], str]] = {
         r"joint 0 joins two shafts that are held by their machines, shafts 0 and 1",
     ),
     "no support": (
-        "[driveline]\nbends_deg = 5\nlengths_mm = [300, 900]\n[lateral]\nspeed_rpm = [100, 200]\n"
-        "[[lateral.rigid]]\nshaft = 1\nmass_kg = 10\n",
+        "[driveline]\nbends_deg = [5, 4, 3, 2]\nlengths_mm = [300, 900, 900, 900, 300]\n"
+        "[[bearing]]\nshaft = 1\nposition_mm = 500\nstiffness_N_per_mm = 300\n"
+        "[lateral]\nspeed_rpm = [100, 200]\n"
+        + "".join(f"[[lateral.rigid]]\nshaft = {shaft}\nmass_kg = 10\n" for shaft in (1, 2, 3)),
         (),
-        r"\[lateral\] .*without support",
+        r"\[lateral\] bearings and joints leave shaft 3 without support",
     ),
     "no lengths": (
         "[driveline]\nbends_deg = 5\n[lateral]\nspeed_rpm = [100, 200]\n",

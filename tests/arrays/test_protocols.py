@@ -175,6 +175,13 @@ TORSIONAL = cardan.TorsionalSystem(
     drive="free",
     harmonics=[cardan.TorqueHarmonic(0, "input", 1.5, 3.0)],
 )
+LATERAL = cardan.LateralSystem(
+    SUPPORTED,
+    shafts=[None, cardan.RigidShaft(10.0, 0.6, 1.0), None],
+    bearings=[cardan.ElasticBearing(1, 0.5, [[1e5, 2e5], [2e5, 3e5]], (0, 1, 1), 0.1)],
+    masses=[cardan.PointMass(1, 0.2, 1.0)],
+    unbalance=[cardan.Unbalance(1, 0.2, 1e-3, (0, 1, 0))],
+)
 OBJECTS = [
     cardan.Answer(SCENE),
     LINE,
@@ -210,6 +217,14 @@ OBJECTS = [
     TORSIONAL.orbit(20.0, 4),
     TORSIONAL.stability(20.0),
     TORSIONAL.coexisting(20.0),
+    LATERAL,
+    LATERAL.shafts[1],
+    LATERAL.bearings[0],
+    LATERAL.masses[0],
+    LATERAL.unbalance[0],
+    LATERAL.modes(2, [(1, 0.5)]),
+    LATERAL.response([[10.0], [20.0]], Load(drive_torque=2.0)),
+    LATERAL.torque_stiffness(5.0),
     OPTIMUM,
     OPTIMUM.active[0],
     LINE.free_running([1.0] + [0.1] * LINE.n_joints),
@@ -265,6 +280,10 @@ def same(one: object, other: object) -> None:
     elif isinstance(one, cardan.TorsionalSystem):
         assert isinstance(other, cardan.TorsionalSystem)
         same(one.orbit(20.0, 4), other.orbit(20.0, 4))
+    elif isinstance(one, cardan.LateralSystem):
+        assert isinstance(other, cardan.LateralSystem)
+        same(one.sliding, other.sliding)
+        same(one.response(20.0), other.response(20.0))
     elif isinstance(one, Driveline):
         for name in ("bends", "twists", "phases", "directions", "normals"):
             same(getattr(one, name), getattr(other, name))

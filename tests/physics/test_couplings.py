@@ -108,7 +108,7 @@ class OneJoint:
     Written from Newton's law of both inertias, and integrated in time from kink to kink.
     """
 
-    bend, damping, stiffness, play = np.deg2rad(15.0), 6.0, 8000.0, 0.01
+    bend, damping, stiffness, play = np.deg2rad(15.0), 6.0, 8000.0, 0.02
     inertias, slope, load, parts = (0.08, 0.05), 0.5, 20.0, (120.0, 60.0)
 
     def __init__(self, free: bool) -> None:
@@ -145,7 +145,7 @@ class OneJoint:
         twist, rate, _ = self.twist(state)
         if side == 0:
             return 0.0
-        return self.stiffness * (twist - side * self.play) + self.damping * rate
+        return self.stiffness * (twist - 0.5 * side * self.play) + self.damping * rate
 
     def slopes(self, state: FloatArray, side: int, speed: float, mean: float) -> FloatArray:
         """Of angles, speeds and the integral of the torque."""
@@ -175,13 +175,13 @@ class OneJoint:
         """The state after a time, and the torques on the way."""
         state, now, torques = np.append(state, 0.0), 0.0, []
         twist, *_ = self.twist(state)
-        side = int(np.sign(twist)) if abs(twist) > self.play else 0
+        side = int(np.sign(twist)) if abs(twist) > 0.5 * self.play else 0
         while now < time:
             events = []
             for bound in {0: (-1, 1), 1: (1,), -1: (-1,)}[side]:
 
                 def meets(_: float, at: FloatArray, bound: int = bound) -> float:
-                    return self.twist(at)[0] - bound * self.play
+                    return self.twist(at)[0] - 0.5 * bound * self.play
 
                 meets.terminal = True  # type: ignore[attr-defined]
                 # Only outwards: the motion begins on a kink.

@@ -225,6 +225,35 @@ def test_tubes_broadcast() -> None:
     assert shafts.stiffness.shape == (3, 2)
     assert shafts.shear_stress(100.0).shape == (3, 2)
     assert shafts.stiffness[1, 1] == cardan.tube(0.09, 0.003, length=1.2).stiffness
+    assert shafts.bending_stiffness.shape == shafts.shear_stiffness.shape == (3, 2)
+    damped = cardan.tube(0.09, 0.003, length=1.2, rotary=True, loss_factor=[0.0, 0.01])
+    assert damped.loss_factor.tolist() == [0.0, 0.01]
+    assert damped.rotary_inertia.shape == damped.stiffness.shape == (2,)
+
+
+def test_a_tube_bends_by_one_of_two_theories() -> None:
+    """Euler's has neither shear nor rotary inertia."""
+    euler = cardan.tube(0.09, 0.003, length=1.5)
+    assert (euler.shear_stiffness, euler.rotary_inertia, euler.loss_factor) == (math.inf, 0.0, 0.0)
+    inertia = math.pi / 64.0 * (0.09**4 - 0.084**4)
+    assert euler.bending_stiffness == pytest.approx(2.06e11 * inertia, rel=1e-13)
+    area = math.pi / 4.0 * (0.09**2 - 0.084**2)
+    assert euler.line_mass == pytest.approx(7850.0 * area, rel=1e-13)
+    given = cardan.tube(0.09, 0.003, length=1.5, rotary=True, shear_coefficient=0.5)
+    assert given.shear_stiffness == pytest.approx(0.5 * 7.93e10 * area, rel=1e-13)
+    assert given.rotary_inertia == pytest.approx(7850.0 * inertia, rel=1e-13)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_shear_coefficient_of_round_sections(poisson: float) -> None:
+    """Those of Cowper 1966: a solid bar, and a wall so thin that its thickness has no effect."""
+    options = {"elastic_modulus": 2.0 * (1.0 + poisson), "shear_modulus": 1.0, "density": 1.0}
+    for wall, wanted in (
+        (None, 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson)),
+        (1e-7, 2.0 * (1.0 + poisson) / (4.0 + 3.0 * poisson)),
+    ):
+        tube = cardan.tube(0.1, wall, length=1.0, rotary=True, **options)
+        assert tube.shear_stiffness / tube.line_mass == pytest.approx(wanted, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -239,6 +268,15 @@ def test_tubes_broadcast() -> None:
         # A wall of half the diameter is a solid bar, and one wall may be too thick for one tube.
         ({"outer_diameter": 0.1, "wall": [0.05, 0.06], "length": 1.0}, r"wall\[1\] is 0\.06 m"),
         ({"outer_diameter": [0.2, 0.1], "wall": 0.06, "length": 1.0}, r"wall\[1\] is 0\.06 m"),
+        (
+            {"outer_diameter": 0.1, "length": 1.0, "shear_coefficient": 0.5},
+            "shear_coefficient is given without rotary=True; without it shear has no effect",
+        ),
+        (
+            {"outer_diameter": 0.1, "length": 1.0, "rotary": True, "shear_coefficient": 0.0},
+            "shear_coefficient is 0.0; it must be positive",
+        ),
+        ({"outer_diameter": 0.1, "length": 1.0, "loss_factor": -0.1}, "loss_factor is -0.1; it"),
     ],
 )
 def test_wrong_tubes_are_refused(arguments: dict[str, object], message: str) -> None:

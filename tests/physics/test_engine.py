@@ -382,13 +382,27 @@ def test_bearings_see_the_engine() -> None:
     assert float(torque.max()) == pytest.approx(float(rough.torque_max[0]), rel=2e-3)
 
 
+def of_orders(*orders: float) -> dict[str, Any]:
+    return {"harmonics": [TorqueHarmonic(0, "input", order, 1) for order in orders]}
+
+
 @pytest.mark.parametrize(
     ("own", "words"),
     [
         ({"drive": None}, "drive is missing"),
-        ({"drive_slope": -1.0}, "drive_slope is -1.0"),
+        (
+            {"drive_slope": -1.0},
+            "drive_slope is -1.0; it says how much the torque of the drive falls with rising "
+            "speed, so it must be 0 or more",
+        ),
         ({"inertias": [[0, 0], [0, 0.05]]}, r"inertias\[0, 0\].*a free drive needs an inertia"),
-        ({"harmonics": [TorqueHarmonic(0, "input", 1.3, 1)]}, "common divisor of at least 1/8"),
+        (of_orders(1.3), "divisor of at least 1/8, so take 1.25 or 1.375 instead of 1.3$"),
+        (of_orders(0.1), "so take 0.125 instead of 0.1$"),
+        (of_orders(1 / 3, 1.3), r"so take 1.16\d+ or 1.33\d+ instead of 1.3$"),
+        (
+            of_orders(0.2, 3, 1.5, 0.75),
+            r"\[0.2, 3.0, 1.5, 0.75\].* so take 1.4 or 1.6 instead of 1.5$",
+        ),
         ({"harmonics": [TorqueHarmonic(2, "input", 2, 1)]}, "acts on shaft 2; the last one is 1"),
         ({"harmonics": [TorqueHarmonic(0, "input", 0, 1)]}, "order 0.0; it must be positive"),
         ({"harmonics": [TorqueHarmonic(0, "input", 2, INF)]}, "not finite"),
@@ -400,6 +414,28 @@ def test_bearings_see_the_engine() -> None:
 def test_what_cannot_be_is_refused(own: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         two(**own)
+
+
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ({"drive_slope": -1.0}, "^drive_slope is -1.0"),
+        (of_orders(1.3), "^harmonics have the orders"),
+        (of_orders(-1), r"^harmonics\[0\] has the order -1.0"),
+        (
+            {"stiffnesses": [INF, INF], "couplings": {1: Coupling(9, play=-1)}},
+            r"^couplings\[1\] has",
+        ),
+        ({"inertias": [[0, 0], [0, 0.05]]}, r"^inertias\[0, 0, 0\] is 0"),
+    ],
+)
+def test_the_system_of_a_batch_is_named_only_where_systems_differ(
+    own: dict[str, Any], words: str
+) -> None:
+    batch = Driveline.from_bends([[0.1], [0.2]])
+    given: dict[str, Any] = {"inertias": [[0.3, 0], [0, 0.05]], "stiffnesses": [INF, 8e3]}
+    with pytest.raises(ValueError, match=words):
+        TorsionalSystem(batch, drive="free", **(given | own))
 
 
 def test_orders_may_be_refused() -> None:

@@ -23,14 +23,23 @@ from cardan.reference import design, evaluation, torsion
 from cardan.reference.forces import Forces
 from cardan.wear.axial_travel import SlideName
 
-CLASSES = ("Driveline", "Machine", "Transmission", "Plan", "TorsionalSystem", "BallJoint")
+CLASSES = (
+    "Driveline",
+    "Machine",
+    "Transmission",
+    "Plan",
+    "TorsionalSystem",
+    "LateralSystem",
+    "BallJoint",
+)
 
 # The other public names of the package: they state, choose or carry results of those above.
 CARRIERS = (
     "ActiveLimit Answer ArgumentError ArgumentTypeError ArgumentValueError Check Coupling "
-    "Derivatives EquivalentJoint Finding FreeRunning Gradient Harmonics Identification Lengths "
-    "Life Limit Limits Load Losses Motion Optimum OrderTolerances Output Result Scene Slides "
-    "SplineForce Steering Tolerances TorqueHarmonic Tube TwoJoints OUTPUTS"
+    "Derivatives ElasticBearing EquivalentJoint Finding FreeRunning Gradient Harmonics "
+    "Identification Lengths Life Limit Limits Load Losses Motion Optimum OrderTolerances Output "
+    "PointMass Result RigidShaft Scene Slides SplineForce Steering Tolerances TorqueHarmonic Tube "
+    "TwoJoints Unbalance OUTPUTS"
 )
 
 SHAPE = "it selects, arranges or labels and computes nothing"
@@ -110,6 +119,14 @@ TWINS = {
         "period_turns": "torsion.System.period_turns",
         "changed couplings dampings drive drive_slope free harmonics inertias line load_damping "
         "load_torque shape stiffness_follows_speed stiffnesses": SHAPE,
+    },
+    "LateralSystem": {
+        "natural_frequencies modes": "lateral.System.natural_frequencies",
+        "response": "lateral.System.response",
+        "torque_stiffness": "lateral.System.torque_stiffness",
+        "is_stable largest_stable_torque": "lateral.System.is_stable",
+        "resonances": SEARCH,
+        "bearings lengths line masses shafts shape sliding unbalance": SHAPE,
     },
     "Machine": {
         "figures verdict": "design.ranked",
@@ -501,12 +518,15 @@ def test_lash_and_wind_up(case: Case) -> None:
 
 @pytest.mark.parametrize(("outer", "wall", "length"), [(0.09, 0.003, 1.5), (0.05, 0.025, 0.9)])
 def test_tubes(outer: float, wall: float, length: float) -> None:
-    found = cardan.tube(outer, wall, length=length)
+    found = cardan.tube(outer, wall, length=length, rotary=True, loss_factor=0.01)
     known = design.tube(outer, wall, length, 7.93e10, 2.06e11, 7850.0)
     for name in ("stiffness", "inertia", "mass"):
         assert getattr(found, name) == pytest.approx(known[name], rel=1e-7), name
     assert found.critical_speed == pytest.approx(known["critical_speed"], rel=3e-6)
     assert found.shear_stress(1.0) == pytest.approx(known["shear_per_torque"], rel=1e-7)
+    for name in ("bending_stiffness", "line_mass", "shear_stiffness", "rotary_inertia"):
+        assert getattr(found, name) == pytest.approx(known[name], rel=1e-7), name
+    assert found.loss_factor == 0.01
 
 
 # --- torsion -------------------------------------------------------------------------------------

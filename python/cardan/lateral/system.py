@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import ComplexArray, FloatArray, as_float64, common_shape, finite, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -28,6 +28,9 @@ from cardan.torsion.results import SteadyState
 from cardan.torsion.tube import Tube
 
 _HELD, _RIGID, _BENDING = range(3)
+
+# As many as the native module seeks.
+_MOST_MODES = 100
 
 # Places between the ends of a shaft that bends, among which the one is sought that moves most.
 _PLACES = 8
@@ -86,6 +89,7 @@ class LateralSystem:
 
     Raises:
         TypeError: no driveline, shafts or items of another kind, values that are not real numbers.
+        IndexError: a shaft that does not exist.
         ValueError: a driveline without lengths or with deviations of joints, a wrong number of
             shafts, a position beyond its shaft, an item on a shaft that is held, a negative or
             infinite stiffness, damping or mass, a loss factor above 1, two directions that differ
@@ -152,13 +156,13 @@ class LateralSystem:
             "unbalance": tuple(unbalance),
         }
         kinds, own = _of_shafts(shafts)
-        numbers = {name: _numbers(name, items, count) for name, items in given.items()}
+        numbers = {name: _numbers(name, items) for name, items in given.items()}
         lengths = line.lengths().each
-        whole = [own, *numbers.values()]
         shape = common_shape(
             driveline=line.shape,
             lengths=lengths.shape[:-1],
-            **{f"numbers{i}": array.shape[:-2] for i, array in enumerate(whole)},
+            shafts=own.shape[:-2],
+            **{name: array.shape[:-2] for name, array in numbers.items()},
         )
 
         def flat(array: FloatArray, ends: int) -> FloatArray:
@@ -172,7 +176,7 @@ class LateralSystem:
             flat(line.phases, 1),
         ]
         places = [
-            ([integer(f"{name}.shaft", item.shaft) for item in items], flat(numbers[name], 2))
+            (_shafts_of(name, items, count), flat(numbers[name], 2))
             for name, items in given.items()
         ]
         slides = None
@@ -209,7 +213,7 @@ class LateralSystem:
         response a little. They are infinite where rigid shafts have fewer.
 
         Args:
-            count: how many, at least 1.
+            count: how many, from 1 to 100.
 
         Source: W. H. Wittrick and F. W. Williams 1971, with the exact dynamic stiffness of tubes.
         """
@@ -225,12 +229,13 @@ class LateralSystem:
             probes: shaft and position in m of each place.
 
         Raises:
+            IndexError: a probe on a shaft that does not exist.
             ValueError: no mode asked for, a probe beyond its shaft.
         """
         number = integer("count", count)
         if number < 1:
             raise ArgumentValueError("count", f"is {number}; it must be at least 1")
-        places = _probes(probes)
+        places = self._probes(probes)
         frequencies, moved = self._core.modes(number, places)
         displacement = moved.reshape(*self.shape, number, len(places), 3)
         return LateralModes(
@@ -262,14 +267,15 @@ class LateralSystem:
 
         Raises:
             TypeError: a load of another kind.
-            ValueError: a speed that is not finite, an acceleration, a negative order, a probe
-                beyond its shaft, the motion of another driveline or at other speeds, shapes that do
-                not broadcast.
+            IndexError: a probe on a shaft that does not exist.
+            ValueError: a speed that is not finite, or so large that waves are too short for their
+                pieces to be counted; an acceleration, a negative order, a probe beyond its shaft,
+                the motion of another driveline or at other speeds, shapes that do not broadcast.
         """
         speeds, order = finite("speed", speed), np.atleast_1d(finite("orders", orders))
         if order.ndim > 1 or np.any(order < 0.0):
             raise ArgumentValueError("orders", "must be in one row, and none may be negative")
-        places = _probes(probes)
+        places = self._probes(probes)
         moments = _moments(self.line, load, speeds, order)
         shape = common_shape(system=self.shape, speed=speeds.shape, load=moments.shape[:-3])
         given = np.broadcast_to(moments, (*shape, *moments.shape[-3:]))
@@ -303,11 +309,14 @@ class LateralSystem:
             orders: multiples of the drive speed.
 
         Raises:
-            ValueError: a batch, speeds that are not in order, an order that is not positive.
+            ValueError: a batch, speeds that are not in order or need more than 100 modes, an order
+                that is not positive.
         """
         if self.shape:
             raise ArgumentValueError("system", f"is a batch {self.shape}; it must be one")
-        low, high = (float(x) for x in finite("speeds", speeds))
+        ends = finite("speeds", speeds)
+        check_shape("speeds", ends, ends.shape == (2,), "it must be two speeds")
+        low, high = ends.tolist()
         order = np.atleast_1d(finite("orders", orders))
         if not 0.0 <= low < high:
             raise ArgumentValueError("speeds", f"are {low} and {high}; they must increase from 0")
@@ -316,7 +325,11 @@ class LateralSystem:
         places = self._places()
         highest, count = high * float(order.max()), 8
         while (modes := self.modes(count, places)).frequencies[-1] <= highest:
-            count *= 2
+            if count == _MOST_MODES:
+                reach = modes.frequencies[-1] / float(order.max())
+                problem = f"reach beyond {reach:.6g} rad/s, up to which modes are sought"
+                raise ArgumentValueError("speeds", problem)
+            count = min(2 * count, _MOST_MODES)
         found = []
         for frequency, moved in zip(
             modes.frequencies.tolist(), np.moveaxis(modes.displacement, 0, 1), strict=True
@@ -341,7 +354,9 @@ class LateralSystem:
         Points are moved with straight shafts between them, also where these are tubes. The shape
         of ``torque`` broadcasts against that of the system. Errors: 1e-9 of ``torque/length**2``.
         """
-        torques = finite("torque", torque)[..., np.newaxis, np.newaxis]
+        torques = finite("torque", torque)
+        common_shape(system=self.shape, torque=torques.shape)
+        torques = torques[..., np.newaxis, np.newaxis]
         turning, mean = self._core.torque_stiffness()
         size = math.isqrt(mean.size // max(1, math.prod(self.shape)))
         shape = (*self.shape, size, size)
@@ -366,7 +381,19 @@ class LateralSystem:
 
         See ``largest_stable_torque``.
         """
-        return np.asarray(np.abs(finite("torque", torque)) < self.largest_stable_torque(speed))
+        torques, limit = finite("torque", torque), self.largest_stable_torque(speed)
+        common_shape(torque=torques.shape, speed=limit.shape)
+        return np.asarray(np.abs(torques) < limit)
+
+    def _probes(self, probes: Iterable[tuple[int, float]]) -> list[tuple[int, float]]:
+        count = self.line.n_joints + 1
+        return [
+            (
+                item_index("probes.shaft", shaft, count, (i,)),
+                float(finite("probes.position", position)),
+            )
+            for i, (shaft, position) in enumerate(probes)
+        ]
 
     def _described(self) -> dict[str, list[Any]]:
         """Return the numbers of the only system, as the function for browsers takes them."""
@@ -374,8 +401,8 @@ class LateralSystem:
         found: dict[str, list[Any]] = {"kinds": kinds, "of_shafts": numbers.tolist()}
         for name, (shafts, fields) in _FOR_BROWSERS.items():
             items = getattr(self, name)
-            found[shafts] = [item.shaft for item in items]
-            found[fields] = _numbers(name, items, len(kinds)).tolist()
+            found[shafts] = _shafts_of(name, items, len(kinds))
+            found[fields] = _numbers(name, items).tolist()
         return found | {"sliding": list(self.sliding)}
 
     def _places(self) -> list[tuple[int, float]]:
@@ -394,11 +421,8 @@ def _restored(line: Driveline, parts: dict[str, Any]) -> LateralSystem:
     return LateralSystem(line, **parts)
 
 
-def _probes(probes: Iterable[tuple[int, float]]) -> list[tuple[int, float]]:
-    return [
-        (integer("probes.shaft", shaft), float(finite("probes.position", position)))
-        for shaft, position in probes
-    ]
+def _shafts_of(name: str, items: Sequence[Any], count: int) -> list[int]:
+    return [item_index(f"{name}.shaft", item.shaft, count, (i,)) for i, item in enumerate(items)]
 
 
 def _of_shafts(shafts: Sequence[object]) -> tuple[list[int], FloatArray]:
@@ -415,10 +439,10 @@ def _of_shafts(shafts: Sequence[object]) -> tuple[list[int], FloatArray]:
             raise ArgumentTypeError("shafts", problem, (i,))
         kinds.append(kind)
         columns.append(values + [np.zeros(())] * (5 - len(values)))
-    return kinds, _stacked(columns)
+    return kinds, _stacked("shafts", columns)
 
 
-def _numbers(name: str, items: Sequence[Any], shafts: int) -> FloatArray:
+def _numbers(name: str, items: Sequence[Any]) -> FloatArray:
     """Return the numbers of items of one kind, ``(..., items, numbers)``."""
     kind, fields = _ITEMS[name]
     columns = []
@@ -426,12 +450,11 @@ def _numbers(name: str, items: Sequence[Any], shafts: int) -> FloatArray:
         if not isinstance(item, kind):
             problem = f"is {item!r}; it must be of the class {kind.__name__}"
             raise ArgumentTypeError(name, problem, (i,))
-        item_index(f"{name}.shaft", item.shaft, shafts, (i,))
         row: list[FloatArray] = []
         for field, size in fields.items():
             value = getattr(item, field)
             label = f"{name}[{i}].{field}"
-            array = np.full(size, np.nan) if value is None else as_float64(label, value)
+            array = np.full(size, np.nan) if value is None else finite(label, value)
             if size == 2 and not array.ndim:
                 array = np.broadcast_to(array, 2)
             if size > 1 and (not array.ndim or array.shape[-1] != size):
@@ -439,12 +462,14 @@ def _numbers(name: str, items: Sequence[Any], shafts: int) -> FloatArray:
                 raise ArgumentValueError(label, f"has the shape {array.shape}; {rule}")
             row += [array] if size == 1 else [array[..., j] for j in range(size)]
         columns.append(row)
-    return _stacked(columns) if columns else np.zeros((0, sum(fields.values())))
+    return _stacked(name, columns) if columns else np.zeros((0, sum(fields.values())))
 
 
-def _stacked(columns: Sequence[Sequence[FloatArray]]) -> FloatArray:
+def _stacked(name: str, columns: Sequence[Sequence[FloatArray]]) -> FloatArray:
     """Return numbers of items as one array ``(..., items, numbers)``."""
-    flat = np.broadcast_arrays(*(value for row in columns for value in row))
+    shapes = [np.broadcast_shapes(*(value.shape for value in row)) for row in columns]
+    shape = common_shape(**{f"{name}[{i}]": own for i, own in enumerate(shapes)})
+    flat = [np.broadcast_to(value, shape) for row in columns for value in row]
     stacked = np.stack(flat, axis=-1)
     return stacked.reshape(*stacked.shape[:-1], len(columns), -1)
 

@@ -429,7 +429,12 @@ def tube(
     """Return the figures of a round shaft that is divided into rings and into pieces of its length.
 
     They are its torsional stiffness [N m/rad], inertia about its axis [kg m²], mass [kg], critical
-    speed [rad/s] and largest shear stress over the torque [1/m³]. Arguments are in m, Pa and kg/m³.
+    speed [rad/s], largest shear stress over the torque [1/m³], bending stiffness [N m²], mass per
+    length [kg/m], shear stiffness [N] and rotary inertia [kg m]. Arguments are in m, Pa and kg/m³.
+
+    Source: the shear coefficient is ``2 (1 + nu) I / (nu (I - I) / 2 - (A / I) integral of
+    x (chi + x y²))`` of G. R. Cowper 1966, with the function ``chi`` of A. E. H. Love for the
+    bending of a hollow round bar by a force at its end.
     """
     rings, pieces = 4000, 600
     step = wall / rings
@@ -443,7 +448,19 @@ def tube(
     size = pieces - 1
     curvature = 2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
     least = float(np.linalg.eigvalsh(curvature)[0]) * (pieces / length) ** 2
+    # Across a ring, sums over the angle of the squares and products of sine and cosine are these.
+    ratio = elastic_modulus / (2.0 * shear_modulus) - 1.0
+    outer, inner = outer_diameter / 2.0, outer_diameter / 2.0 - wall
+    of_cosine = (outer**2 + inner**2) * radii + (outer * inner) ** 2 / radii
+    chi = -(3.0 + 2.0 * ratio) / 4.0 * of_cosine * radii / 2.0
+    integral = float(np.sum(areas * (chi + radii**4 / 8.0)))
+    bending = polar / 2.0
+    coefficient = -2.0 * (1.0 + ratio) * bending**2 / (section * integral)
     return {
+        "bending_stiffness": elastic_modulus * bending,
+        "line_mass": density * section,
+        "shear_stiffness": coefficient * shear_modulus * section,
+        "rotary_inertia": density * bending,
         "stiffness": torque,
         "inertia": density * length * polar,
         "mass": density * length * section,

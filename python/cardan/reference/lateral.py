@@ -430,7 +430,9 @@ class System:
         """Return what the moments of the joints do to points that can move, one of them moved."""
         placed = points.copy()
         placed[moved] += by
-        line = from_directions(np.diff(placed, axis=0).tolist(), self.line.phases)
+        steps = np.diff(placed, axis=0)
+        lengths = np.linalg.norm(steps, axis=-1)
+        line = from_directions(steps.tolist(), self.line.phases)
         # The first pin keeps its direction; drive angles count from the plane of the first bend.
         pin = _across(_cross(self.line.normals[0], self.line.directions[0]), line.directions[0])
         level = _cross(line.normals[0], line.directions[0])
@@ -446,7 +448,7 @@ class System:
                 )
             ]
             # A point turns the shaft before it one way and the shaft behind it the other way.
-            turned = [np.array(q) / x for q, x in zip(couples, self.lengths, strict=True)]
+            turned = [np.array(q) / x for q, x in zip(couples, lengths, strict=True)]
             at = [a - b for a, b in pairwise([np.zeros(3), *turned, np.zeros(3)])]
             forces.append([direction @ at[point] for point, direction in rows])
         return np.array(forces)

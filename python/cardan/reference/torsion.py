@@ -63,7 +63,7 @@ class Coupling:
         stiffness: in N m/rad, beyond the play.
         twist: points of a table that is odd if it begins at 0, and straight beyond its ends [rad].
         torque: at these points [N m].
-        play: half of the free angle [rad].
+        play: free angle from one flank to the other [rad].
         contact_damping: the damper acts in the share of the slope in the largest one.
         loss_factor: a vibration of any frequency meets ``1 + i loss_factor`` times the stiffness.
         mean_torque: points of the stiffness by the size of the mean torque [N m].
@@ -93,12 +93,13 @@ class _Law:
             self.offsets = torque[1:] - self.slopes * twist[1:]
             self.kinks = twist[1:-1]
         else:
-            stiffness, play = coupling.stiffness, coupling.play
+            stiffness, flank = coupling.stiffness, 0.5 * coupling.play
             if stiffness is None:
                 raise ValueError("the stiffness by the mean torque is that of an orbit")
-            self.slopes = np.array([stiffness, 0.0, stiffness] if play else [stiffness])
-            self.offsets = np.array([stiffness * play, 0.0, -stiffness * play] if play else [0.0])
-            self.kinks = np.array([-play, play] if play else [])
+            self.slopes = np.array([stiffness, 0.0, stiffness] if flank else [stiffness])
+            offset = stiffness * flank
+            self.offsets = np.array([offset, 0.0, -offset] if flank else [0.0])
+            self.kinks = np.array([-flank, flank] if flank else [])
         acting = self.slopes / np.max(self.slopes)
         self.damper = acting if coupling.contact_damping else np.ones(len(self.slopes))
 

@@ -668,7 +668,7 @@ class RunningSpeed:
     Attributes:
         speed: mean speed of the drive in rad/s.
         torque: mean torque in N m.
-        slope: what the torque of the motor loses with its speed there in N m s/rad.
+        slope: how much the torque of the motor falls with rising speed there in N m s/rad.
         torque_slope: by how much the needed torque rises with the speed, in N m s/rad.
         stable: whether vibration and speed return after a disturbance. The speed does where the
             sum of both slopes is positive.

@@ -66,7 +66,7 @@ class Coupling:
             the points and goes straight on beyond them. If the first point is 0, the other
             direction is the same.
         torque: in N m at these twists, rising, ``(points,)``.
-        play: half of the free angle in rad, in which there is no torque.
+        play: the free angle from one flank to the other in rad, in which there is no torque.
         contact_damping: whether the damping acts in proportion to the stiffness, so not within the
             play; by default it always acts.
         loss_factor: constant damping per cycle, the tangent of the loss angle: catalogues give
@@ -79,7 +79,7 @@ class Coupling:
     >>> import cardan
     >>> cardan.Coupling(twist=[0, 0.02, 0.04], torque=[0, 100, 400]).stiffness_at(50.0)
     5000.0
-    >>> cardan.Coupling(8000, play=0.01).torque_at([0.005, 0.02]).tolist()
+    >>> cardan.Coupling(8000, play=0.02).torque_at([0.005, 0.02]).tolist()
     [0.0, 80.0]
     """
 
@@ -130,7 +130,7 @@ class Coupling:
             place = np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2)
             slope = np.diff(y) / np.diff(x)
             return np.asarray(y[place] + slope[place] * (at - x[place]))
-        beyond = np.sign(at) * np.maximum(np.abs(at) - self.play, 0.0)
+        beyond = np.sign(at) * np.maximum(np.abs(at) - 0.5 * self.play, 0.0)
         return np.asarray(self.stiffness_at(0.0) * beyond)
 
     def stiffness_at(self, torque: float) -> float:

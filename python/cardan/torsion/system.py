@@ -93,7 +93,7 @@ class TorsionalSystem:
         drive: ``"held"`` at constant speed, so that an inertia at the input end of shaft 0 has no
             effect, or ``"free"``: that inertia is the drive's and counts, and a torque drives it
             whose mean keeps the mean speed. It must be said where that inertia is not 0.
-        drive_slope: of a free drive: what its torque loses with its speed in N m s/rad.
+        drive_slope: of a free drive: how much its torque falls with rising speed in N m s/rad.
         harmonics: torques that vary with the angles of shaft ends, for the whole batch. Their
             orders and the joints' order 2 have a common divisor of at least 1/8.
         couplings: by the compliant shaft that each of them makes, whose stiffness is infinite in

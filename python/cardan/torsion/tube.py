@@ -137,9 +137,11 @@ def tube(
             None if shear_coefficient is None else positive("shear_coefficient", shear_coefficient)
         )
         coefficient = cowper if given_one is None else given_one
-        by_shear, by_turning = coefficient * shear * line_mass / weight, weight * bending / elastic
+        by_shear = np.asarray(coefficient * shear * line_mass / weight)
+        by_turning = np.asarray(weight * bending / elastic)
     else:
         by_shear, by_turning = np.full(shape, np.inf), np.zeros(shape)
+    by_shear, by_turning, own_loss = map(scalar_or_array, (by_shear, by_turning, own_loss))
     return Tube(
         *(stiffness, inertia, mass, speed, bending, line_mass, by_shear, by_turning, own_loss),
         np.asarray(shear_per_torque),

@@ -14,7 +14,7 @@
 //! | [`wear`] | friction and fatigue of the pins, from means over a turn |
 //! | [`design`] | closed forms of drivelines and shafts: excitations, steering, splines, tubes |
 //! | [`judge`] | ranks of figures against limits, the figures of a machine in all states |
-//! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
+//! | [`dynamics`] | torsional vibration of compliant shafts, lateral vibration on elastic bearings |
 //! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
 //!

@@ -114,7 +114,11 @@ impl NativeTorsion {
                     .and_then(|system| system.with_drive(drive))
                     .and_then(|system| system.with_harmonics(&harmonics))
                     .and_then(|system| system.with_couplings(&couplings))
-                    .map_err(|error| error.within(&unravel(i, &shape)))
+                    .map_err(|error| match error.argument {
+                        // Those of the whole batch.
+                        "drive_slope" | "harmonics" | "couplings" => error,
+                        _ => error.within(&unravel(i, &shape)),
+                    })
                     .or_raise()?;
                 systems.push(system);
             }

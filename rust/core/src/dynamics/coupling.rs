@@ -12,7 +12,7 @@ pub struct Coupling {
     /// Points of the torque in N m over the twist in rad, which is linear between them and goes
     /// straight on beyond them. If the first one is `[0, 0]`, the other direction is the same.
     pub twist_torque: Vec<[f64; 2]>,
-    /// Half of the free angle in rad, in which there is no torque.
+    /// The free angle from one flank to the other in rad, in which there is no torque.
     pub play: f64,
     /// Whether the damping of the shaft acts in proportion to the stiffness, so not in the play.
     pub contact_damping: bool,
@@ -125,7 +125,7 @@ impl Law {
             if !table.is_empty() || !by_mean.is_empty() {
                 return refused("has play and a table; play needs one stiffness".to_owned());
             }
-            law.kinks = vec![[-play, 0.0], [*play, 0.0]];
+            law.kinks = vec![[-0.5 * play, 0.0], [0.5 * play, 0.0]];
             law.slopes = vec![stiffness, 0.0, stiffness];
         }
         if *loss_factor > 0.0 && !law.is_linear() {
@@ -153,8 +153,7 @@ impl Law {
         let stiffness = self.slopes[range];
         let kink = self.kinks.get(range.saturating_sub(1));
         let preload = kink.map_or(0.0, |[twist, torque]| torque - stiffness * twist);
-        let largest = self.slopes.iter().fold(0.0, |most: f64, slope| most.max(*slope));
-        let damping = if self.contact_damping { stiffness / largest } else { 1.0 };
+        let damping = if self.contact_damping { stiffness / self.largest() } else { 1.0 };
         Branch { stiffness, preload, damping }
     }
 
@@ -177,10 +176,10 @@ impl Law {
         if stiffness > 0.0 { (torque - preload) / stiffness } else { 0.0 }
     }
 
-    /// The law with the stiffness that belongs to a mean torque in N m, and whether it differs.
-    pub(super) fn at_mean(&self, torque: f64) -> (Self, bool) {
+    /// The law with the stiffness that belongs to a mean torque in N m, if that is another one.
+    pub(super) fn at_mean(&self, torque: f64) -> Option<Self> {
         let points = &self.stiffness_by_mean;
-        let Some(last) = points.last() else { return (self.clone(), false) };
+        let last = points.last()?;
         let torque = if points[0][0] < 0.0 { torque } else { torque.abs() };
         let above = points.partition_point(|point| point[0] < torque);
         let stiffness = match above {
@@ -192,17 +191,18 @@ impl Law {
             }
         };
         let differs = (stiffness - self.slopes[0]).abs() > 1e-12 * stiffness;
-        (Self { slopes: vec![stiffness], ..self.clone() }, differs)
+        differs.then(|| Self { slopes: vec![stiffness], ..self.clone() })
     }
 
     /// The stiffness at a static torque in N m, or the largest one where it has none there.
     pub(super) fn stiffness_at(&self, torque: f64) -> f64 {
         let here = self.slopes[self.range_at(torque)];
-        if here > 0.0 {
-            here
-        } else {
-            self.slopes.iter().fold(here, |most, slope| most.max(*slope))
-        }
+        if here > 0.0 { here } else { self.largest() }
+    }
+
+    /// The largest stiffness.
+    fn largest(&self) -> f64 {
+        self.slopes.iter().copied().fold(0.0, f64::max)
     }
 }
 
@@ -223,7 +223,7 @@ mod tests {
     fn play_has_no_torque_within_it() {
         let coupling = Coupling {
             stiffness: Some(8000.0),
-            play: 0.01,
+            play: 0.02,
             contact_damping: true,
             ..Coupling::default()
         };
@@ -272,9 +272,9 @@ mod tests {
         let points = vec![[0.0, 1000.0], [100.0, 3000.0]];
         let law = Law::of(&Coupling { stiffness_by_mean: points, ..Coupling::default() }).unwrap();
         for (mean, expected) in [(0.0, 1000.0), (50.0, 2000.0), (-50.0, 2000.0), (200.0, 3000.0)] {
-            let (own, differs) = law.at_mean(mean);
-            assert!(differs && close(own.stiffness_at(0.0), expected), "{mean}");
-            assert!(!own.at_mean(mean).1);
+            let own = law.at_mean(mean).unwrap();
+            assert!(close(own.stiffness_at(0.0), expected), "{mean}");
+            assert!(own.at_mean(mean).is_none());
         }
     }
 }

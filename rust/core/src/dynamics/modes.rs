@@ -22,20 +22,23 @@ pub struct Mode {
     pub shaft: usize,
 }
 
-/// The drive speeds at which orders meet natural frequencies, and a range of drive speeds beside them.
+/// Critical speeds, and how far a range of drive speeds is from each of them. A speed is critical
+/// where an order of the drive's rotation has a natural frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalSpeeds {
-    /// In rad/s, those of every natural frequency for one order after the other.
+    /// In rad/s: those of the first order for every natural frequency, then those of the next order.
     pub speeds: Vec<f64>,
-    /// How far the range is from each of them, in shares of it; 0 within the range.
+    /// The distance of the range from each critical speed in shares of this speed; 0 if the speed is
+    /// in the range.
     pub away: Vec<f64>,
-    /// The place of the one to which it is nearest, of the orders that are excited; none without one.
+    /// The place of the critical speed that is nearest to the range among those of excited orders;
+    /// `None` without excited orders.
     pub nearest: Option<usize>,
 }
 
 impl CriticalSpeeds {
-    /// Those of natural frequencies in rad/s and of orders, each of which is excited or not, beside
-    /// a range of drive speeds in rad/s.
+    /// The critical speeds of natural frequencies in rad/s and of orders, each of which is excited or
+    /// not, beside a range of drive speeds in rad/s.
     ///
     /// ```
     /// use cardan::dynamics::CriticalSpeeds;

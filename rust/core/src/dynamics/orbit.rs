@@ -32,7 +32,7 @@ pub(super) struct Orbit {
     /// The linear map of a period about the orbit, on unknowns and slopes, row by row.
     pub(super) monodromy: Vec<f64>,
     /// Where kinks make sums over the mesh converge slowly.
-    pub(super) quadrature: Option<Quadrature>,
+    pub(super) quadrature: Option<Box<Quadrature>>,
 }
 
 /// States of an orbit whose weighted sums are integrals over the period.

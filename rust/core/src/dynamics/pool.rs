@@ -1,6 +1,7 @@
 //! Searches that are at the same step go through it side by side.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
@@ -27,8 +28,8 @@ pub(super) struct Pool<'a> {
     nearby: RunsSideBySide,
     samples: Vec<Pack>,
     pub(super) series: SeriesSideBySide,
-    /// The latest roots of unity.
-    roots: Vec<Complex<f64>>,
+    /// The roots of unity of every number so far.
+    roots: BTreeMap<usize, Vec<Complex<f64>>>,
 }
 
 /// A parameter on which systems depend.
@@ -51,35 +52,27 @@ impl<'a> Pool<'a> {
             nearby: RunsSideBySide::default(),
             samples: vec![],
             series: SeriesSideBySide::default(),
-            roots: vec![],
+            roots: BTreeMap::new(),
         }
     }
 
     /// What searches find. Those that are left when the run is stopped find nothing.
     pub(super) fn run(&mut self, mut searches: Vec<Search<'_>>) -> Vec<Result<Found, Failure>> {
-        let mut waiting: Vec<usize> = (0..searches.len()).collect();
         while !is_set(self.stop) {
-            for &i in &waiting {
-                let Search { system, speed, .. } = searches[i];
-                if matches!(searches[i].state, State::Follow) {
-                    let found = system.followed(speed, self);
-                    searches[i].take_found(found);
+            // Those with the same need, in order; what nearly all wait for comes last.
+            let mut groups = BTreeMap::<(Need, usize), Vec<usize>>::new();
+            for (i, search) in searches.iter_mut().enumerate() {
+                if matches!(search.state, State::Follow) {
+                    let found = search.system.followed(search.speed, self);
+                    search.take_found(found);
+                }
+                if let State::Next(need, intervals) = search.state {
+                    groups.entry((need, intervals)).or_default().push(i);
                 }
             }
-            let need = |i: usize| match searches[i].state {
-                State::Next(need, intervals) => Some((need, intervals)),
-                _ => None,
-            };
-            waiting.retain(|&i| need(i).is_some());
-            // Those with the same need, in order; what nearly all wait for comes last.
-            waiting.sort_by_key(|&i| need(i));
-            let groups: Vec<&[usize]> = waiting.chunk_by(|&i, &j| need(i) == need(j)).collect();
-            let Some(group) = groups.iter().find(|group| group.len() >= LANES).or(groups.first())
-            else {
-                break;
-            };
-            let mut group = group[..group.len().min(LANES)].to_vec();
-            group.sort_unstable();
+            let full = groups.values().find(|group| group.len() >= LANES);
+            let Some(group) = full.or(groups.values().next()) else { break };
+            let group = &group[..group.len().min(LANES)];
             let mut lanes: Vec<&mut Search<'_>> = searches
                 .iter_mut()
                 .enumerate()
@@ -114,7 +107,6 @@ impl<'a> Pool<'a> {
             let losses = self.find_torques(intervals, count);
             for (l, search) in lanes.iter_mut().enumerate() {
                 let half_turns = search.system.half_turns;
-
                 let compliant = search.system.compliant();
                 let free = search.system.is_free();
                 let drive = Driven {
@@ -186,11 +178,9 @@ impl<'a> Pool<'a> {
         })
     }
 
-    /// The roots of unity of this number.
+    /// Finds the roots of unity of this number.
     pub(super) fn roots(&mut self, count: usize) {
-        if self.roots.len() != count {
-            self.roots = roots_of_unity(count);
-        }
+        self.roots.entry(count).or_insert_with(|| roots_of_unity(count));
     }
 
     /// Finds the series of the torques of the orbits at hand, then that of the slope of a free drive,
@@ -199,7 +189,7 @@ impl<'a> Pool<'a> {
         self.roots(intervals);
         let Self { newton, runs, samples, series, roots, .. } = self;
         compiled_up_to_avx2!(self.level, (compact, _stores) => {
-            torque_series(Lanes::of(compact, used), newton, runs, samples, series, roots)
+            torque_series(Lanes::of(compact, used), newton, runs, samples, series, &roots[&intervals])
         })
     }
 
@@ -231,6 +221,7 @@ impl<'a> Pool<'a> {
         let count = self.series.load(of);
         self.roots(8 * count);
         let Self { series, samples, roots, .. } = self;
+        let roots = &roots[&(8 * count)];
         compiled_up_to_avx2!(self.level, (compact, _stores) => {
             series.extremes(Lanes::of(compact, of.len()), samples, roots)
         })
@@ -255,34 +246,34 @@ impl<'a> Pool<'a> {
         self.runs.load(runs);
         self.newton.load(orbits);
         let Orbit { half_turns, intervals, .. } = *orbits[0];
-        let multiples = orders.iter().map(|order| multiple(*order, half_turns));
+        // The orders that repeat in a period; the others are zero.
+        let (places, multiples): (Vec<usize>, Vec<usize>) = orders
+            .iter()
+            .enumerate()
+            .filter_map(|(o, order)| Some((o, multiple(*order, half_turns)?)))
+            .unzip();
         let (angles, turns, scale): (Vec<f64>, Vec<Complex<f64>>, f64);
-        if let Some(Quadrature { nodes, states }) = &orbits[0].quadrature {
+        if let Some(Quadrature { nodes, states }) = orbits[0].quadrature.as_deref() {
             self.newton.states = states.iter().map(|x| all(*x)).collect();
             angles = nodes.iter().map(|[angle, _]| *angle).collect();
             let base = 2.0 / half_turns as f64;
-            let weighted = |n: Option<usize>| {
-                let turned = move |[angle, weight]: &[f64; 2]| {
-                    n.map_or_else(Complex::default, |n| turn(base * n as f64 * angle) * *weight)
-                };
-                nodes.iter().map(turned)
+            let weighted = |n: usize| {
+                nodes.iter().map(move |[angle, weight]| turn(base * n as f64 * angle) * *weight)
             };
-            turns = multiples.flat_map(weighted).collect();
+            turns = multiples.into_iter().flat_map(weighted).collect();
             scale = 2.0 / (PI * half_turns as f64);
         } else {
             self.roots(intervals);
-            let (roots, width) = (&self.roots, orbits[0].width());
+            let (roots, width) = (&self.roots[&intervals], orbits[0].width());
             angles = (0..intervals).map(|k| width * k as f64).collect();
-            let turned = |n: Option<usize>| {
-                let at = move |k| n.map_or_else(Complex::default, |n| roots[n * k % intervals]);
-                (0..intervals).map(at)
-            };
-            turns = multiples.flat_map(turned).collect();
+            let turned = |n: usize| (0..intervals).map(move |k| roots[n * k % intervals]);
+            turns = multiples.into_iter().flat_map(turned).collect();
             scale = 2.0 / intervals as f64;
         }
         let Self { newton, runs: equations, samples, .. } = self;
         compiled_up_to_avx2!(self.level, (compact, _stores) => {
-            angle_orders(Lanes::of(compact, runs.len()), newton, equations, samples, &angles, &turns);
+            let lanes = Lanes::of(compact, runs.len());
+            angle_orders(lanes, newton, equations, samples, &angles, (&places, &turns), orders.len());
         });
         for (curve, ends) in runs[0].0.ends_of_curves().into_iter().enumerate() {
             for (o, parts) in
@@ -328,8 +319,8 @@ fn torque_series(
     lanes.plus_scaled(ZERO, 1.0 / intervals as f64, losses)
 }
 
-/// The sums of the angle errors of all curves at given drive angles, times the cosines and the sines
-/// of the orders, `(orders, angles)`.
+/// The sums of the angle errors of all curves at given drive angles, for so many orders. Those at the
+/// places given are times the cosines and the sines `(places, angles)`; the others are zero.
 #[inline(always)]
 fn angle_orders(
     lanes: Lanes,
@@ -337,11 +328,11 @@ fn angle_orders(
     runs: &RunsSideBySide,
     sums: &mut Vec<Pack>,
     angles: &[f64],
-    turns: &[Complex<f64>],
+    (places, turns): (&[usize], &[Complex<f64>]),
+    orders: usize,
 ) {
     let m = runs.unknowns();
     let free = usize::from(runs.free);
-    let orders = turns.len() / angles.len();
     let curves = runs.pieces.len() + runs.followers.len();
     sums.clear();
     make_room(sums, 2 * curves * orders);
@@ -349,7 +340,7 @@ fn angle_orders(
         return;
     }
     for (k, (state, angle)) in newton.states.chunks_exact(2 * m).zip(angles).enumerate() {
-        let mut places = sums.chunks_exact_mut(2 * orders);
+        let mut of_curves = sums.chunks_exact_mut(2 * orders);
         for (p, piece) in runs.pieces.iter().enumerate() {
             let error = if p + free == 0 { &ZERO } else { &state[p + free - 1] };
             let sines = sines(lanes, *angle, &piece.offset, error);
@@ -360,11 +351,10 @@ fn angle_orders(
                     }
                     None => *error,
                 };
-                let Some(place) = places.next() else { continue };
-                for (sum, turns) in place.chunks_exact_mut(2).zip(turns.chunks_exact(angles.len()))
-                {
-                    sum[0] = lanes.plus_scaled(sum[0], turns[k].re, curve);
-                    sum[1] = lanes.plus_scaled(sum[1], turns[k].im, curve);
+                let Some(sums) = of_curves.next() else { continue };
+                for (o, turns) in places.iter().zip(turns.chunks_exact(angles.len())) {
+                    sums[2 * o] = lanes.plus_scaled(sums[2 * o], turns[k].re, curve);
+                    sums[2 * o + 1] = lanes.plus_scaled(sums[2 * o + 1], turns[k].im, curve);
                 }
             }
         }

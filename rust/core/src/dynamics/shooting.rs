@@ -659,7 +659,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         };
         let mut orbit = self.period(from, intervals, Some(&mut gathered))?;
         let Gathered { means, orders, extremes, losses, quadrature } = gathered;
-        orbit.quadrature = Some(quadrature);
+        orbit.quadrature = Some(Box::new(quadrature));
         let scale = 1.0 / (PI * half_turns as f64);
         let mut series = means.iter().zip(orders).map(|(mean, sums)| FourierSeries {
             half_turns,
@@ -892,7 +892,7 @@ mod tests {
         let linear = system(0.3, 1.0, 60.0, one.clone());
         let search = Search::at(&linear, 60.0, goal);
         let expected = pool.run(vec![search]).pop().unwrap().unwrap();
-        let with_play = system(0.3, 1.0, 60.0, Coupling { play: 0.01, ..one });
+        let with_play = system(0.3, 1.0, 60.0, Coupling { play: 0.02, ..one });
         let found = with_play.shoot(60.0, goal, &mut pool).unwrap();
         for order in [2.0, 4.0] {
             let apart = found.torques[0].order(order) - expected.torques[0].order(order);

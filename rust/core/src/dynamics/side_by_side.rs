@@ -23,10 +23,10 @@ pub(super) struct RunsSideBySide {
     pub(super) springs: Vec<SpringPack>,
     load_torque: Pack,
     load_damping: Pack,
-    /// Whether the drive is free, and its slope times the mean speed and its mean torque.
+    /// Whether the drive is free.
     pub(super) free: bool,
-    drive_slope: Pack,
-    mean_torque: Pack,
+    /// Of a free drive: its mean torque as the preload and its slope as the damping.
+    drive: SpringPack,
     /// Half turns of the drive in a period.
     half_turns: usize,
     square: Pack,
@@ -102,9 +102,6 @@ struct PieceMotionPack {
     inertia: Pack,
     inertia_slope: Pack,
     inertia_curvature: Pack,
-    /// The harmonic torques as they act on the piece's angle, and the derivative by it.
-    torque: Pack,
-    torque_slope: Pack,
 }
 
 impl HarmonicPack {
@@ -221,7 +218,7 @@ impl RunsSideBySide {
             self.load_torque[l] = system.load_torque;
             self.load_damping[l] = system.load_damping * speed;
             self.square[l] = speed * speed;
-            self.drive_slope[l] = match system.drive {
+            self.drive.damping[l] = match system.drive {
                 Drive::Held => 0.0,
                 Drive::Free { slope } => slope * speed,
             };
@@ -239,7 +236,7 @@ impl RunsSideBySide {
 
     /// Lets the torque of a free drive fall with its slope by so much more, in N m.
     pub(super) fn govern(&mut self, torque: f64) {
-        (0..LANES).for_each(|l| self.drive_slope[l] += torque);
+        (0..LANES).for_each(|l| self.drive.damping[l] += torque);
     }
 
     /// The number of unknown angles.
@@ -311,15 +308,7 @@ impl RunsSideBySide {
                 ..PieceMotionPack::default()
             };
             let [sines, cosines] = sines(lanes, angle, &piece.offset, error);
-            for harmonic in piece.harmonics.iter().filter(|own| own.follower.is_none()) {
-                for l in lanes.each() {
-                    let pin = angle + piece.pin[l] + error[l];
-                    let [torque, slope] = harmonic.at(l, pin);
-                    found.torque[l] += torque;
-                    found.torque_slope[l] += slope;
-                }
-            }
-            for (f, follower) in self.followers[piece.followers.clone()].iter().enumerate() {
+            for follower in &self.followers[piece.followers.clone()] {
                 if follower.idle {
                     continue;
                 }
@@ -336,16 +325,6 @@ impl RunsSideBySide {
                         double.mul_add(curvature, found.inertia_curvature[l]);
                     found.angle_error[l] = error;
                     (found.ratio[l], found.ratio_slope[l]) = (r, a);
-                }
-                for harmonic in piece.harmonics.iter().filter(|own| own.follower == Some(f)) {
-                    for l in lanes.each() {
-                        let [own, r, a, _] = follower.motion(l, sines[l], cosines[l]);
-                        let [torque, slope] =
-                            harmonic.at(l, angle + error[l] + own + follower.pin[l]);
-                        // Its power is the torque times the speed of the follower.
-                        found.torque[l] += r * torque;
-                        found.torque_slope[l] += a.mul_add(torque, r * r * slope);
-                    }
                 }
             }
             self.motions[p] = found;
@@ -368,6 +347,44 @@ impl RunsSideBySide {
         }
     }
 
+    /// Takes the harmonic torques, as they act on the angles of the pieces, out of the equations.
+    #[inline(always)]
+    fn subtract_harmonics(&self, lanes: Lanes, angle: f64, y: &[Pack], rows: &mut [EquationRow]) {
+        let first = usize::from(!self.free);
+        for ((piece, error), row) in self.pieces[first..].iter().zip(y).zip(rows) {
+            if piece.harmonics.is_empty() {
+                continue;
+            }
+            let [sines, cosines] = sines(lanes, angle, &piece.offset, error);
+            let (mut torques, mut slopes) = (ZERO, ZERO);
+            for harmonic in &piece.harmonics {
+                let (mut pins, mut ratios, mut ratio_slopes) = (ZERO, all(1.0), ZERO);
+                if let Some(f) = harmonic.follower {
+                    let follower = &self.followers[piece.followers.start + f];
+                    for l in lanes.each() {
+                        let [own, r, a, _] = follower.motion(l, sines[l], cosines[l]);
+                        pins[l] = angle + error[l] + own + follower.pin[l];
+                        (ratios[l], ratio_slopes[l]) = (r, a);
+                    }
+                } else {
+                    for l in lanes.each() {
+                        pins[l] = angle + piece.pin[l] + error[l];
+                    }
+                }
+                for l in lanes.each() {
+                    let [torque, slope] = harmonic.at(l, pins[l]);
+                    // Its power is the torque times the speed of the shaft.
+                    torques[l] += ratios[l] * torque;
+                    slopes[l] += ratio_slopes[l].mul_add(torque, ratios[l] * ratios[l] * slope);
+                }
+            }
+            for l in lanes.each() {
+                row.residual[l] -= torques[l];
+                row.by_angle[1][l] -= slopes[l];
+            }
+        }
+    }
+
     /// The speed ratio of a piece in the first lane.
     pub(super) fn ratio(&self, piece: usize) -> f64 {
         self.motions[piece].ratio[0]
@@ -377,13 +394,15 @@ impl RunsSideBySide {
     /// the dampings and of the load over its speed. Torques that depend on angles do no work.
     #[inline(always)]
     pub(super) fn add_losses(&self, lanes: Lanes, v: &[Pack], sum: &mut Pack) {
-        let last = self.pieces.len() - 1;
+        let ratio = self.motions[self.pieces.len() - 1].ratio;
+        let (first, last) = (v[0], v[v.len() - 1]);
         for l in lanes.each() {
-            let of_drive = if self.free { self.drive_slope[l] * v[0][l] * v[0][l] } else { 0.0 };
-            let slope = v.last().map_or(0.0, |v| v[l]);
-            let speed = self.motions[last].ratio[l] * (1.0 + slope);
+            let speed = ratio[l] * (1.0 + last[l]);
+            let of_drive = self.drive.damping[l] * first[l] * first[l];
             sum[l] += self.load_torque[l] + self.load_damping[l] * speed * speed + of_drive;
-            for (spring, rate) in self.springs.iter().zip(&self.rates) {
+        }
+        for (spring, rate) in self.springs.iter().zip(&self.rates) {
+            for l in lanes.each() {
                 sum[l] = (spring.damping[l] * rate[l]).mul_add(rate[l], sum[l]);
             }
         }
@@ -409,7 +428,7 @@ impl Equations for RunsSideBySide {
     }
 
     fn set_mean_torque(&mut self, torque: &Pack) {
-        self.mean_torque = *torque;
+        self.drive.preload = *torque;
     }
 
     #[inline(always)]
@@ -423,30 +442,28 @@ impl Equations for RunsSideBySide {
         self.prepare(lanes, angle, y, v);
         let first = usize::from(!self.free);
         for (u, row) in rows.iter_mut().enumerate() {
-            // Copies, which the compiler knows to be apart.
-            let own = self.motions[u + first];
-            let (slope, acceleration) = (v[u], a[u]);
-            let slope_before = if u == 0 { ZERO } else { v[u - 1] };
+            let p = u + first;
             // The torque that enters the piece: of the shaft before it or of the drive.
-            let (before, spring, torque) = if let Some(s) = (u + first).checked_sub(1) {
-                let (torque, most) = (self.torques[s], &mut self.largest[s]);
-                for l in lanes.each() {
-                    most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
-                }
-                (self.motions[s], self.springs[s], torque)
+            let (spring, torque) = if let Some(s) = p.checked_sub(1) {
+                (&self.springs[s], self.torques[s])
             } else {
                 let mut torque = ZERO;
                 for l in lanes.each() {
-                    torque[l] = (-self.drive_slope[l]).mul_add(slope[l], self.mean_torque[l]);
+                    torque[l] = (-self.drive.damping[l]).mul_add(v[u][l], self.drive.preload[l]);
                 }
-                let of_drive = SpringPack { damping: self.drive_slope, ..SpringPack::default() };
-                (PieceMotionPack::default(), of_drive, torque)
+                (&self.drive, torque)
             };
+            // Copies, which the compiler knows to be apart. No derivative by an unknown before the
+            // first one counts, so what is before that is all the same.
+            let (before, spring) = (self.motions[p.saturating_sub(1)], *spring);
+            let own = self.motions[p];
+            let (slope, acceleration) = (v[u], a[u]);
+            let slope_before = if u == 0 { ZERO } else { v[u - 1] };
             // The torque that leaves the piece, and its derivatives by this unknown and the next:
             // what the next shaft or the load does.
-            let next = self.springs.get(u + first).copied();
+            let next = self.springs.get(p).copied();
             let (behind, next_stiffness, next_damping) = if let Some(next) = next {
-                (self.torques[u + first], next.stiffness, next.damping)
+                (self.torques[p], next.stiffness, next.damping)
             } else {
                 let mut load = ZERO;
                 for l in lanes.each() {
@@ -457,6 +474,7 @@ impl Equations for RunsSideBySide {
             };
             let coupled = if next.is_some() { -1.0 } else { 0.0 };
             let square = self.square;
+            let mut most = if p > 0 { self.largest[p - 1] } else { ZERO };
             let mut found = EquationRow::default();
             for l in lanes.each() {
                 let rate = 1.0 + slope[l];
@@ -469,9 +487,9 @@ impl Equations for RunsSideBySide {
                 let by_angle =
                     next_stiffness[l].mul_add(ratio, next_damping[l] * ratio_slope * rate);
                 let damping = spring.damping[l];
-                found.residual[l] = ratio
-                    .mul_add(behind[l], square[l].mul_add(inertial, -torque[l]))
-                    - own.torque[l];
+                most[l] = if torque[l].abs() > most[l] { torque[l].abs() } else { most[l] };
+                found.residual[l] =
+                    ratio.mul_add(behind[l], square[l].mul_add(inertial, -torque[l]));
                 found.by_acceleration[l] = square[l] * inertia;
                 found.by_slope[0][l] = -damping * before.ratio[l];
                 found.by_slope[1][l] =
@@ -487,10 +505,14 @@ impl Equations for RunsSideBySide {
                         behind[l],
                         square[l].mul_add(inertial_by_angle, spring.stiffness[l]),
                     ),
-                ) - own.torque_slope[l];
+                );
                 found.by_angle[2][l] = coupled * ratio * next_stiffness[l];
             }
             *row = found;
+            if let Some(s) = p.checked_sub(1) {
+                self.largest[s] = most;
+            }
         }
+        self.subtract_harmonics(lanes, angle, y, rows);
     }
 }

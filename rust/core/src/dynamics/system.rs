@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::dynamics::coupling::{Coupling, Law};
+use crate::dynamics::periodic::multiple;
 use crate::dynamics::rigid_piece::{Harmonic, RigidPiece};
 use crate::error::{Error, Result};
 use crate::mechanics::chain::Transfer;
@@ -83,6 +84,12 @@ const TURNS: usize = 8;
 
 /// The highest order of a harmonic torque; higher ones would need more points than are allowed.
 const MOST_ORDER: f64 = 256.0;
+
+/// The half turns of the drive after which all orders repeat, shortest period first.
+fn periods(orders: &[f64]) -> impl Iterator<Item = usize> {
+    let repeat = |period: &usize| orders.iter().all(|order| multiple(*order, *period).is_some());
+    std::iter::once(1).chain((2..=2 * TURNS).step_by(2)).filter(repeat)
+}
 
 /// The properties of the shafts of one driveline with `n` joints.
 #[derive(Clone, Copy, Debug)]
@@ -201,8 +208,8 @@ impl TorsionalSystem {
             }
             if !(0.0..f64::INFINITY).contains(&slope) {
                 let problem = format!(
-                    "is {slope:?}; it is what the torque of the drive loses with its speed, and \
-                     must not be negative"
+                    "is {slope:?}; it says how much the torque of the drive falls with rising speed, \
+                     so it must be 0 or more, and finite"
                 );
                 return Err(Error::new("drive_slope", &[], problem));
             }
@@ -244,22 +251,29 @@ impl TorsionalSystem {
                 break;
             }
         }
-        let closes = |half_turns: &usize| {
-            let closed = |order: f64| {
-                let times = 0.5 * *half_turns as f64 * order;
-                (times - times.round()).abs() <= 1e-9 * times
-            };
-            harmonics.iter().all(|harmonic| closed(harmonic.order)) && closed(2.0)
-        };
-        let found = std::iter::once(1).chain((2..=2 * TURNS).step_by(2)).find(closes);
-        self.half_turns = found.ok_or_else(|| {
-            let orders: Vec<f64> = harmonics.iter().map(|harmonic| harmonic.order).collect();
+        // Torques are added in the order of the shafts.
+        self.pieces.iter_mut().for_each(|piece| piece.harmonics.sort_by_key(|own| own.follower));
+        let orders: Vec<f64> = harmonics.iter().map(|harmonic| harmonic.order).collect();
+        let mut fitting = orders.len();
+        while periods(&orders[..fitting]).next().is_none() {
+            fitting -= 1;
+        }
+        if let Some(order) = orders.get(fitting) {
+            // Its neighbours in the longest period of those before it.
+            let turns =
+                periods(&orders[..fitting]).last().map_or(1.0, |longest| 0.5 * longest as f64);
+            let below = (order * turns).floor();
+            let (lower, upper) = (below / turns, (below + 1.0) / turns);
+            let near =
+                if below > 0.0 { format!("{lower:?} or {upper:?}") } else { format!("{upper:?}") };
             let problem = format!(
                 "have the orders {orders:?}, which with the joints' order 2 repeat after more than \
-                 {TURNS} turns; they need a common divisor of at least 1/{TURNS}"
+                 {TURNS} turns; they need a common divisor of at least 1/{TURNS}, so take {near} \
+                 instead of {order:?}"
             );
-            Error::new("harmonics", &[], problem)
-        })?;
+            return Err(Error::new("harmonics", &[], problem));
+        }
+        self.half_turns = periods(&orders).next().unwrap_or(1);
         Ok(self)
     }
 
@@ -275,7 +289,8 @@ impl TorsionalSystem {
                 let problem = format!("are at shaft {}, which is rigid", coupling.shaft);
                 return Err(Error::new("couplings", &[coupling.shaft], problem));
             };
-            spring.law = Law::of(coupling)?.at_mean(self.load_torque).0;
+            let law = Law::of(coupling)?;
+            spring.law = law.at_mean(self.load_torque).unwrap_or(law);
         }
         if let Some(spring) = self.springs.iter().find(|spring| spring.law.loss_factor > 0.0)
             && self.has_kinks()
@@ -291,16 +306,14 @@ impl TorsionalSystem {
     /// The system with the stiffnesses that belong to these mean torques of the compliant shafts in
     /// N m, if any of them differs.
     pub(super) fn at_means(&self, torques: impl Iterator<Item = f64>) -> Option<Self> {
-        let laws: Vec<_> =
-            self.springs.iter().zip(torques).map(|(s, torque)| s.law.at_mean(torque)).collect();
-        if !laws.iter().any(|(_, differs)| *differs) {
-            return None;
+        let mut settled = None;
+        for (s, (spring, torque)) in self.springs.iter().zip(torques).enumerate() {
+            if let Some(law) = spring.law.at_mean(torque) {
+                let copy = || Self { highest: OnceLock::new(), ..self.clone() };
+                settled.get_or_insert_with(copy).springs[s].law = law;
+            }
         }
-        let mut settled = Self { highest: OnceLock::new(), ..self.clone() };
-        for (spring, (law, _)) in settled.springs.iter_mut().zip(laws) {
-            spring.law = law;
-        }
-        Some(settled)
+        settled
     }
 
     /// The torque in N m that brakes the last shaft at a speed in rad/s.

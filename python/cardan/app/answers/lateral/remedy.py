@@ -61,7 +61,9 @@ def remedies(found: Vibration, met: Met, bearing: int) -> Iterator[Remedy]:
         bearing: the elastic bearing that bears most of it.
     """
     for words, line in _layouts(found, met, bearing):
-        yield _after(found, met, bearing, words, line)
+        after = _after(found, met, bearing, words, line)
+        if after.left is not None and after.left <= _HELPS:
+            yield after
     for words, factor in (("half the stiffness", 0.5), ("twice the stiffness", 2.0)):
         yield _after(found, met, bearing, words, found.line, factor)
 
@@ -147,7 +149,7 @@ def _moves(line: Driveline) -> Iterator[_Move]:
 
 
 def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Driveline]]:
-    """Yield layouts in which order 2 of a bearing is smaller, in words.
+    """Yield layouts in which order 2 of a bearing may be smaller, in words.
 
     It is that in resonance where the damping is known, otherwise that of statics. Of pairs of
     moves the one within the least reach is listed that also leaves no equivalent bend.
@@ -177,17 +179,16 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
         by = _least(line, [move], force)
         for share in (1.0, 0.5):
             if by is not None:
-                layout = move.made(line, share * float(by[0]))
-                if length(force(layout)) <= _HELPS * present:
-                    yield move.words(line, share * float(by[0])), layout
+                own = share * float(by[0])
+                yield move.words(line, own), move.made(line, own)
+    yield _nearer(line, number)
     turned = [("", line)]
     for shaft in range(1, line.n_joints):
         phases = np.array(line.phases)
         phases[shaft - 1] += 0.5 * math.pi
         words = f"yokes of shaft {shaft} turned by {quantity(0.5 * math.pi, 'deg', digits='given')}"
         turned.append((words, line.with_phases(phases)))
-        if length(force(turned[-1][1])) <= _HELPS * present:
-            yield turned[-1]
+        yield turned[-1]
     best: tuple[float, str, Driveline] | None = None
     for words, base in turned:
         for pair in combinations(moves, 2):
@@ -201,6 +202,18 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
                 best = used, listed([*said, *filter(None, [words])]), layout
     if best is not None:
         yield best[1:]
+
+
+def _nearer(line: Driveline, bearing: int) -> tuple[str, Driveline]:
+    """Return the driveline with a bearing half as far from the nearest end of its shaft."""
+    shaft, position = line.bearings[bearing]
+    rest = float(line.lengths().each[shaft] - position)
+    is_upstream = shaft > 0 and (float(position) < rest or shaft == line.n_joints)
+    by = 0.5 * (-float(position) if is_upstream else rest)
+    moved = [(own, float(at) + by * (i == bearing)) for i, (own, at) in enumerate(line.bearings)]
+    joint = shaft - 1 if is_upstream else shaft
+    words = f"bearing {bearing} nearer to joint {joint} by {quantity(abs(by), 'mm')}"
+    return words, line.with_bearings(moved, line.lengths().each)
 
 
 def _all_made(line: Driveline, moves: Sequence[_Move], by: FloatArray) -> Driveline:

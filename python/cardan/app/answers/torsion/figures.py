@@ -262,7 +262,7 @@ class RunningSpeed:
     speed: float = figure("drive speed", "rpm")
     torque: float = figure("mean torque", "Nm")
     slope: float = figure(
-        "slope of the motor", "Nms_per_rad", "what its torque loses with its speed"
+        "slope of the motor", "Nms_per_rad", "how much its torque falls with rising speed"
     )
     torque_slope: float = figure(
         "slope of the driveline", "Nms_per_rad", "what it needs more with its speed"

@@ -351,7 +351,7 @@ LATERAL: Section[LateralCase | None] = Section(
         "speed_rpm": Key(
             SpeedValues(),
             "drive speeds at which the driveline runs: {from = …, to = …, steps = …} or a list; "
-            "needed where bearings have stiffnesses",
+            "needed unless a bearing of a shaft that moves is rigid",
         ),
         "tube_loss_factor": Key(
             Number(0, 1, what="a loss factor"),

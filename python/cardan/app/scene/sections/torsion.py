@@ -491,7 +491,7 @@ COUPLING: Section[Ratings] = Section(
             Number(0, 360),
             "free angle from one flank to the other, in which there is no torque",
             "play",
-            math.radians(0.5),
+            math.radians(1.0),
         ),
         "damper": Key(
             OneOf(("always", "contact")),
@@ -587,7 +587,7 @@ TORSION: Section[TorsionCase | None] = Section(
             "drive",
         ),
         "drive_slope_Nms_per_rad": Key(
-            Number(0, 1e9, what="what the torque of the drive loses with its speed"),
+            Number(0, 1e9, what="the fall of the drive's torque with rising speed"),
             "of a free drive: how much its torque falls with its speed; default: its mean torque "
             "keeps the mean speed",
             "drive_slope",

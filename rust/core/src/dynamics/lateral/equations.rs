@@ -28,6 +28,17 @@ const NODE: usize = 4;
 /// on.
 const LONGEST: f64 = 2.5;
 
+/// The most pieces of a shaft.
+const MOST_PIECES: f64 = 1e4;
+
+/// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
+/// where shapes are sought: shorter spans are so stiff that rounding hides all else.
+const CLOSE: f64 = 2e-4;
+
+/// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
+/// are sought: beside an end that does not move it hardly changes the resonances of a piece.
+const BESIDE: f64 = 0.02;
+
 /// A vibration at an order of the drive's rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rate {
@@ -114,11 +125,14 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
+    /// Up to which share of a shaft's length a bearing belongs to another node.
+    close: f64,
 }
 
 impl<'a> Layout<'a> {
-    /// The nodes of a system; point masses of shafts that bend have nodes as well, if asked for.
-    pub(super) fn new(system: &'a LateralSystem, nodes_of_masses: bool) -> Self {
+    /// The nodes of a system. Where shapes are sought, point masses of shafts that bend have nodes as
+    /// well, so that no piece with fixed ends resonates below its own frequencies.
+    pub(super) fn new(system: &'a LateralSystem, of_shapes: bool) -> Self {
         let attached = &system.attached;
         let mut own = Self {
             system,
@@ -127,6 +141,7 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
+            close: if of_shapes { CLOSE } else { 0.0 },
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());
@@ -144,14 +159,20 @@ impl<'a> Layout<'a> {
                     own.stops.push((shaft, stiffest.unwrap_or(rigid.centre)));
                 }
                 LateralShaft::Bending(_) => {
-                    let mut positions = vec![0.0, system.lengths[shaft]];
-                    positions.extend(bearings.map(|own| own.position));
-                    if nodes_of_masses {
-                        let masses = attached.masses.iter().filter(|own| own.shaft == shaft);
-                        positions.extend(masses.map(|own| own.position));
+                    let length = system.lengths[shaft];
+                    let mut positions = vec![0.0, length];
+                    let masses =
+                        attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
+                    let others = bearings
+                        .map(|bearing| (bearing.position, own.close))
+                        .chain(masses.map(|mass| (mass.position, BESIDE)));
+                    for (position, share) in others {
+                        let is_near = |node: &f64| (position - node).abs() <= share * length;
+                        if !positions.iter().any(is_near) {
+                            positions.push(position);
+                        }
                     }
                     positions.sort_by(f64::total_cmp);
-                    positions.dedup();
                     own.stops.extend(positions.into_iter().map(|position| (shaft, position)));
                 }
             }
@@ -180,7 +201,7 @@ impl<'a> Layout<'a> {
                     Some(axis) => pair_across(u, axis),
                     None => system.pairs[bearing.shaft],
                 };
-                (axes, own.at_node(bearing.shaft, bearing.position).expect("a node"))
+                (axes, own.near_node(bearing.shaft, bearing.position).expect("a node"))
             })
             .collect();
         own
@@ -188,6 +209,15 @@ impl<'a> Layout<'a> {
 
     /// The place of a position that belongs to a node at every frequency.
     pub(super) fn at_node(&self, shaft: usize, position: f64) -> Option<Place> {
+        self.node_within(shaft, position, 0.0)
+    }
+
+    /// The place of a bearing, if it belongs to such a node.
+    fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
+        self.node_within(shaft, position, self.close * self.system.lengths[shaft])
+    }
+
+    fn node_within(&self, shaft: usize, position: f64, distance: f64) -> Option<Place> {
         let range = self.first[shaft]..self.first[shaft + 1];
         match self.system.shafts[shaft] {
             LateralShaft::Held => None,
@@ -196,8 +226,8 @@ impl<'a> Layout<'a> {
             }
             LateralShaft::Bending(_) => range
                 .into_iter()
-                .find(|&stop| self.stops[stop].1 == position)
-                .map(|stop| Place { stop, arm: 0.0 }),
+                .map(|stop| Place { stop, arm: position - self.stops[stop].1 })
+                .find(|place| place.arm.abs() <= distance),
         }
     }
 
@@ -279,7 +309,9 @@ impl Equations {
                 }
             }
         }
-        self.unit = (0..size).map(|i| self.band.get(i, i).norm_sqr()).fold(0.0, f64::max).sqrt();
+        let largest = (0..size).map(|i| self.band.get(i, i).norm_sqr()).fold(0.0, f64::max).sqrt();
+        // Joints may hold rigid shafts on their own.
+        self.unit = if largest > 0.0 { largest } else { 1.0 };
         for joint in 0..system.joints() {
             self.add_joint(layout, joint);
         }
@@ -294,12 +326,7 @@ impl Equations {
         let mut next = 0;
         for (shaft, kind) in system.shafts.iter().enumerate() {
             let stops = &layout.stops[layout.first[shaft]..layout.first[shaft + 1]];
-            let waves = if let LateralShaft::Bending(own) = kind {
-                let at = Rate { omega: finest, speed, damped: false, lossy: false };
-                TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
-            } else {
-                0.0
-            };
+            let waves = wavenumber(kind, finest, speed);
             for (i, &(_, position)) in stops.iter().enumerate() {
                 if i > 0 {
                     let from = stops[i - 1].1;
@@ -485,6 +512,7 @@ impl Equations {
         shaft: usize,
         position: f64,
     ) -> [C; 3] {
+        let position = layout.system.snapped(shaft, position);
         if let Some(place) = layout.at_node(shaft, position) {
             return self.displacement(layout, shaft, place);
         }
@@ -539,6 +567,22 @@ impl Equations {
             }
         }
         sum
+    }
+}
+
+/// The largest wavenumber in 1/m of a shaft, 0 of one that does not bend.
+fn wavenumber(kind: &LateralShaft, omega: f64, speed: f64) -> f64 {
+    let LateralShaft::Bending(own) = kind else { return 0.0 };
+    let at = Rate { omega, speed, damped: false, lossy: false };
+    TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
+}
+
+impl LateralSystem {
+    /// Whether the waves in all shafts are long enough for their pieces to be counted.
+    pub(super) fn has_long_waves(&self, omega: f64, speed: f64) -> bool {
+        let mut shafts = self.shafts.iter().zip(&self.lengths);
+        shafts
+            .all(|(kind, length)| wavenumber(kind, omega, speed) * length <= LONGEST * MOST_PIECES)
     }
 }
 

@@ -10,11 +10,14 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
 use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
-use crate::dynamics::lateral::system::{LateralShaft, LateralSystem};
+use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, RigidShaft};
 use crate::error::{Error, Result};
 
 /// A natural frequency beyond this one in rad/s belongs to no shaft.
 const HIGHEST: f64 = 1e9;
+
+/// The most natural frequencies that are sought: those of a beam are as good as it is slender.
+const MOST: usize = 100;
 
 /// An eigenvalue, relative to the diagonal, below which nothing but rounding holds a shaft.
 const ROUNDING: f64 = 1e-12;
@@ -42,7 +45,7 @@ impl<'a> Scaled<'a> {
     fn new(layout: &'a Layout<'a>, finest: f64) -> Self {
         let mut own = Self { layout, equations: Equations::default(), finest, scales: vec![] };
         let still = own.matrix(0.0).diagonal();
-        let largest = still.max();
+        let largest = if still.max() > 0.0 { still.max() } else { 1.0 };
         // Nothing holds a free shaft without bearings, and a joint force has no diagonal.
         let scale = |&x: &f64| if x > ROUNDING * largest { x } else { largest }.sqrt().recip();
         own.scales = still.iter().map(scale).collect();
@@ -114,7 +117,15 @@ impl LateralSystem {
         for own in &mut alike.attached.bearings {
             own.stiffness = own.stiffness.map(|k| if k > 0.0 { stiffest } else { 0.0 });
         }
-        let layout = Layout::new(&alike, true);
+        // Nor does it depend on bending, and short stiff spans would hide what else holds a shaft.
+        for (shaft, length) in alike.shafts.iter_mut().zip(&self.lengths) {
+            if let LateralShaft::Bending(_) = shaft {
+                let centre = 0.5 * length;
+                *shaft =
+                    LateralShaft::Rigid(RigidShaft { mass: 0.0, centre, across: 0.0, along: 0.0 });
+            }
+        }
+        let layout = Layout::new(&alike, false);
         let mut scaled = Scaled::new(&layout, 0.0);
         let least = scaled.take_vector(0.0, 2 * self.joints());
         if least.is_none_or(|least| least >= ROUNDING) {
@@ -134,10 +145,14 @@ impl LateralSystem {
     /// shafts and positions in m. Rigid shafts have fewer.
     ///
     /// # Errors
-    /// A probe beyond its shaft.
+    /// A probe beyond its shaft, more than 100 frequencies.
     pub fn modes(&self, count: usize, probes: &[(usize, f64)]) -> Result<Vec<LateralMode>> {
         for (i, &(shaft, position)) in probes.iter().enumerate() {
             self.place("probes", i, shaft, position)?;
+        }
+        if count > MOST {
+            let problem = format!("is {count}; it must be at most {MOST}");
+            return Err(Error::new("count", &[], problem));
         }
         let layout = Layout::new(self, true);
         let ties = 2 * self.joints();
@@ -145,7 +160,7 @@ impl LateralSystem {
         let (mut low, mut high) = (0.0, 1.0);
         let mut scaled = Scaled::new(&layout, high);
         let mut below = scaled.eigenvalues(0.0);
-        while found.len() < count && high < HIGHEST {
+        while found.len() < count && high < HIGHEST && self.has_long_waves(high, 0.0) {
             scaled = Scaled::new(&layout, high);
             let above = scaled.eigenvalues(high);
             let number = above.iter().filter(|&&x| x < 0.0).count().saturating_sub(ties);
@@ -223,4 +238,82 @@ fn root(
         }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::dynamics::lateral::system::{Attached, BendingShaft, ElasticBearing, PointMass};
+    use crate::mechanics::geometry::Vector;
+
+    const TUBE: BendingShaft = BendingShaft {
+        stiffness: 1.6e5,
+        mass: 6.4,
+        shear_stiffness: f64::INFINITY,
+        rotary_inertia: 0.0,
+        loss_factor: 0.0,
+    };
+
+    /// Shafts in a line between two machines.
+    fn between(shafts: &[(f64, LateralShaft)], attached: Attached) -> LateralSystem {
+        let machine = (0.3, LateralShaft::Held);
+        let all = [&[machine], shafts, &[machine]].concat();
+        let (lengths, kinds): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+        let directions = vec![Vector::x(); kinds.len()];
+        LateralSystem::new(&directions, &lengths, &kinds, attached, None).unwrap()
+    }
+
+    fn close(found: f64, wanted: f64, error: f64) {
+        assert!((found / wanted - 1.0).abs() < error, "{found} for {wanted}");
+    }
+
+    #[test]
+    fn a_pinned_tube_has_sines_of_whole_waves() {
+        let system = between(&[(1.6, LateralShaft::Bending(TUBE))], Attached::default());
+        let first = (PI / 1.6).powi(2) * (TUBE.stiffness / TUBE.mass).sqrt();
+        for (i, mode) in system.modes(6, &[(1, 0.8)]).unwrap().iter().enumerate() {
+            let number = (i / 2 + 1) as f64;
+            close(mode.frequency, number * number * first, 1e-12);
+        }
+    }
+
+    #[test]
+    fn two_rods_are_one_mass_on_a_spring() {
+        let rod = |mass: f64, length: f64| {
+            let (centre, across) = (0.5 * length, mass * length * length / 12.0);
+            (length, LateralShaft::Rigid(RigidShaft { mass, centre, across, along: 0.0 }))
+        };
+        let bearing = ElasticBearing {
+            shaft: 1,
+            position: 1.13,
+            stiffness: [1.5e5; 2],
+            axis: None,
+            loss_factor: [0.1; 2],
+            damping: [0.0; 2],
+        };
+        let attached = Attached { bearings: vec![bearing], ..Attached::default() };
+        let system = between(&[rod(12.0, 1.25), rod(17.0, 1.75)], attached);
+        let modes = system.modes(3, &[]).unwrap();
+        assert_eq!(modes.len(), 2);
+        for mode in modes {
+            close(mode.frequency, 1.13 / 1.25 * (1.5e5_f64 / (29.0 / 3.0)).sqrt(), 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_is_close_to_an_end_moves_with_it() {
+        let frequency = |position: f64| {
+            let mass = PointMass { shaft: 1, position, mass: 3.0, across: 0.0, along: 0.0 };
+            let attached = Attached { masses: vec![mass], ..Attached::default() };
+            let system = between(&[(1.6, LateralShaft::Bending(TUBE))], attached);
+            system.modes(1, &[]).unwrap()[0].frequency
+        };
+        // A mass at a joint that a machine holds has no effect.
+        let bare = frequency(0.0);
+        for position in [1e-6, 1e-4, 3e-4, 1.6 - 1e-4] {
+            close(frequency(position), bare, 1e-5);
+        }
+    }
 }

@@ -217,7 +217,7 @@ mod tests {
         let whole = half.and(&point).and(&half).stiffness();
         // The middle node, eliminated.
         let part = half.stiffness();
-        let middle = part.blocks[1][1] + part.blocks[0][0] + point.blocks[1][0] * C::from(-1.0);
+        let middle = part.blocks[1][1] + part.blocks[0][0] + point.blocks[1][0];
         let inverse = middle.try_inverse().unwrap();
         let own = part.blocks[0][0] - part.blocks[0][1] * inverse * part.blocks[1][0];
         let load = -part.blocks[0][1] * inverse * Vector2::new(Complex::new(5.0, 1.0), C::ZERO);

@@ -217,16 +217,20 @@ impl LateralSystem {
             let problem = format!("has shaft {shaft}; there are {} shafts", self.lengths.len());
             return Err(Error::new(name, &[item], problem));
         };
-        let near = |end: f64| (position - end).abs() <= SAME_PLACE * length;
-        match [0.0, length].into_iter().find(|&end| near(end)) {
-            Some(end) => Ok(end),
-            None if position > 0.0 && position < length => Ok(position),
-            None => {
-                let problem =
-                    format!("has the position {position:?} m; shaft {shaft} is {length:?} m long");
-                Err(Error::new(name, &[item], problem))
-            }
+        let place = self.snapped(shaft, position);
+        if (0.0..=length).contains(&place) {
+            return Ok(place);
         }
+        let problem =
+            format!("has the position {position:?} m; shaft {shaft} is {length:?} m long");
+        Err(Error::new(name, &[item], problem))
+    }
+
+    /// A position, or the end of the shaft from which only rounding separates it.
+    pub(super) fn snapped(&self, shaft: usize, position: f64) -> f64 {
+        let length = self.lengths[shaft];
+        let near = |end: f64| (position - end).abs() <= SAME_PLACE * length;
+        [0.0, length].into_iter().find(|&end| near(end)).unwrap_or(position)
     }
 
     /// The two complex unit vectors across a shaft in which a vibration turns with the shaft and
