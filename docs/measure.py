@@ -1,8 +1,9 @@
 """Measures the built site in Chromium: ``python docs/measure.py build/site``.
 
 A code block must not be cut on a screen of 1280 pixels, nothing may be wider than a phone of 390
-pixels, and a page has at most 15 000 pixels of height on the screen. Prints what breaks this, the
-number of pages and the tallest page; needs the extra ``test``.
+pixels, a page has at most 15 000 pixels of height on the screen, the site at most 10 MB, and its
+search puts the right page first for the words of ``searches.txt``. Prints what breaks this, and the
+counts; needs the extra ``test``.
 """
 
 from __future__ import annotations
@@ -38,6 +39,39 @@ return [height, cut.map((code) => code.textContent.split('\\n', 1)[0]),
   wide.map((element) => element.outerHTML.slice(0, 80))];
 """
 
+SEARCH = """
+const [query, done] = arguments;
+const [input, meta] = ['input', 'result__meta'].map(
+  (part) => document.querySelector(`.md-search__${part}, .md-search-${part}`));
+input.focus();
+input.value = query;
+meta.textContent = '';
+for (const type of ['keyup', 'input']) input.dispatchEvent(new Event(type, { bubbles: true }));
+const started = Date.now();
+const look = () => {
+  // What is shown right away is the result of the search before.
+  const found = Date.now() - started > 100 && meta.textContent !== '';
+  const first = document.querySelector('.md-search-result__list > li a');
+  if (found) done(first ? first.href : '');
+  else setTimeout(look, 20);
+};
+look();
+"""
+
+
+def searched(browser: webdriver.Chrome, site: Path) -> tuple[int, list[str]]:
+    """Return the number of searches, and those that find another page first."""
+    lines = Path(__file__).with_name("searches.txt").read_text("utf-8").splitlines()
+    searches = [line.split(" | ") for line in lines if not line.startswith("#")]
+    browser.get((site / "licence.html").absolute().as_uri())
+    faults = []
+    for words, page in searches:
+        first = browser.execute_async_script(SEARCH, words)
+        found = first.partition("?")[0].removeprefix(f"{site.absolute().as_uri()}/")
+        if found != page.replace(".md", ".html"):
+            faults.append(f"'{words}' finds {found or 'nothing'}, not {page}")
+    return len(searches), faults
+
 
 def main(site: Path) -> int:
     """Return the number of faults, which are printed."""
@@ -61,12 +95,15 @@ def main(site: Path) -> int:
                 if width == 1280:
                     heights[height] = name
                     faults += [f"{name}: code is cut: {line}" for line in cut]
+        tried, missed = searched(browser, site)
+        faults += missed
     faults += [f"{heights[high]} is {high} pixels tall" for high in heights if high > TALLEST]
     size = sum(file.stat().st_size for file in site.rglob("*") if file.is_file())
     if size > LARGEST:
         faults.append(f"the site has {size / 1e6:.1f} MB")
     print(*faults, sep="\n")
-    print(f"{len(pages)} pages, {size / 1e6:.1f} MB, at most {max(heights)} pixels tall")
+    print(f"{len(pages)} pages, {size / 1e6:.2f} MB, at most {max(heights)} pixels tall")
+    print(f"{tried - len(missed)} of {tried} searches find their page first")
     return len(faults)
 
 

@@ -61,7 +61,7 @@ def on_post_build(config: MkDocsConfig) -> None:
 def schemas() -> dict[str, str]:
     """Return what ``cardan schema`` prints, on one line, by address on the site."""
     made = {"scene": cardan.Scene.schema(), "answers": answers_schema()}
-    return {f"{name}.schema.json": json.dumps(schema) for name, schema in made.items()}
+    return {f"{name}.schema.json": json.dumps(schema, separators=(",", ":")) for name, schema in made.items()}
 
 
 def moving() -> str:
