@@ -93,15 +93,20 @@ for ax, output in zip(axes, ("angle_error", "speed_ratio", "acceleration_ratio")
 save("motion", figure)
 save("harmonics", plots.plot_harmonics(joints))
 
-# A truck's string of three joints from the points of a drawing, and its loads.
-points = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
-truck = cardan.Driveline.from_points(points)
-save("driveline", plots.plot_driveline(truck, points=points))
-load = cardan.Load(output_torque=4000.0)
+# The shaft of the five-minute start.
+page = Path(__file__).parents[1] / "docs" / "start.md"
+text = page.read_text("utf-8").partition('```toml title="shaft.toml"\n')[2].partition("```")[0]
+save("start", plots.plot_scene(cardan.Scene.parse(text).run()))
+
+# A driveline of three joints in space, and the loads of a W arrangement.
+points = [[0, 0, 0], [600, 0, 0], [1900, -140, 60], [3100, -180, 0], [3500, -180, -40]]
+save("driveline", plots.plot_driveline(cardan.Driveline.from_points(points), points=points))
+w_shaft = cardan.Driveline.from_bends([15, 15], degrees=True)
+load = cardan.Load(drive_torque=200.0)
 figure, axes = panels(3)
-plots.plot_curves(truck, "torque", load=load, shaft=0, ax=axes[0])
-plots.plot_curves(truck, "bending_driven", load=load, joint=1, ax=axes[1])
-plots.plot_curves(truck, "support_moment", load=load, shaft=2, ax=axes[2])
+plots.plot_curves(w_shaft, "torque", load=load, shaft=1, ax=axes[0])
+plots.plot_curves(w_shaft, "bending_driven", load=load, joint=0, ax=axes[1])
+plots.plot_curves(w_shaft, "support_moment", load=load, shaft=1, ax=axes[2])
 for ax in axes:
     ax.label_outer()
 save("loads", figure)
@@ -118,33 +123,14 @@ study = scene.run().study
 assert study is not None
 save("equivalent_bend", plots.plot_study(study))
 
-# The length of a shaft between a gearbox and an axle that rises and falls.
-scene = cardan.Scene.parse("""
-    [driveline]
-    points_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 40]]
-    [study]
-    points_mm.2-3.y = {from = -180, to = 60, steps = 49}
-    [output]
-    shafts = [1]
-    closed_forms = ["length"]
-""")
+# The length of a shaft over the travel of its axle.
+scene = cardan.Scene.load(Path(__file__).with_name("slip.toml"))
 study = scene.run().study
 assert study is not None
 save("length", plots.plot_study(study, "length_1"))
 
 # The equivalent bend of a truck over its ride heights, with the limit of the catalogues.
-scene = cardan.Scene.parse("""
-    [driveline]
-    points_mm = [[0, 0, 0], [350, -24, 0], [1650, -145, 0], [3150, -240, 45], [3450, -262, 45]]
-    phases_deg = [90, 0]
-    [states]
-    names = [
-        "rebound -80 mm", "-60 mm", "-40 mm", "-20 mm", "ride height", "+20 mm", "+40 mm", "+60 mm",
-        "bump +80 mm",
-    ]
-    "points_mm.3.y" = [-320, -300, -280, -260, -240, -220, -200, -180, -160]
-    "points_mm.4.y" = [-342, -322, -302, -282, -262, -242, -222, -202, -182]
-""")
+scene = cardan.Scene.load(Path(__file__).with_name("ride_heights.toml"))
 heights = scene.run().study
 assert isinstance(heights, cardan.scene.StatesResult)
 save("states", plots.plot_states(heights))
