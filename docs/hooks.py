@@ -69,7 +69,9 @@ def on_post_page(output: str, **_: Any) -> str:  # noqa: ANN401
     """Drop indentation and empty lines, except in code."""
     parts = _VERBATIM.split(output)
     parts[::2] = [re.sub(r"\s*\n\s*", "\n", part) for part in parts[::2]]
-    return "".join(parts)
+    # Pages in HTML need neither marks of spaces in code nor the name space of formulas.
+    whole = "".join(parts).replace('<span class="w"> </span>', " ")
+    return whole.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
 
 
 def _table(match: re.Match[str]) -> str:

@@ -29,7 +29,7 @@ ROOT = Path(__file__).parent.parent
 SCRIPTS = {"drawings": ROOT / "docs" / "drawings", "pictures": ROOT / "examples" / "pictures.py"}
 CACHE = ROOT / "build" / "drawn"
 _LINES = re.compile(r"L [-\d. ]+(?:\nL [-\d. ]+)+")
-_PATH = re.compile(r'\bd="[^"]*"')
+_PLACE = re.compile(r'\b(?:d|x|y)="[^"]*"|translate\([^)]*\)')
 MACHINES = ("truck-shaft", "steering-column", "pto-shaft", "mill-spindle", "test-rig", "ship-shaft")
 """Their scenes, in the order of their pages."""
 HEAD = "---\nfold: tables\nsearch: {exclude: true}\n---\n\n"
@@ -61,7 +61,10 @@ def on_post_build(config: MkDocsConfig) -> None:
 def schemas() -> dict[str, str]:
     """Return what ``cardan schema`` prints, on one line, by address on the site."""
     made = {"scene": cardan.Scene.schema(), "answers": answers_schema()}
-    return {f"{name}.schema.json": json.dumps(schema, separators=(",", ":")) for name, schema in made.items()}
+    return {
+        f"{name}.schema.json": json.dumps(schema, separators=(",", ":"))
+        for name, schema in made.items()
+    }
 
 
 def moving() -> str:
@@ -99,7 +102,7 @@ def pictures() -> dict[str, Path]:
 def small(picture: str) -> str:
     """Return a picture of half the size: to a hundredth of a point, without metadata."""
     bare = re.sub(r"<metadata>.*?</metadata>", "", picture, flags=re.DOTALL)
-    return _PATH.sub(_rounded, re.sub(r"\s*\n\s*", "\n", bare))
+    return _PLACE.sub(_rounded, re.sub(r"\s*\n\s*", "\n", bare))
 
 
 def _rounded(match: re.Match[str]) -> str:
