@@ -31,8 +31,8 @@ const LONGEST: f64 = 2.5;
 /// The most pieces of a shaft.
 const MOST_PIECES: f64 = 1e4;
 
-/// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
-/// where shapes are sought: shorter spans are so stiff that rounding hides all else.
+/// A bearing closer to another node than this share of the shaft's length moves with it as if the
+/// shaft between were rigid: shorter spans are so stiff that rounding hides all else.
 const CLOSE: f64 = 2e-4;
 
 /// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
@@ -125,8 +125,6 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
-    /// Up to which share of a shaft's length a bearing belongs to another node.
-    close: f64,
 }
 
 impl<'a> Layout<'a> {
@@ -141,7 +139,6 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
-            close: if of_shapes { CLOSE } else { 0.0 },
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());
@@ -164,7 +161,7 @@ impl<'a> Layout<'a> {
                     let masses =
                         attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
                     let others = bearings
-                        .map(|bearing| (bearing.position, own.close))
+                        .map(|bearing| (bearing.position, CLOSE))
                         .chain(masses.map(|mass| (mass.position, BESIDE)));
                     for (position, share) in others {
                         let is_near = |node: &f64| (position - node).abs() <= share * length;
@@ -214,7 +211,7 @@ impl<'a> Layout<'a> {
 
     /// The place of a bearing, if it belongs to such a node.
     fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
-        self.node_within(shaft, position, self.close * self.system.lengths[shaft])
+        self.node_within(shaft, position, CLOSE * self.system.lengths[shaft])
     }
 
     fn node_within(&self, shaft: usize, position: f64, distance: f64) -> Option<Place> {
