@@ -338,6 +338,8 @@ def test_a_torsional_motion_brings_its_orders() -> None:
             wanted = 0.0 * wanted
         assert np.max(np.abs(found[:, :, i] - wanted)) < 1e-9 * size
     assert np.max(np.abs(found[:, :, 3])) > 0.01 * size
+    high = own.response(speeds, motion, [300]).bearing_force
+    assert np.max(np.abs(high)) < 1e-9 * size
     steady = own.response(speeds, Load(drive_torque=500.0), orders).bearing_force
     assert np.max(np.abs(steady[:, :, 3])) < 1e-9 * size
 
@@ -637,6 +639,16 @@ def test_digits_that_a_mass_near_an_end_costs(at: float, close: float) -> None:
     system = bearing_and_mass(at, 3.0)
     points = sorted([(at, 0.0, 3.0), (0.8, 3e5, 0.0)])
     for found in system.natural_frequencies(4)[::2]:
+        ends = found * (1.0 - 1e-4), found * (1.0 + 1e-4)
+        wanted = mp.findroot(lambda w: Digits(w, points).determinant(), ends, tol=1e-25)
+        assert abs(float(found / wanted - 1)) < close
+
+
+@pytest.mark.parametrize(("at", "close"), [(2e-3, 1e-10), (5e-4, 1e-8), (1e-4, 1e-9), (1e-5, 1e-9)])
+def test_digits_of_frequencies_that_a_bearing_near_an_end_costs(at: float, close: float) -> None:
+    """Next to the end it moves with it."""
+    points = [(at, 3e5, 0.0)]
+    for found in bearing_and_mass(at, 0.0).natural_frequencies(4)[::2]:
         ends = found * (1.0 - 1e-4), found * (1.0 + 1e-4)
         wanted = mp.findroot(lambda w: Digits(w, points).determinant(), ends, tol=1e-25)
         assert abs(float(found / wanted - 1)) < close
