@@ -738,7 +738,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, math.nan, 3e5)]},
             ValueError,
-            "bearings[0] has the position NaN m; shaft 1 is 1.2",
+            "bearings[0].position is nan; it must be finite",
         ),
         ({"bearings": [ElasticBearing(4, 1, 3e5)]}, IndexError, "bearings.shaft[0] is 4; there"),
         ({"bearings": [ElasticBearing(1.5, 1, 3e5)]}, TypeError, "bearings.shaft[0] is 1.5; it"),  # type: ignore[arg-type]
@@ -755,7 +755,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, 1.1, math.inf)]},
             ValueError,
-            "bearings[0] has the stiffness inf; it must be finite and not negative",
+            "bearings[0].stiffness is inf; it must be finite",
         ),
         (
             {"bearings": [ElasticBearing(1, 1.1, 3e5, damping=(0.0, -1.0), axis=(0, 0, 1))]},

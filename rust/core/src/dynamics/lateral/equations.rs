@@ -32,8 +32,9 @@ const LONGEST: f64 = 2.5;
 const MOST_PIECES: f64 = 1e4;
 
 /// A bearing closer to another node than this share of the shaft's length moves with it as if the
-/// shaft between were rigid: shorter spans are so stiff that rounding hides all else.
-const CLOSE: f64 = 2e-4;
+/// shaft between were rigid, in responses and where shapes are sought: shorter spans are so stiff that
+/// rounding hides all else, of eigenvalues sooner than of solutions.
+const CLOSE: [f64; 2] = [2e-6, 2e-4];
 
 /// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
 /// are sought: beside an end that does not move it hardly changes the resonances of a piece.
@@ -125,6 +126,8 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
+    /// Up to which share of a shaft's length a bearing belongs to another node.
+    close: f64,
 }
 
 impl<'a> Layout<'a> {
@@ -139,6 +142,7 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
+            close: CLOSE[usize::from(of_shapes)],
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());
@@ -161,7 +165,7 @@ impl<'a> Layout<'a> {
                     let masses =
                         attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
                     let others = bearings
-                        .map(|bearing| (bearing.position, CLOSE))
+                        .map(|bearing| (bearing.position, own.close))
                         .chain(masses.map(|mass| (mass.position, BESIDE)));
                     for (position, share) in others {
                         let is_near = |node: &f64| (position - node).abs() <= share * length;
@@ -211,7 +215,7 @@ impl<'a> Layout<'a> {
 
     /// The place of a bearing, if it belongs to such a node.
     fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
-        self.node_within(shaft, position, CLOSE * self.system.lengths[shaft])
+        self.node_within(shaft, position, self.close * self.system.lengths[shaft])
     }
 
     fn node_within(&self, shaft: usize, position: f64, distance: f64) -> Option<Place> {
