@@ -180,7 +180,10 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
         ("[load]", "phases_deg = [90, 0]\n[load]"),
     )
     assert float(figures(made).vibration.line.equivalent().bend) < math.radians(0.2)
-    assert shudder(made)[1] == pytest.approx(both.peak, rel=0.2)
+    after = figures(made).vibration
+    assert (
+        np.interp(639.0 * RPM, after.speed, after.response.of_order("bearing_force")[0, :, 2]) < 10
+    )
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
@@ -332,10 +335,12 @@ ERRORS: dict[str, tuple[str, tuple[tuple[str, str], ...], str]] = {
         r"joint 0 joins two shafts that are held by their machines, shafts 0 and 1",
     ),
     "no support": (
-        "[driveline]\nbends_deg = 5\nlengths_mm = [300, 900]\n[lateral]\nspeed_rpm = [100, 200]\n"
-        "[[lateral.rigid]]\nshaft = 1\nmass_kg = 10\n",
+        "[driveline]\nbends_deg = [5, 4, 3, 2]\nlengths_mm = [300, 900, 900, 900, 300]\n"
+        "[[bearing]]\nshaft = 1\nposition_mm = 500\nstiffness_N_per_mm = 300\n"
+        "[lateral]\nspeed_rpm = [100, 200]\n"
+        + "".join(f"[[lateral.rigid]]\nshaft = {shaft}\nmass_kg = 10\n" for shaft in (1, 2, 3)),
         (),
-        r"\[lateral\] .*without support",
+        r"\[lateral\] bearings and joints leave shaft 3 without support",
     ),
     "no lengths": (
         "[driveline]\nbends_deg = 5\n[lateral]\nspeed_rpm = [100, 200]\n",

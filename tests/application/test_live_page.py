@@ -870,6 +870,19 @@ def test_forces_of_elastic_bearings_are_those_of_the_package_of_what_is_saved(ru
                 own = forces[0, near, [1, 2, 4].index(order)]
                 assert resonance["force"] == pytest.approx(np.max(own), rel=1e-9)
                 peaks.add(round(resonance["force"], 6))
+            shape, lengths = found["shape"], scene_now.line.lengths().each
+            probes = [
+                (shaft, x * own) for shaft, own in enumerate(lengths) for x in np.arange(13) / 12
+            ]
+            swing = system.response(
+                shape["of"]["at"], scene_now.load_case, orders=[shape["of"]["order"]], probes=probes
+            ).displacement[:, 0]
+            told_swing = [
+                complex(x, y)
+                for p in shape["places"]
+                for x, y in zip(p["re"], p["im"], strict=True)
+            ]
+            assert np.max(np.abs(swing.ravel() - told_swing)) < 1e-9 * np.max(np.abs(swing))
             orders = [each["order"] for each in found["resonances"]]
             assert orders == ([1, 2] if scene is shudder else [2, 4])
         # An unbalance does not follow the torque.

@@ -262,8 +262,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, units, driveline, bearing, load, sweep, angles, "
-        "limits, tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, "
-        "study, states, wind_up, optimise, output",
+        "limits, tolerances, slip, steering, joints, offsets, life, tubes, torsion, lateral, "
+        "ball_joint, study, states, wind_up, optimise, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

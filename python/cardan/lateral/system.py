@@ -29,6 +29,9 @@ from cardan.torsion.tube import Tube
 
 _HELD, _RIGID, _BENDING = range(3)
 
+# As many as the native module seeks.
+_MOST_MODES = 100
+
 # Places between the ends of a shaft that bends, among which the one is sought that moves most.
 _PLACES = 8
 
@@ -210,7 +213,7 @@ class LateralSystem:
         response a little. They are infinite where rigid shafts have fewer.
 
         Args:
-            count: how many, at least 1.
+            count: how many, from 1 to 100.
 
         Source: W. H. Wittrick and F. W. Williams 1971, with the exact dynamic stiffness of tubes.
         """
@@ -265,9 +268,9 @@ class LateralSystem:
         Raises:
             TypeError: a load of another kind.
             IndexError: a probe on a shaft that does not exist.
-            ValueError: a speed that is not finite, an acceleration, a negative order, a probe
-                beyond its shaft, the motion of another driveline or at other speeds, shapes that do
-                not broadcast.
+            ValueError: a speed that is not finite, or so large that waves are too short for their
+                pieces to be counted; an acceleration, a negative order, a probe beyond its shaft,
+                the motion of another driveline or at other speeds, shapes that do not broadcast.
         """
         speeds, order = finite("speed", speed), np.atleast_1d(finite("orders", orders))
         if order.ndim > 1 or np.any(order < 0.0):
@@ -306,7 +309,8 @@ class LateralSystem:
             orders: multiples of the drive speed.
 
         Raises:
-            ValueError: a batch, speeds that are not in order, an order that is not positive.
+            ValueError: a batch, speeds that are not in order or need more than 100 modes, an order
+                that is not positive.
         """
         if self.shape:
             raise ArgumentValueError("system", f"is a batch {self.shape}; it must be one")
@@ -321,7 +325,11 @@ class LateralSystem:
         places = self._places()
         highest, count = high * float(order.max()), 8
         while (modes := self.modes(count, places)).frequencies[-1] <= highest:
-            count *= 2
+            if count == _MOST_MODES:
+                reach = modes.frequencies[-1] / float(order.max())
+                problem = f"reach beyond {reach:.6g} rad/s, up to which modes are sought"
+                raise ArgumentValueError("speeds", problem)
+            count = min(2 * count, _MOST_MODES)
         found = []
         for frequency, moved in zip(
             modes.frequencies.tolist(), np.moveaxis(modes.displacement, 0, 1), strict=True
@@ -446,7 +454,7 @@ def _numbers(name: str, items: Sequence[Any]) -> FloatArray:
         for field, size in fields.items():
             value = getattr(item, field)
             label = f"{name}[{i}].{field}"
-            array = np.full(size, np.nan) if value is None else as_float64(label, value)
+            array = np.full(size, np.nan) if value is None else finite(label, value)
             if size == 2 and not array.ndim:
                 array = np.broadcast_to(array, 2)
             if size > 1 and (not array.ndim or array.shape[-1] != size):

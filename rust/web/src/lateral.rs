@@ -37,13 +37,16 @@ pub(crate) fn lateral(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     }
     let moments: Vec<_> =
         real.iter().zip(imaginary).map(|(&re, &im)| Complex::new(re, im)).collect();
+    let (shafts, positions) = (arguments.counts("probe_shafts")?, arguments.of("probe_positions"));
+    check_length("probe_positions", positions.len(), shafts.len(), 1)?;
+    let probes: Vec<_> = shafts.into_iter().zip(positions.iter().copied()).collect();
     let runs = LateralRuns {
         systems: &[system],
         system: &vec![0; speed.len()],
         speed,
         orders,
         moments: &moments,
-        probes: &[],
+        probes: &probes,
     };
     let each = speed.len() * orders.len();
     let mut found = vec![Complex::default(); 3 * each * runs.vectors()];
@@ -52,12 +55,19 @@ pub(crate) fn lateral(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     let count = arguments.count("count")?;
     let frequencies =
         runs.systems[0].modes(count, &[])?.iter().map(|mode| mode.frequency).collect();
-    // Of every run and order the forces of the bearings and their displacements come first.
-    let bearings = runs.systems[0].bearings();
-    let part = |first: usize| -> Result<Vec<f64>> {
-        let own = found.chunks_exact(3 * runs.vectors().max(1));
-        let own: Vec<_> = own.flat_map(|x| x[3 * first..][..3 * bearings].to_vec()).collect();
-        largest_lengths(&own, &[1.0])
+    // Of every run and order the forces of the bearings and their displacements come first, and the
+    // displacements of the probes last.
+    let (bearings, all) = (runs.systems[0].bearings(), runs.vectors());
+    let part = |first: usize, count: usize| -> Vec<Complex<f64>> {
+        let own = found.chunks_exact(3 * all.max(1));
+        own.flat_map(|x| x[3 * first..][..3 * count].to_vec()).collect()
     };
-    Ok(vec![frequencies, part(0)?, part(bearings)?])
+    let moved = part(all - probes.len(), probes.len());
+    Ok(vec![
+        moved.iter().map(|x| x.re).collect(),
+        moved.iter().map(|x| x.im).collect(),
+        frequencies,
+        largest_lengths(&part(0, bearings), &[1.0])?,
+        largest_lengths(&part(bearings, bearings), &[1.0])?,
+    ])
 }

@@ -466,9 +466,13 @@ pub(crate) static FUNCTIONS: &[Function] = &[
                 field("orders", "1", "orders"),
                 field("moments_re", "N m", "speeds, orders, joints, 3"),
                 field("moments_im", "N m", "speeds, orders, joints, 3"),
+                field("probe_shafts", "1", "probes"),
+                field("probe_positions", "m", "probes"),
             ],
         ],
         results: &[
+            field("probes_re", "m", "speeds, orders, probes, 3"),
+            field("probes_im", "m", "speeds, orders, probes, 3"),
             field("frequencies", "rad/s", "count"),
             field("forces", "N", "speeds, orders, elastic"),
             field("displacements", "m", "speeds, orders, elastic"),

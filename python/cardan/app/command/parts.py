@@ -160,8 +160,8 @@ def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
     has the couples and the force of order 2 at each bearing. The exit status does not depend on
     the verdict.
 
-    The picture shows the force of the bearings over the drive speed. "cardan plot SCENE --what
-    shapes" draws the shafts in resonance, "--what stiffness" the force over stiffness and speed.
+    The picture shows the forces of the bearings over the speed. "cardan plot --what shapes" draws
+    the shafts in resonance, "--what stiffness" the force over stiffness and speed.
 
     \b
     Examples:

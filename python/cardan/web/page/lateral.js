@@ -10,6 +10,7 @@ import { CardanError } from "../cardan.js";
 import { Chart } from "./charts.js";
 import { made, say } from "./elements.js";
 import { asGiven, quantityText } from "./numbers.js";
+import { Shape } from "./shape.js";
 
 /** Drive angles at which moments are taken apart into orders. */
 const ANGLES = Array.from({ length: 96 }, (_, i) => (2 * Math.PI * i) / 96);
@@ -19,6 +20,9 @@ const [STEPS, AROUND] = [120, Array.from({ length: 97 }, (_, i) => 1 + 0.0025 * 
 const ROOM = 1.15;
 /** The largest moments of an order that rounding leaves, as a share of all. */
 const ROUNDING = 1e-9;
+/** Places of a shaft of which the motion is shown, in shares of its length. */
+const PLACES = Array.from({ length: 13 }, (_, i) => i / 12);
+const CLEARLY = 1.5;
 const COUNT = 8; // natural frequencies
 const OVER = "drive speed [rpm]";
 
@@ -57,6 +61,8 @@ const OVER = "drive speed [rpm]";
  * @property {Resonance[]} resonances the first one of each order that joints or unbalances excite
  * @property {number[]} speeds in rad/s
  * @property {number[][][]} forces in N, by order and bearing
+ * @property {{places: import("./shape.js").Place[], bearings: import("./shape.js").Place[], of: Resonance} | null} shape
+ *   at the peak with the largest force
  */
 
 /**
@@ -106,10 +112,17 @@ export function lateralOf(machine, sent, state) {
   const unit = (own.data.inertias ?? []).length
     ? momentsOf(own.with({ torque: [0], speed: [1] }), orders)
     : { re: torque.re.map(() => 0), im: torque.im.map(() => 0) };
-  const call = (/** @type {number} */ count, /** @type {number[]} */ speeds) => {
+  /**
+   * @param {number} count of natural frequencies
+   * @param {number[]} speeds
+   * @param {[number, number][]} probes shaft and position of each
+   */
+  const call = (count, speeds, probes = []) => {
     const of = (/** @type {"re" | "im"} */ part) =>
       speeds.flatMap((speed) => torque[part].map((x, i) => x + speed * speed * unit[part][i]));
-    return own.call("lateral", { ...given, lengths, count, speeds, orders, moments_re: of("re"), moments_im: of("im") });
+    const [probe_shafts, probe_positions] = [0, 1].map((i) => probes.map((probe) => probe[i]));
+    const moments = { moments_re: of("re"), moments_im: of("im") };
+    return own.call("lateral", { ...given, ...moments, lengths, count, speeds, orders, probe_shafts, probe_positions });
   };
   const { frequencies } = call(COUNT, []);
   const each = torque.re.length / orders.length;
@@ -139,7 +152,25 @@ export function lateralOf(machine, sent, state) {
     });
     return [found];
   });
-  return { resonances, speeds, forces };
+  const peak = resonances.reduce((best, each) => (each.force > best.force ? each : best), resonances[0]);
+  if (!peak || !peak.force) return { resonances, speeds, forces, shape: null };
+  const directions = Array.from(/** @type {ArrayLike<number>} */ (own.data.directions)).flat();
+  const starts = [[0, 0, 0]];
+  lengths.forEach((length, shaft) => {
+    starts.push(starts[shaft].map((x, i) => x + length * directions[3 * shaft + i]));
+  });
+  const along = lengths.flatMap((length, shaft) =>
+    PLACES.map((share) => /** @type {[number, number]} */ ([shaft, share * length])));
+  const held = sent.elastic.map((bearing, i) =>
+    /** @type {[number, number]} */ ([given.elastic_shafts[i], positions[bearing]]));
+  const { probes_re, probes_im } = call(0, [peak.at], [...along, ...held]);
+  const first_of = 3 * orders.indexOf(peak.order) * (along.length + held.length);
+  const all = [...along, ...held].map(([shaft, position], i) => {
+    const [re, im] = [probes_re, probes_im].map((flat) => Array.from(flat.slice(first_of + 3 * i, first_of + 3 * i + 3)));
+    return { at: starts[shaft].map((x, k) => x + position * directions[3 * shaft + k]), re, im, shaft };
+  });
+  const shape = { places: all.slice(0, along.length), bearings: all.slice(along.length), of: peak };
+  return { resonances, speeds, forces, shape };
 }
 
 /**
@@ -160,6 +191,7 @@ export function lateralCard(element, model) {
   const chart = new Chart(picture, { heading: "Largest force of each order", unit: sent.force.unit, over: OVER });
   const words = made("div", "", parts);
   words.setAttribute("role", "status");
+  const shape = new Shape(element);
   const drawn = /** @type {Map<number, Found>} */ (new Map());
   const told = (/** @type {number} */ inside, /** @type {Quantity} */ of) => quantityText(inside * of.factor, of);
 
@@ -207,6 +239,18 @@ export function lateralCard(element, model) {
     chart.draw({ x, curves, ghosts, holds: [0, top] }, isGrowing);
   };
 
+  /** @param {Found["shape"]} found */
+  const swing = (found) => {
+    shape.figure.hidden = !found || !sent.is_known;
+    if (!found || !sent.is_known) return;
+    // In the side view, unless much more is to be seen from above.
+    const size = (/** @type {{down: number[]}} */ { down }) => Math.max(...found.places.map(({ re, im }) =>
+      Math.hypot(...[re, im].map((part) => part.reduce((sum, x, i) => sum + x * down[i], 0)))));
+    const view = model.sent.views.reduce((best, each) => (size(each) > CLEARLY * size(best) ? each : best));
+    const { order, at } = found.of;
+    shape.show(found.places, found.bearings, view, `Order ${asGiven(order)} at ${told(at, sent.speed)}. ${view.name}`);
+  };
+
   const show = (/** @type {boolean} */ isWhole) => {
     const { state } = model;
     const where = states.length > 1 ? states[state] : "";
@@ -215,6 +259,7 @@ export function lateralCard(element, model) {
       if (!drawn.has(state)) drawn.set(state, lateralOf(model.drawnMachine, sent, state));
       const found = lateralOf(model.machine, sent, state);
       tell(found);
+      swing(found.shape);
       draw(found, model.isDrawn ? undefined : drawn.get(state), !isWhole);
     } catch (error) {
       if (!(error instanceof CardanError)) throw error;

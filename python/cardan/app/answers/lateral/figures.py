@@ -276,7 +276,7 @@ def find(answer: Answer) -> LateralFigures | None:
         statics=(),
         modes=tuple(
             NaturalFrequency(
-                group.number, group.frequency, float(np.sum(group.shares)), group.loss[1], shape
+                group.number, group.frequency, min(1.0, group.shares.sum()), group.loss[1], shape
             )
             for group, shape in zip(one.groups, shapes, strict=True)
             if group.frequency <= 4.0 * 1.5 * high
@@ -441,15 +441,15 @@ def _bearings(
                 ("bearing_displacement", "displacement_mm"),
             )
         )
-        outside, most = ~worst.unknown, dict.fromkeys(ALL, 0.0)
-        speed = None
+        outside, speed = ~worst.unknown, None
+        most: dict[int, float | None] = dict.fromkeys(ALL)
         if np.any(outside):
             own = worst.response.largest("bearing_force")[i, outside]
             speed = float(worst.speed[outside][np.argmax(own)])
             sizes = np.max(worst.response.of_order("bearing_force")[i, outside], axis=0)
             found_orders = dict(zip(ALL, sizes.tolist(), strict=True))
             known = set(worst.excited) - (set() if worst.case.unbalance else {1})
-            most |= {order: found_orders[order] for order in (0, *known)}
+            most = {order: found_orders[order] * (order in (0, *known)) for order in ALL}
         yield BearingVibration(
             number, shaft, size, force, speed, most[0], most[1], most[2], most[4], moved
         )
@@ -462,8 +462,10 @@ def _over_speeds(
     values: list[float] = []
     bands: list[Met] = []
     for one in found:
-        own = one.response.largest(name)[bearing, ~one.unknown]
-        values.append(float(np.max(own, initial=0.0)))
+        if np.all(one.unknown):
+            why = "the damping is not known at any of the speeds"
+            return Judged(None, why=why, **limit)
+        values.append(float(np.max(one.response.largest(name)[bearing, ~one.unknown])))
         bands += one.bands
     judged = over(scene, np.array(values), names=_names(scene), **limit)
     if bands and judged.verdict in ("within", "tolerable"):

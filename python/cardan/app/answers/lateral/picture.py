@@ -79,7 +79,7 @@ def _needed(answer: Answer, *, response: bool = True) -> LateralFigures:
 
 
 def _force(answer: Answer) -> Figure:
-    """Force of elastic bearings over the drive speed, with its orders."""
+    """Force of elastic bearings over the speed, with its orders."""
     found = _needed(answer)
     assert found.response
     panels = [
@@ -178,7 +178,7 @@ def _draw_shape(axes: Axes, found: LateralFigures, group: Group) -> None:
 
 
 def _stiffness(answer: Answer) -> Figure:
-    """Force of order 2 over the stiffness of a bearing and the drive speed."""
+    """Force of order 2 over stiffness of a bearing and speed."""
     found = _needed(answer)
     return stacked([(_MAP, lambda axes: _draw_map(axes, found))], answer.of.title)
 

@@ -41,6 +41,10 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
         return
     state = f", in {found.state}" if found.state else ""
     one = found.vibration
+    most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
+    if not most:
+        yield "no joint is bent under torque, so nothing bends the shafts twice per turn"
+        return
     if one.statics is None and one.case.elastic:
         yield (
             "statics does not determine the forces of the bearings; those below follow from their "
@@ -57,7 +61,6 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
             "the force there as 0, and with the stiffnesses of the bearings it is not; only the "
             "static forces are without it"
         )
-    most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
     for each in found.couples:
         bow, tilt = (quantity(size, "Nm") for size in (each.bow, each.tilt))
         if each.bow <= _STILL * most:
@@ -171,7 +174,7 @@ def _help(found: LateralFigures) -> Iterator[str]:
         best = min(layouts, key=lambda each: each.left or 0.0)
         yield (
             f"{best.change}: this leaves {quantity(best.left or 0.0, 'percent')} of order 2 at "
-            f"bearing {best.bearing}, and no single change leaves less"
+            f"bearing {best.bearing}, the least of what was tried"
         )
     soft, stiff = (
         next((each for each in found.remedies if each.stiffness == factor), None)

@@ -36,7 +36,8 @@ _MODES, _STEPS = 12, 201
 # Speeds around a resonance, in shares of it.
 _AROUND = np.linspace(-0.12, 0.12, 97)
 _SOFTER = 1e-3
-_ROUNDING = 1e-6
+# An order counts as excited from this share of the largest force of any.
+_COUNTS = 1e-3
 
 
 class Group(NamedTuple):
@@ -157,7 +158,7 @@ class Vibration:
             return (1, 2)
         forces = [self.response.of_order(f"{name}_force") for name in ("bearing", "joint")]
         most = np.max([np.max(own, axis=(0, 1), initial=0.0) for own in forces], axis=0)
-        beyond = dict(zip(ALL, most > _ROUNDING * np.max(most), strict=True))
+        beyond = dict(zip(ALL, most > _COUNTS * np.max(most), strict=True))
         return (1, *(order for order in (2, 4) if beyond[order]))
 
     @cached_property
@@ -222,9 +223,13 @@ class Vibration:
         if not forces.size or is_hidden:
             return None
         bearing, at = np.unravel_index(int(np.argmax(forces)), forces.shape)
-        moved = self.response.of_order("bearing_displacement")[bearing, around, place]
-        speed = float(self.speed[around][at])
-        return int(bearing), speed, float(forces[bearing, at]), float(moved[at])
+        at = np.flatnonzero(around)[at]
+        own = self.response.of_order("bearing_force")[bearing, :, place]
+        if np.any(own[max(at - 1, 0) : at + 2] > own[at]):
+            # The flank of another resonance.
+            return None
+        moved = self.response.of_order("bearing_displacement")[bearing, at, place]
+        return int(bearing), float(self.speed[at]), float(own[at]), float(moved)
 
     @cached_property
     def redundant(self) -> tuple[int, ...]:

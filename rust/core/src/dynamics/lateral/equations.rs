@@ -28,8 +28,11 @@ const NODE: usize = 4;
 /// on.
 const LONGEST: f64 = 2.5;
 
-/// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
-/// where shapes are sought: shorter spans are so stiff that rounding hides all else.
+/// The most pieces of a shaft.
+const MOST_PIECES: f64 = 1e4;
+
+/// A bearing closer to another node than this share of the shaft's length moves with it as if the
+/// shaft between were rigid: shorter spans are so stiff that rounding hides all else.
 const CLOSE: f64 = 2e-4;
 
 /// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
@@ -122,8 +125,6 @@ pub(super) struct Layout<'a> {
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,
-    /// Up to which share of a shaft's length a bearing belongs to another node.
-    close: f64,
 }
 
 impl<'a> Layout<'a> {
@@ -138,7 +139,6 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
-            close: if of_shapes { CLOSE } else { 0.0 },
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());
@@ -161,7 +161,7 @@ impl<'a> Layout<'a> {
                     let masses =
                         attached.masses.iter().filter(|own| of_shapes && own.shaft == shaft);
                     let others = bearings
-                        .map(|bearing| (bearing.position, own.close))
+                        .map(|bearing| (bearing.position, CLOSE))
                         .chain(masses.map(|mass| (mass.position, BESIDE)));
                     for (position, share) in others {
                         let is_near = |node: &f64| (position - node).abs() <= share * length;
@@ -211,7 +211,7 @@ impl<'a> Layout<'a> {
 
     /// The place of a bearing, if it belongs to such a node.
     fn near_node(&self, shaft: usize, position: f64) -> Option<Place> {
-        self.node_within(shaft, position, self.close * self.system.lengths[shaft])
+        self.node_within(shaft, position, CLOSE * self.system.lengths[shaft])
     }
 
     fn node_within(&self, shaft: usize, position: f64, distance: f64) -> Option<Place> {
@@ -323,12 +323,7 @@ impl Equations {
         let mut next = 0;
         for (shaft, kind) in system.shafts.iter().enumerate() {
             let stops = &layout.stops[layout.first[shaft]..layout.first[shaft + 1]];
-            let waves = if let LateralShaft::Bending(own) = kind {
-                let at = Rate { omega: finest, speed, damped: false, lossy: false };
-                TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
-            } else {
-                0.0
-            };
+            let waves = wavenumber(kind, finest, speed);
             for (i, &(_, position)) in stops.iter().enumerate() {
                 if i > 0 {
                     let from = stops[i - 1].1;
@@ -569,6 +564,22 @@ impl Equations {
             }
         }
         sum
+    }
+}
+
+/// The largest wavenumber in 1/m of a shaft, 0 of one that does not bend.
+fn wavenumber(kind: &LateralShaft, omega: f64, speed: f64) -> f64 {
+    let LateralShaft::Bending(own) = kind else { return 0.0 };
+    let at = Rate { omega, speed, damped: false, lossy: false };
+    TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
+}
+
+impl LateralSystem {
+    /// Whether the waves in all shafts are long enough for their pieces to be counted.
+    pub(super) fn has_long_waves(&self, omega: f64, speed: f64) -> bool {
+        let mut shafts = self.shafts.iter().zip(&self.lengths);
+        shafts
+            .all(|(kind, length)| wavenumber(kind, omega, speed) * length <= LONGEST * MOST_PIECES)
     }
 }
 

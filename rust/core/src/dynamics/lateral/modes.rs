@@ -16,6 +16,9 @@ use crate::error::{Error, Result};
 /// A natural frequency beyond this one in rad/s belongs to no shaft.
 const HIGHEST: f64 = 1e9;
 
+/// The most natural frequencies that are sought: those of a beam are as good as it is slender.
+const MOST: usize = 100;
+
 /// An eigenvalue, relative to the diagonal, below which nothing but rounding holds a shaft.
 const ROUNDING: f64 = 1e-12;
 
@@ -104,6 +107,9 @@ impl<'a> Scaled<'a> {
     }
 }
 
+/// An eigenvalue at rest, relative to the diagonal, of which rounding leaves no digit.
+const SOFTEST: f64 = 1e-14;
+
 impl LateralSystem {
     /// Refuses a shaft that can move without any resistance.
     pub(super) fn check_support(&self) -> Result<()> {
@@ -142,10 +148,15 @@ impl LateralSystem {
     /// shafts and positions in m. Rigid shafts have fewer.
     ///
     /// # Errors
-    /// A probe beyond its shaft.
+    /// A probe beyond its shaft, more than 100 frequencies, bearings of which one is 1e14 times
+    /// as stiff as another.
     pub fn modes(&self, count: usize, probes: &[(usize, f64)]) -> Result<Vec<LateralMode>> {
         for (i, &(shaft, position)) in probes.iter().enumerate() {
             self.place("probes", i, shaft, position)?;
+        }
+        if count > MOST {
+            let problem = format!("is {count}; it must be at most {MOST}");
+            return Err(Error::new("count", &[], problem));
         }
         let layout = Layout::new(self, true);
         let ties = 2 * self.joints();
@@ -153,7 +164,11 @@ impl LateralSystem {
         let (mut low, mut high) = (0.0, 1.0);
         let mut scaled = Scaled::new(&layout, high);
         let mut below = scaled.eigenvalues(0.0);
-        while found.len() < count && high < HIGHEST {
+        if below.get(ties).is_some_and(|&least| least < SOFTEST) {
+            let problem = "hold shafts so softly beside the stiffest that rounding hides it";
+            return Err(Error::new("bearings", &[], problem));
+        }
+        while found.len() < count && high < HIGHEST && self.has_long_waves(high, 0.0) {
             scaled = Scaled::new(&layout, high);
             let above = scaled.eigenvalues(high);
             let number = above.iter().filter(|&&x| x < 0.0).count().saturating_sub(ties);

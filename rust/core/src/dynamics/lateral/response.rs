@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
 use crate::dynamics::lateral::system::LateralSystem;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mechanics::phasing::is_set;
 use crate::run::execution::Execution;
 use crate::run::queue::{threads, work_off};
@@ -55,7 +55,7 @@ impl LateralRuns<'_> {
     /// Fills vectors, `(runs, orders, vectors, 3)`, and mean powers in W, `(runs, orders, powers)`.
     ///
     /// # Errors
-    /// A probe beyond its shaft.
+    /// A probe beyond its shaft, a speed so large that waves are too short.
     pub fn responses(
         &self,
         vectors: &mut [C],
@@ -67,6 +67,17 @@ impl LateralRuns<'_> {
         for system in self.systems {
             for (i, &(shaft, position)) in self.probes.iter().enumerate() {
                 system.place("probes", i, shaft, position)?;
+            }
+        }
+        for (i, (&system, &speed)) in self.system.iter().zip(self.speed).enumerate() {
+            for order in self.orders {
+                let omega = order * speed;
+                if !(omega.is_finite() && self.systems[system].has_long_waves(omega, speed)) {
+                    let problem = format!(
+                        "is {speed:?} rad/s; at order {order:?} waves are too short for these shafts"
+                    );
+                    return Err(Error::new("speed", &[i], problem));
+                }
             }
         }
         let orders = self.orders.len();

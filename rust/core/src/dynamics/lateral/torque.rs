@@ -123,6 +123,10 @@ impl LateralSystem {
                 _ => own.re,
             }
         });
+        if real.iter().any(|x| !x.is_finite()) {
+            // Without damping nothing holds the points at a resonance.
+            return 0.0;
+        }
         let found = real.complex_eigenvalues();
         let largest = found.iter().map(C::norm_sqr).fold(0.0, f64::max);
         largest.sqrt().sqrt().recip()
