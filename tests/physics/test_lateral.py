@@ -622,9 +622,10 @@ def bearing_and_mass(at: float, mass: float) -> LateralSystem:
     )
 
 
-@pytest.mark.parametrize(("at", "close"), [(0.3, 1e-13), (2e-3, 1e-10), (1e-4, 1e-9), (1e-5, 1e-7)])
+@pytest.mark.parametrize(("at", "close"), [(0.3, 1e-13), (2e-3, 1e-10), (1e-4, 1e-8), (1e-5, 1e-9)])
 @pytest.mark.parametrize("speed", [100.0, 600.0])
 def test_digits_that_a_bearing_near_an_end_costs(at: float, close: float, speed: float) -> None:
+    """Closer than a few ten thousandths of the length it moves with the end as if rigid."""
     system, torque = bearing_and_mass(at, 0.0), Load(drive_torque=100.0)
     moved = system.response(speed / 2.0, torque, [2]).bearing_displacement[0, 0]
     moments = system.line.harmonics([2], outputs="moment", load=torque)
@@ -740,7 +741,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, math.nan, 3e5)]},
             ValueError,
-            "bearings[0] has the position NaN m; shaft 1 is 1.2",
+            "bearings[0].position is nan; it must be finite",
         ),
         ({"bearings": [ElasticBearing(4, 1, 3e5)]}, IndexError, "bearings.shaft[0] is 4; there"),
         ({"bearings": [ElasticBearing(1.5, 1, 3e5)]}, TypeError, "bearings.shaft[0] is 1.5; it"),  # type: ignore[arg-type]
@@ -757,7 +758,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, 1.1, math.inf)]},
             ValueError,
-            "bearings[0] has the stiffness inf; it must be finite and not negative",
+            "bearings[0].stiffness is inf; it must be finite",
         ),
         (
             {"bearings": [ElasticBearing(1, 1.1, 3e5, damping=(0.0, -1.0), axis=(0, 0, 1))]},
