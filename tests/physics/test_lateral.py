@@ -236,8 +236,10 @@ def test_random_systems_against_the_twin(
     found = own.response(speed, load(options), orders, probes)
     known = system.response(speed, options, orders, probes)
     assert furthest(found, known) < 1e-6
+    # Where bearings hardly move, what is lost is a small part of the product of force and velocity,
+    # to which rounding is relative.
     lost = found.bearing_power.sum(axis=0) + found.tube_power
-    assert found.given_power == pytest.approx(lost, rel=1e-11, abs=1e-12 * np.max(lost))
+    assert found.given_power == pytest.approx(lost, rel=1e-9, abs=1e-12 * np.max(lost))
     # Waves that are long beside the elements of the twin.
     lowest = system.natural_frequencies(3)
     lowest = lowest[lowest < 3000.0]
@@ -620,9 +622,10 @@ def bearing_and_mass(at: float, mass: float) -> LateralSystem:
     )
 
 
-@pytest.mark.parametrize(("at", "close"), [(0.3, 1e-13), (2e-3, 1e-10), (1e-4, 1e-9), (1e-5, 1e-7)])
+@pytest.mark.parametrize(("at", "close"), [(0.3, 1e-13), (2e-3, 1e-10), (1e-4, 1e-8), (1e-5, 1e-9)])
 @pytest.mark.parametrize("speed", [100.0, 600.0])
 def test_digits_that_a_bearing_near_an_end_costs(at: float, close: float, speed: float) -> None:
+    """Closer than a few ten thousandths of the length it moves with the end as if rigid."""
     system, torque = bearing_and_mass(at, 0.0), Load(drive_torque=100.0)
     moved = system.response(speed / 2.0, torque, [2]).bearing_displacement[0, 0]
     moments = system.line.harmonics([2], outputs="moment", load=torque)
