@@ -27,7 +27,7 @@ def test_notebooks_get_a_frame_with_few_rights() -> None:
     shown = scene._repr_html_()
     assert shown == Answer(scene)._repr_html_()
     assert shown is not None
-    assert len(shown) < 600_000
+    assert len(shown) < 660_000
     found = re.fullmatch(
         r"""<iframe sandbox="allow-scripts allow-downloads" style="[^"]*" """
         r"""srcdoc='([^']*)'></iframe>""",

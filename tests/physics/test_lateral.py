@@ -236,8 +236,10 @@ def test_random_systems_against_the_twin(
     found = own.response(speed, load(options), orders, probes)
     known = system.response(speed, options, orders, probes)
     assert furthest(found, known) < 1e-6
+    # Where bearings hardly move, what is lost is a small part of the product of force and velocity,
+    # to which rounding is relative.
     lost = found.bearing_power.sum(axis=0) + found.tube_power
-    assert found.given_power == pytest.approx(lost, rel=1e-11, abs=1e-12 * np.max(lost))
+    assert found.given_power == pytest.approx(lost, rel=1e-9, abs=1e-12 * np.max(lost))
     # Waves that are long beside the elements of the twin.
     lowest = system.natural_frequencies(3)
     lowest = lowest[lowest < 3000.0]
@@ -338,6 +340,8 @@ def test_a_torsional_motion_brings_its_orders() -> None:
             wanted = 0.0 * wanted
         assert np.max(np.abs(found[:, :, i] - wanted)) < 1e-9 * size
     assert np.max(np.abs(found[:, :, 3])) > 0.01 * size
+    high = own.response(speeds, motion, [300]).bearing_force
+    assert np.max(np.abs(high)) < 1e-9 * size
     steady = own.response(speeds, Load(drive_torque=500.0), orders).bearing_force
     assert np.max(np.abs(steady[:, :, 3])) < 1e-9 * size
 
@@ -621,6 +625,7 @@ def bearing_and_mass(at: float, mass: float) -> LateralSystem:
 @pytest.mark.parametrize(("at", "close"), [(0.3, 1e-13), (2e-3, 1e-10), (1e-4, 1e-9), (1e-5, 1e-7)])
 @pytest.mark.parametrize("speed", [100.0, 600.0])
 def test_digits_that_a_bearing_near_an_end_costs(at: float, close: float, speed: float) -> None:
+    """Closer than a few ten thousandths of the length it moves with the end as if rigid."""
     system, torque = bearing_and_mass(at, 0.0), Load(drive_torque=100.0)
     moved = system.response(speed / 2.0, torque, [2]).bearing_displacement[0, 0]
     moments = system.line.harmonics([2], outputs="moment", load=torque)
@@ -637,6 +642,16 @@ def test_digits_that_a_mass_near_an_end_costs(at: float, close: float) -> None:
     system = bearing_and_mass(at, 3.0)
     points = sorted([(at, 0.0, 3.0), (0.8, 3e5, 0.0)])
     for found in system.natural_frequencies(4)[::2]:
+        ends = found * (1.0 - 1e-4), found * (1.0 + 1e-4)
+        wanted = mp.findroot(lambda w: Digits(w, points).determinant(), ends, tol=1e-25)
+        assert abs(float(found / wanted - 1)) < close
+
+
+@pytest.mark.parametrize(("at", "close"), [(2e-3, 1e-10), (5e-4, 1e-8), (1e-4, 1e-9), (1e-5, 1e-9)])
+def test_digits_of_frequencies_that_a_bearing_near_an_end_costs(at: float, close: float) -> None:
+    """Next to the end it moves with it."""
+    points = [(at, 3e5, 0.0)]
+    for found in bearing_and_mass(at, 0.0).natural_frequencies(4)[::2]:
         ends = found * (1.0 - 1e-4), found * (1.0 + 1e-4)
         wanted = mp.findroot(lambda w: Digits(w, points).determinant(), ends, tol=1e-25)
         assert abs(float(found / wanted - 1)) < close
@@ -726,7 +741,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, math.nan, 3e5)]},
             ValueError,
-            "bearings[0] has the position NaN m; shaft 1 is 1.2",
+            "bearings[0].position is nan; it must be finite",
         ),
         ({"bearings": [ElasticBearing(4, 1, 3e5)]}, IndexError, "bearings.shaft[0] is 4; there"),
         ({"bearings": [ElasticBearing(1.5, 1, 3e5)]}, TypeError, "bearings.shaft[0] is 1.5; it"),  # type: ignore[arg-type]
@@ -743,7 +758,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, 1.1, math.inf)]},
             ValueError,
-            "bearings[0] has the stiffness inf; it must be finite and not negative",
+            "bearings[0].stiffness is inf; it must be finite",
         ),
         (
             {"bearings": [ElasticBearing(1, 1.1, 3e5, damping=(0.0, -1.0), axis=(0, 0, 1))]},

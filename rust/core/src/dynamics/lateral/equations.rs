@@ -31,9 +31,10 @@ const LONGEST: f64 = 2.5;
 /// The most pieces of a shaft.
 const MOST_PIECES: f64 = 1e4;
 
-/// A bearing closer to another node than this share of the shaft's length moves with it as if rigid,
-/// where shapes are sought: shorter spans are so stiff that rounding hides all else.
-const CLOSE: f64 = 2e-4;
+/// A bearing closer to another node than this share of the shaft's length moves with it as if the
+/// shaft between were rigid, in responses and where shapes are sought: shorter spans are so stiff that
+/// rounding hides all else, of eigenvalues sooner than of solutions.
+const CLOSE: [f64; 2] = [2e-6, 2e-4];
 
 /// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
 /// are sought: beside an end that does not move it hardly changes the resonances of a piece.
@@ -141,7 +142,7 @@ impl<'a> Layout<'a> {
             at_nodes: vec![],
             between: vec![],
             bearings: vec![],
-            close: if of_shapes { CLOSE } else { 0.0 },
+            close: CLOSE[usize::from(of_shapes)],
         };
         for (shaft, kind) in system.shafts.iter().enumerate() {
             own.first.push(own.stops.len());

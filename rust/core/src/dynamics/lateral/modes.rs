@@ -107,6 +107,9 @@ impl<'a> Scaled<'a> {
     }
 }
 
+/// An eigenvalue at rest, relative to the diagonal, of which rounding leaves no digit.
+const SOFTEST: f64 = 1e-14;
+
 impl LateralSystem {
     /// Refuses a shaft that can move without any resistance.
     pub(super) fn check_support(&self) -> Result<()> {
@@ -145,7 +148,8 @@ impl LateralSystem {
     /// shafts and positions in m. Rigid shafts have fewer.
     ///
     /// # Errors
-    /// A probe beyond its shaft, more than 100 frequencies.
+    /// A probe beyond its shaft, more than 100 frequencies, bearings of which one is 1e14 times
+    /// as stiff as another.
     pub fn modes(&self, count: usize, probes: &[(usize, f64)]) -> Result<Vec<LateralMode>> {
         for (i, &(shaft, position)) in probes.iter().enumerate() {
             self.place("probes", i, shaft, position)?;
@@ -160,6 +164,10 @@ impl LateralSystem {
         let (mut low, mut high) = (0.0, 1.0);
         let mut scaled = Scaled::new(&layout, high);
         let mut below = scaled.eigenvalues(0.0);
+        if below.get(ties).is_some_and(|&least| least < SOFTEST) {
+            let problem = "hold shafts so softly beside the stiffest that rounding hides it";
+            return Err(Error::new("bearings", &[], problem));
+        }
         while found.len() < count && high < HIGHEST && self.has_long_waves(high, 0.0) {
             scaled = Scaled::new(&layout, high);
             let above = scaled.eigenvalues(high);
