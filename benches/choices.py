@@ -1,8 +1,8 @@
 """What each choice of a caller gains: times of one run; writes ``choices.md``.
 
 A section compares two or more ways to the same results. Its ways take turns in one process, so that
-a factor is not affected by what the machine did meanwhile. ``docs/howto/speed.md`` says when which way
-pays. ``--quick`` takes some seconds, prints and writes nothing.
+a factor is not affected by what the machine did meanwhile. ``docs/howto/speed.md`` says when which
+way pays. ``--quick`` takes some seconds, prints and writes nothing.
 """
 
 from __future__ import annotations
