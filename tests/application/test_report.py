@@ -55,6 +55,7 @@ from pages import (
     media,
     near,
     screen,
+    settled,
     show,
     tables,
     three,
@@ -923,10 +924,11 @@ def test_texts_of_charts_are_apart(
 ) -> None:
     """In the browser's own font, every text is within its chart and covers no other."""
     show(browser, page_of(name), tmp_path)
+    js(browser, 'document.getElementById("sent").open = true;')
+    settled(browser)
     charts = js(
         browser,
-        """document.getElementById("sent").open = true;
-        return [...document.querySelectorAll(".drawing svg[role=img]")].map((svg) => ({
+        """return [...document.querySelectorAll(".drawing svg[role=img]")].map((svg) => ({
             size: [svg.viewBox.baseVal.width, svg.viewBox.baseVal.height],
             texts: [...svg.querySelectorAll("text")].map((text) => {
                 const box = text.getBBox(), at = svg.createSVGPoint();
