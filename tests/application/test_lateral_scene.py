@@ -187,6 +187,81 @@ def test_a_change_that_is_listed_helps_as_it_says() -> None:
     assert f"{both.change[1:]}: this ends the shudder" in said(TEXT)
 
 
+def largest_of(text: str, near: float = 0.1) -> float:
+    """Order 2 of the largest force of a bearing around the lowest resonance, over all states."""
+    scene = Scene.parse(text)
+    assert scene.lateral
+    each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
+    found = []
+    for one in each:
+        system = scene.lateral.on(one.line)
+        lowest = 0.5 * float(system.natural_frequencies(1)[0])
+        speed = lowest * np.linspace(1.0 - near, 1.0 + near, 401)
+        response = system.response(speed, one.load_case, orders=[2])
+        found.append(float(np.max(response.of_order("bearing_force"))))
+    return max(found)
+
+
+@pytest.mark.parametrize("loss", ["0.04", "0.12"])
+def test_what_a_change_leaves_does_not_need_the_damping(loss: str) -> None:
+    """Where it is not known, no force is told, and the share is still that of resonance."""
+    text = changed(TEXT, ("loss_factor = 0.12", f"loss_factor = {loss}"))
+    yokes = next(each for each in figures(text).remedies if each.change.startswith("yokes"))
+    made = changed(text, ("[load]", "phases_deg = [90, 0]\n[load]"))
+    assert yokes.left == pytest.approx(largest_of(made) / largest_of(text), rel=0.02)
+    assert (yokes.peak is None) == (loss == "0.04")
+
+
+def test_changes_count_in_all_states() -> None:
+    """The yokes that help in one state make another one worse."""
+    height = '[states]\n"points_mm.2.y" = {add = [-40, 0, 40]}\nnames = ["low", "rest", "high"]\n'
+    text = changed(TEXT, ("[limits]", f"{height}[limits]"))
+    found = figures(text)
+    assert found.state
+    made = changed(text, ("[load]", "phases_deg = [90, 0]\n[load]"))
+    left = largest_of(made) / largest_of(text)
+    listed = [each for each in found.remedies if each.change == "yokes of shaft 1 turned by 90°"]
+    assert [each.left for each in listed] == ([pytest.approx(left, rel=0.01)] if left < 0.7 else [])
+    assert any(each.left is not None and each.left < 0.9 for each in found.remedies)
+    assert "in all states" in said(text)
+
+
+def test_half_the_stiffness_of_one_of_two_bearings_moves_its_own_resonance() -> None:
+    text = """
+        [driveline]
+        slopes_vertical_deg = [-2, -3, -5, -8, -4]
+        lengths_m = [0.3, 1.1, 1.0, 1.4, 0.3]
+        [load]
+        drive_torque_Nm = 800
+        [tubes]
+        outer_diameter_mm = 76
+        wall_mm = 2
+        [lateral]
+        speed_rpm = {from = 300, to = 3000, steps = 271}
+        tube_loss_factor = 0.01
+        """ + "".join(
+        f"[[bearing]]\nshaft = {shaft}\nfrom_end_mm = 100\nstiffness_N_per_mm = {stiffness}\n"
+        "loss_factor = 0.1\n"
+        for shaft, stiffness in ((1, 180), (2, 220))
+    )
+    soft = next(each for each in figures(text).remedies if each.stiffness == 0.5)
+    after = figures(changed(text, ("= 180", "= 90")))
+    worst = max((each for each in after.resonances if each.peak), key=lambda each: each.peak or 0.0)
+    assert worst.order == 2
+    assert soft.resonance == pytest.approx(worst.peak_speed, rel=2e-3)
+    assert soft.peak == pytest.approx(worst.peak, rel=1e-3)
+    assert soft.moved == pytest.approx(worst.moved, rel=1e-3)
+
+
+def test_a_resonance_that_nothing_limits_is_no_good_news() -> None:
+    """On the page it has the colour of what is not judged, or that of its verdict."""
+    free = changed(TEXT, ("bearing_displacement_mm = 1 ", "joint_force_N = 1e6  # "))
+    limited = changed(free, ("tube_loss", "resonance_margin = 0.16\ntube_loss"))
+    for text, wanted in ((TEXT, "bad"), (free, "open"), (limited, "bad")):
+        answer = Answer(Scene.parse(text))
+        assert PARTS["lateral"].section(answer, figures(text))["class"] == wanted
+
+
 def test_stiffnesses_are_tried_as_they_are() -> None:
     soft, stiff = (each for each in figures(TEXT).remedies if each.stiffness != 1.0)
     for rubber, own in ((150, soft), (600, stiff)):

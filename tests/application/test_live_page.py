@@ -852,23 +852,28 @@ def test_forces_of_elastic_bearings_are_those_of_the_package_of_what_is_saved(ru
             scene_now = Scene.parse(saved, scene.name)
             assert scene_now.lateral
             system = scene_now.lateral.on(scene_now.line)
-            lowest = float(system.natural_frequencies(1)[0])
+            frequencies = system.natural_frequencies(8)
             speeds = np.array(found["speeds"])
             response = system.response(speeds, scene_now.load_case, orders=[1, 2, 4])
-            forces = response.of_order("bearing_force")
-            size = np.max(forces)
-            shown = np.array(found["forces"])
-            assert np.max(np.abs(np.moveaxis(forces, -1, 0) - shown)) < 1e-9 * size
+            forces = np.moveaxis(response.of_order("bearing_force"), -1, 0)
+            shown = np.array(found["forces"], dtype=np.float64)
+            # Near a resonance whose damping is not known there is none.
+            known = ~np.isnan(shown)
+            assert 0.5 < np.mean(known) < 1.0
+            assert np.max(np.abs(forces - shown)[known]) < 1e-9 * np.max(forces[known])
             for resonance in found["resonances"]:
                 order = resonance["order"]
-                assert resonance["frequency"] == pytest.approx(lowest, rel=1e-11)
-                assert resonance["speed"] == pytest.approx(lowest / order, rel=1e-11)
-                near = np.abs(speeds * order / lowest - 1.0) < 0.12 + 1e-9
+                met = frequencies / order
+                assert np.min(np.abs(met / resonance["speed"] - 1.0)) < 1e-11
+                assert resonance["frequency"] == pytest.approx(order * resonance["speed"])
+                own = shown[[1, 2, 4].index(order)]
+                near = np.min(np.abs(np.divide.outer(speeds, met) - 1.0), axis=1) < 0.12 + 1e-9
                 if resonance["at"] is None:
-                    assert not near.any()
+                    assert not np.any(near & known[[1, 2, 4].index(order)])
                     continue
-                own = forces[0, near, [1, 2, 4].index(order)]
-                assert resonance["force"] == pytest.approx(np.max(own), rel=1e-9)
+                assert resonance["force"] == np.nanmax(own[:, near])
+                assert resonance["at"] in speeds[np.any(own == resonance["force"], axis=0)]
+                assert abs(resonance["at"] / resonance["speed"] - 1.0) < 0.12 + 1e-9
                 peaks.add(round(resonance["force"], 6))
             shape, lengths = found["shape"], scene_now.line.lengths().each
             probes = [
@@ -886,7 +891,7 @@ def test_forces_of_elastic_bearings_are_those_of_the_package_of_what_is_saved(ru
             orders = [each["order"] for each in found["resonances"]]
             assert orders == ([1, 2] if scene is shudder else [2, 4])
         # An unbalance does not follow the torque.
-        assert len(peaks) == (7 if scene is shudder else 4)
+        assert len(peaks) == (7 if scene is shudder else 8)
 
 
 @in_node

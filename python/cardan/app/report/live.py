@@ -251,7 +251,6 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
     for name, items in (("of_masses", case.masses), ("of_unbalances", case.unbalance)):
         for own, item in zip(arguments[name], items, strict=True):
             own[0] = item.distance
-    first = next((each for each in found.vibration.groups), None)
     return {
         "arguments": _without_nan(arguments),
         "elastic": list(case.elastic),
@@ -260,7 +259,7 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
             "of_unbalances": [each.from_end for each in case.unbalance],
         },
         "orders": list(ORDERS),
-        "is_known": first is not None and first.loss[1] >= KNOWN,
+        "known": [[loss >= KNOWN for loss in each.loss] for each in found.vibration.groups],
         "range": [float(case.speed[0]), float(case.speed[-1])],
         **{
             name: {"factor": UNITS[unit].factor, **_shown(unit, digits)}

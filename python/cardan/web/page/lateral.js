@@ -16,6 +16,10 @@ import { Shape } from "./shape.js";
 const ANGLES = Array.from({ length: 96 }, (_, i) => (2 * Math.PI * i) / 96);
 /** Speeds of the chart, and those around a resonance in shares of it. */
 const [STEPS, AROUND] = [120, Array.from({ length: 97 }, (_, i) => 1 + 0.0025 * (i - 48))];
+/** In shares of a resonance: how far its peak reaches, and the band of one whose damping is not known. */
+const [REACH, BAND] = [0.12 + 1e-9, 0.16];
+/** Natural frequencies nearer to each other are those of one shape. */
+const ALIKE = 1.02;
 /** How far beside the range the first resonance is still drawn. */
 const ROOM = 1.15;
 /** The largest moments of an order that rounding leaves, as a share of all. */
@@ -35,7 +39,7 @@ const OVER = "drive speed [rpm]";
  * @property {number[]} elastic the bearings of the scene that are elastic
  * @property {Record<"of_masses" | "of_unbalances", boolean[]>} from_end whether positions are from the downstream end
  * @property {number[]} orders
- * @property {boolean} is_known whether the damping of the first resonance is known
+ * @property {boolean[][]} known of each shape whether the damping of order 1 is known, and that of others
  * @property {[number, number]} range of speeds in rad/s
  * @property {Quantity} frequency
  * @property {Quantity} speed
@@ -44,12 +48,13 @@ const OVER = "drive speed [rpm]";
  */
 
 /**
- * The first resonance of an order.
+ * The resonance of an order with the largest force, or the first one where no force is known.
  * @typedef {object} Resonance
  * @property {number} order
  * @property {number} frequency in rad/s
  * @property {number} speed in rad/s at which the order meets it
- * @property {number} at the speed of the peak in rad/s, NaN if it is out of the range
+ * @property {boolean} known whether its damping is
+ * @property {number} at the speed of the peak in rad/s, NaN without a peak in the range
  * @property {number} bearing with the largest force of this order
  * @property {number} force in N
  * @property {number} moved in m
@@ -58,9 +63,9 @@ const OVER = "drive speed [rpm]";
 /**
  * What the core says.
  * @typedef {object} Found
- * @property {Resonance[]} resonances the first one of each order that joints or unbalances excite
+ * @property {Resonance[]} resonances one of each order that joints or unbalances excite
  * @property {number[]} speeds in rad/s
- * @property {number[][][]} forces in N, by order and bearing
+ * @property {number[][][]} forces in N, by order and bearing; NaN where the damping is not known
  * @property {{places: import("./shape.js").Place[], bearings: import("./shape.js").Place[], of: Resonance} | null} shape
  *   at the peak with the largest force
  */
@@ -130,24 +135,36 @@ export function lateralOf(machine, sent, state) {
     [...re.slice(k * each, (k + 1) * each), ...im.slice(k * each, (k + 1) * each)])));
   const most = Math.max(...size);
   const excited = orders.map((order, k) => size[k] > ROUNDING * most || (order === 1 && given.unbalance_shafts.length > 0));
-  const first = frequencies[0];
-  const met = orders.map((order) => first / order);
-  const near = met.flatMap((speed, k) => (excited[k] ? AROUND.map((share) => share * speed) : []));
+  // Natural frequencies of one shape in two directions belong together.
+  /** @type {number[]} */
+  const shapes = [];
+  for (const frequency of frequencies) {
+    if (Number.isFinite(frequency) && !(frequency < ALIKE * shapes[shapes.length - 1])) shapes.push(frequency);
+  }
+  const met = orders.map((order) => shapes.map((frequency, mode) =>
+    ({ order, frequency, speed: frequency / order, known: sent.known[mode]?.[order > 1 ? 1 : 0] ?? false })));
+  const near = met.flat().flatMap(({ order, speed }) =>
+    (excited[orders.indexOf(order)] ? AROUND.map((share) => share * speed) : []));
   const even = Array.from({ length: STEPS + 1 }, (_, i) => low + ((high - low) * i) / STEPS);
   const speeds = [...even, ...near].filter((x) => low <= x && x <= high).sort((a, b) => a - b);
   const told = call(0, speeds);
   const bearings = sent.elastic.length;
+  // Near a resonance whose damping is not known there is no peak.
+  const isKnown = orders.map((_, k) => speeds.map((speed) =>
+    !excited[k] || met[k].every((one) => one.known || Math.abs(speed / one.speed - 1) > BAND)));
   const over = (/** @type {Float64Array} */ flat) => orders.map((_, k) =>
-    sent.elastic.map((_, b) => speeds.map((_, i) => flat[(i * orders.length + k) * bearings + b])));
+    sent.elastic.map((_, b) => speeds.map((_, i) => (isKnown[k][i] ? flat[(i * orders.length + k) * bearings + b] : NaN))));
   const [forces, moved] = [over(told.forces), over(told.displacements)];
-  const resonances = orders.flatMap((order, k) => {
-    if (!excited[k]) return [];
-    let found = { order, frequency: first, speed: met[k], at: NaN, bearing: sent.elastic[0], force: 0, moved: 0 };
+  const resonances = orders.flatMap((_, k) => {
+    if (!excited[k] || !met[k].length) return [];
+    const [first] = met[k];
+    let found = { ...first, at: NaN, bearing: sent.elastic[0], force: 0, moved: 0 };
     speeds.forEach((speed, i) => {
-      if (speed < AROUND[0] * met[k] || speed > AROUND[AROUND.length - 1] * met[k]) return;
+      const [one] = [...met[k]].sort((x, y) => Math.abs(speed / x.speed - 1) - Math.abs(speed / y.speed - 1));
+      if (Math.abs(speed / one.speed - 1) > REACH) return;
       forces[k].forEach((values, b) => {
         if (!(values[i] > found.force)) return;
-        found = { ...found, at: speed, bearing: sent.elastic[b], force: values[i], moved: moved[k][b][i] };
+        found = { ...one, at: speed, bearing: sent.elastic[b], force: values[i], moved: moved[k][b][i] };
       });
     });
     return [found];
@@ -198,25 +215,24 @@ export function lateralCard(element, model) {
   /** @param {Found} found */
   const tell = ({ resonances }) => {
     words.replaceChildren();
-    const [low, high] = sent.range.map((speed) => told(speed, sent.speed));
-    const [first] = resonances;
-    if (!first) return void made("p", "", words, "Nothing excites these shafts.");
-    made("p", "", words, `The lowest natural frequency is ${told(first.frequency, sent.frequency)}. The speeds are ${low} to ${high}.`);
-    for (const { order, speed, at, bearing, force, moved } of resonances) {
+    const [low, high] = sent.range;
+    if (!resonances.length) return void made("p", "", words, "Nothing excites these shafts.");
+    made("p", "", words, `The speeds are ${told(low, sent.speed)} to ${told(high, sent.speed)}.`);
+    for (const { order, frequency, speed, known, at, bearing, force, moved } of resonances) {
       const line = made("p", "", words);
-      made("span", "", line, `Order ${asGiven(order)} meets it at `);
+      made("span", "", line, `Order ${asGiven(order)} meets ${told(frequency, sent.frequency)} at `);
       const figure = made("b", "", line, told(speed, sent.speed));
       figure.dataset.path = "derived:";
       figure.dataset.value = String(speed * sent.speed.factor);
-      if (Number.isNaN(at)) made("span", "", line, ", outside the speeds.");
-      else if (!sent.is_known) made("span", "", line, ". Its damping is not known well enough for a force.");
-      else {
+      if (!Number.isNaN(at)) {
         made("span", "", line, `. Bearing ${bearing} bears up to `);
         const size = made("b", "", line, told(force, sent.force));
         size.dataset.path = "derived:";
         size.dataset.value = String(force * sent.force.factor);
-        made("span", "", line, ` there and moves ${told(moved, sent.moved)}.`);
-      }
+        made("span", "", line, ` at ${told(at, sent.speed)} and moves ${told(moved, sent.moved)}.`);
+      } else if (speed < low || speed > high) made("span", "", line, ", outside the speeds.");
+      else if (!known) made("span", "", line, ". Its damping is not known well enough for a force.");
+      else made("span", "", line, ".");
     }
   };
 
@@ -228,21 +244,22 @@ export function lateralCard(element, model) {
       of.forces[k][b].map((value) => value * sent.force.factor);
     const curves = shown.flatMap((k) => sent.elastic.map((bearing, b) => {
       const values = newton(found, k, b);
-      const most = values.indexOf(Math.max(...values));
+      const most = values.reduce((best, value, i) => (value > (values[best] ?? -1) || Number.isNaN(values[best]) ? i : best), 0);
       const text = told(found.forces[k][b][most], sent.force);
       const figure = { text, path: "derived:", value: values[most] };
-      return { label: `order ${asGiven(sent.orders[k])}, bearing ${bearing}`, kind: `s${k % 4}`, mark: text, marked: most, values, figure };
+      const label = `order ${asGiven(sent.orders[k])}, bearing ${bearing}`;
+      return { label, kind: `s${k % 4}`, mark: text, marked: most, values: values.map(orGap), figure };
     }));
     const top = ROOM * Math.max(...curves.map(({ figure }) => figure.value));
     // What was sent stands at its own speeds.
-    const ghosts = former ? shown.flatMap((k) => sent.elastic.map((_, b) => at(former, newton(former, k, b), found.speeds))) : [];
+    const ghosts = former ? shown.flatMap((k) => sent.elastic.map((_, b) => at(former, newton(former, k, b), found.speeds).map(orGap))) : [];
     chart.draw({ x, curves, ghosts, holds: [0, top] }, isGrowing);
   };
 
   /** @param {Found["shape"]} found */
   const swing = (found) => {
-    shape.figure.hidden = !found || !sent.is_known;
-    if (!found || !sent.is_known) return;
+    shape.figure.hidden = !found;
+    if (!found) return;
     // In the side view, unless much more is to be seen from above.
     const size = (/** @type {{down: number[]}} */ { down }) => Math.max(...found.places.map(({ re, im }) =>
       Math.hypot(...[re, im].map((part) => part.reduce((sum, x, i) => sum + x * down[i], 0)))));
@@ -277,6 +294,12 @@ export function lateralCard(element, model) {
   new ResizeObserver(fit).observe(picture);
   return show;
 }
+
+/**
+ * What is not known is a gap.
+ * @param {number} value
+ */
+const orGap = (value) => (Number.isNaN(value) ? null : value);
 
 /**
  * Values at other speeds, by straight lines between their own.

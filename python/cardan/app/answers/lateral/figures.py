@@ -284,7 +284,7 @@ def find(answer: Answer) -> LateralFigures | None:
         resonances=tuple(_resonance(one, met) for met in one.met),
         bearings=tuple(_bearings(scene, found, one)),
         middles=() if why else tuple(_middles(one)),
-        remedies=() if why else tuple(_remedies(one)),
+        remedies=() if why else tuple(_remedies(found, one)),
         response=None,
     )
 
@@ -488,7 +488,7 @@ def _middles(found: Vibration) -> Iterator[MiddleOfTube]:
         yield MiddleOfTube(shaft, float(moved[at]), float(found.speed[outside][at]))
 
 
-def _remedies(found: Vibration) -> Iterator[Remedy]:
+def _remedies(every: Sequence[Vibration], found: Vibration) -> Iterator[Remedy]:
     """What helps against the largest resonance of order 2 of a bearing in the range."""
     low, high = found.case.speed[0], found.case.speed[-1]
     inside = [
@@ -501,4 +501,4 @@ def _remedies(found: Vibration) -> Iterator[Remedy]:
     peaks = [found.peak(met) if met.is_known else None for met in inside]
     worst = int(np.argmax([peak[2] if peak else 0.0 for peak in peaks]))
     peak, met = peaks[worst], inside[worst]
-    yield from remedies(found, met, peak[0] if peak else int(np.argmax(met.group.shares)))
+    yield from remedies(every, found, met, peak[0] if peak else int(np.argmax(met.group.shares)))

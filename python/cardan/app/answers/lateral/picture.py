@@ -12,8 +12,9 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.charts import Curve, Panel, chart, some
 from cardan.app.answers.lateral.figures import BearingResponse, LateralFigures
 from cardan.app.answers.lateral.vibration import Group
+from cardan.app.answers.page import CLASSES
 from cardan.app.answers.printed import listed, quantity, with_unit
-from cardan.app.answers.rows import UNITS
+from cardan.app.answers.rows import UNITS, worst_of
 from cardan.app.pictures.style import (
     LINES,
     THIN,
@@ -43,18 +44,31 @@ _STIFFNESSES, _SPEEDS, _SPAN = 49, 241, 4.0
 
 
 def drawn(_: Answer, found: LateralFigures) -> dict[str, Any]:
-    """Return the force of each bearing over the speed as charts of the page."""
+    """Return the force of each bearing over the speed as charts of the page.
+
+    Where the damping is not known there are gaps. A resonance within the speeds without a limit of
+    its own is not judged, whatever else has one.
+    """
     charts: list[Any] = []
     response = found.response
     if response is None:
         return {"charts": charts}
+    unknown = found.vibration.unknown
     places = some(len(response.speed), _DRAWN)
     for own in response.bearings:
-        curves = tuple(Curve(label, values[places]) for label, values in _curves(found, own))
+        curves = tuple(
+            Curve(label, np.where(unknown, np.nan, values)[places])
+            for label, values in _curves(found, own)
+        )
         scale = float(np.max(own.largest))
         panel = Panel(f"Force of bearing {own.bearing}", "N", curves, scale)
         charts.append(chart(panel, response.speed[places] / RPM, _SPEED))
-    return {"charts": charts}
+    is_met = any(each.inside and each.excited for each in found.resonances)
+    judged = [found.margin, found.torque_margin]
+    judged += [value for each in found.bearings for value in (each.largest, each.displacement)]
+    is_within = worst_of(value.verdict for value in judged if value) == "within"
+    is_open = is_met and is_within and (found.margin is None or found.margin.limit is None)
+    return {"charts": charts} | ({"class": CLASSES["not judged"]} if is_open else {})
 
 
 def _curves(found: LateralFigures, own: BearingResponse) -> list[tuple[str, FloatArray]]:

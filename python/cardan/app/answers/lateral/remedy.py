@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan.app.answers.lateral.vibration import Complex, Met, Vibration, length, static_forces
+from cardan.app.answers.lateral.vibration import Complex, Met, Vibration, length
 from cardan.app.answers.printed import listed, quantity
 from cardan.app.answers.rows import count, figure, item
 from cardan.arrays import FloatArray
@@ -23,6 +24,13 @@ _HELPS, _ENDS = 0.7, 0.1
 _STEPS, _SMALL = 4, 1e-4
 _ROUNDING = 1e-9
 _AROUND = np.linspace(0.9, 1.1, 161)
+_ORDER, _MODES = 2, 12
+# Resonances count up to so far beyond the speeds.
+_TOP = 1.5
+# Natural frequencies of one shape in two directions differ by less.
+_ALIKE = 0.04
+# The loss factor by which changes are compared where the damping is not known.
+_NOMINAL = 0.1
 # A driveline whose first shaft is steeper than this along y has z upwards.
 _STEEP = 0.9
 # The joint of 3 degrees that catalogues permit, by which the evenness of the output is measured.
@@ -46,69 +54,135 @@ class Remedy:
     moved: float | None = figure(
         "displacement", "mm", "of the shaft in the bearing there", digits="small", is_detail=True
     )
-    left: float | None = figure("left", "percent", "share of the force without the change")
+    left: float | None = figure(
+        "left", "percent", "share of the largest force without the change, of bearings and states"
+    )
+    elsewhere: float | None = figure(
+        "elsewhere",
+        "percent",
+        "share of order 2 in other resonances, at equal damping",
+        is_detail=True,
+    )
     bend: float = figure(
         "equivalent bend", "deg", "of the driveline: how unevenly the last shaft turns"
     )
 
 
-def remedies(found: Vibration, met: Met, bearing: int) -> Iterator[Remedy]:
-    """Yield changes that reduce order 2 at a bearing, with what is computed after each of them.
+_Change: TypeAlias = Callable[[Driveline], Driveline]
+
+
+def remedies(
+    every: Sequence[Vibration], one: Vibration, met: Met, bearing: int
+) -> Iterator[Remedy]:
+    """Yield changes that reduce order 2 at bearings, with what is computed after each of them.
+
+    Where the damping of the resonance is not known, its share that is left is that of a known
+    damping, on which it hardly depends.
 
     Args:
-        found: the vibration of the driveline as it is.
-        met: the resonance of order 2 that matters.
+        every: the vibration in each state.
+        one: that in the worst state.
+        met: its resonance of order 2 that matters.
         bearing: the elastic bearing that bears most of it.
     """
-    for words, line in _layouts(found, met, bearing):
-        after = _after(found, met, bearing, words, line)
-        if after.left is not None and after.left <= _HELPS:
-            yield after
-    for words, factor in (("half the stiffness", 0.5), ("twice the stiffness", 2.0)):
-        yield _after(found, met, bearing, words, found.line, factor)
+    place = every.index(one)
+    if not met.is_known:
+        every = [each.damped(_NOMINAL) for each in every]
+    one, before = every[place], [_peak(each, met) for each in every]
+    most = max(float(np.max(peak.forces)) for peak in before)
+    if not most:
+        return
+    others = _elsewhere(every, met)
+    number = one.case.elastic[bearing]
+    tried: list[tuple[str, float, _Change]] = [
+        (words, 1.0, change) for words, change in _layouts(one, before[place], number)
+    ]
+    tried += [("half the stiffness", 0.5, _same), ("twice the stiffness", 2.0, _same)]
+    for words, stiffer, change in tried:
+        after = [
+            Vibration(each.case.stiffened(number, stiffer), change(each.line), each.load)
+            for each in (every if stiffer == 1.0 else [one])
+        ]
+        peaks = [_peak(each, None if stiffer != 1.0 else met) for each in after]
+        worst = int(np.argmax([np.max(peak.forces) for peak in peaks]))
+        found = _remedy(words, stiffer, after[worst], peaks[worst], most)
+        bend = max(float(each.line.equivalent().bend) for each in after)
+        found = replace(found, bend=bend, bearing=number if stiffer != 1.0 else found.bearing)
+        if others and stiffer == 1.0:
+            found = replace(found, elsewhere=_elsewhere(after, met) / others)
+        if not met.is_known:
+            found = replace(found, peak=None, moved=None)
+        if stiffer != 1.0 or (found.left is not None and found.left <= _HELPS):
+            yield found
 
 
-def _after(
-    found: Vibration,
-    met: Met,
-    bearing: int,
-    change: str,
-    line: Driveline,
-    stiffer: float = 1.0,
-) -> Remedy:
-    """Return what order 2 does after a change, at its resonance then."""
-    number = found.case.elastic[bearing]
-    changed = Vibration(found.case.stiffened(number, stiffer), line, found.load)
-    # The stiffness moves the resonance by its share in the energy of the shape.
-    wanted = met.speed * stiffer ** (0.5 * float(met.group.shares[bearing]))
-    near = [each for each in changed.met if each.order == met.order]
-    own = min(near, key=lambda each: abs(math.log(each.speed / wanted)))
-    slow, present = (
-        None if static is None else length(static[number])
-        for static in (changed.statics, found.statics)
-    )
-    if not own.is_known:
-        left = slow / present if slow is not None and present else None
-        bend = float(line.equivalent().bend)
-        return Remedy(change, number, stiffer, slow, own.speed, None, None, left, bend)
-    speed = own.speed * _AROUND
+def _same(line: Driveline) -> Driveline:
+    return line
+
+
+class _Peak(NamedTuple):
+    """Order 2 in resonance: of each elastic bearing the force, and the displacement there."""
+
+    speed: float
+    forces: FloatArray
+    moved: FloatArray
+
+
+def _peak(found: Vibration, met: Met | None) -> _Peak:
+    """Return order 2 in the resonance next to one, or in that which is largest at equal damping."""
+    frequencies = _resonances(found)
+    wanted = met.speed if met else _at(found.damped(_NOMINAL), frequencies).speed
+    nearest = np.argmin(np.abs(np.log(frequencies / wanted)))
+    return _at(found, frequencies[nearest : nearest + 1])
+
+
+def _at(found: Vibration, frequencies: FloatArray) -> _Peak:
+    """Return order 2 where it is largest around natural frequencies over its order."""
     assert found.load
-    response = changed.system.response(speed, found.load, orders=(met.order,))
-    forces = response.of_order("bearing_force")[bearing, :, 0]
-    moved = response.of_order("bearing_displacement")[bearing, :, 0]
-    at, peak = int(np.argmax(forces)), found.peak(met) if met.is_known else None
-    left = None if peak is None else float(forces[at]) / peak[2]
-    is_none = left is not None and left < _ROUNDING
+    speed = np.unique(np.multiply.outer(frequencies, _AROUND))
+    response = found.system.response(speed, found.load, orders=(_ORDER,))
+    forces = response.of_order("bearing_force")[..., 0]
+    moved = response.of_order("bearing_displacement")[..., 0]
+    at = int(np.argmax(np.max(forces, axis=0)))
+    return _Peak(float(speed[at]), forces[:, at], moved[:, at])
+
+
+def _elsewhere(every: Sequence[Vibration], met: Met) -> float:
+    """Return the largest force of order 2 in all other resonances, at one damping for all."""
+    found = [0.0]
+    for each in every:
+        frequencies = _resonances(each)
+        away = np.abs(np.log(frequencies / met.speed))
+        others = frequencies[away > np.min(away) + _ALIKE]
+        if others.size:
+            found.append(float(np.max(_at(each.damped(_NOMINAL), others).forces)))
+    return max(found)
+
+
+def _resonances(found: Vibration) -> FloatArray:
+    """Return the drive speeds at which order 2 meets natural frequencies."""
+    frequencies = found.system.natural_frequencies(_MODES) / _ORDER
+    return np.asarray(frequencies[frequencies <= _TOP * found.case.speed[-1]])
+
+
+def _remedy(change: str, stiffer: float, found: Vibration, peak: _Peak, before: float) -> Remedy:
+    """Return what order 2 does after a change at the bearing that then bears most of it."""
+    own = int(np.argmax(peak.forces))
+    number = found.case.elastic[own]
+    static = found.statics
+    left = float(peak.forces[own]) / before
+    is_none = left < _ROUNDING
     return Remedy(
         change,
         number,
         stiffer,
-        slow,
-        own.speed if at in (0, len(speed) - 1) else float(speed[at]),
-        0.0 if is_none else float(forces[at]),
-        0.0 if is_none else float(moved[at]),
+        None if static is None else length(static[number]),
+        peak.speed,
+        0.0 if is_none else float(peak.forces[own]),
+        0.0 if is_none else float(peak.moved[own]),
         0.0 if is_none else left,
-        float(line.equivalent().bend),
+        None,
+        0.0,
     )
 
 
@@ -148,27 +222,20 @@ def _moves(line: Driveline) -> Iterator[_Move]:
     yield _Move(line.n_joints + 1, up, _SLOPE * float(lengths[-1]))
 
 
-def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Driveline]]:
-    """Yield layouts in which order 2 of a bearing may be smaller, in words.
+def _layouts(found: Vibration, peak: _Peak, number: int) -> Iterator[tuple[str, _Change]]:
+    """Yield changes in which order 2 in resonance may be smaller, in words.
 
-    It is that in resonance where the damping is known, otherwise that of statics. Of pairs of
-    moves the one within the least reach is listed that also leaves no equivalent bend.
+    Of pairs of moves the one within the least reach is listed that also leaves no equivalent bend.
     """
-    line, load, number = found.line, found.load, found.case.elastic[bearing]
+    line, load = found.line, found.load
     assert load
-    peak = found.peak(met) if met.is_known else None
-    speed = np.array([met.speed if peak is None else peak[1]])
+    place = int(np.argmax(peak.forces))
 
     def force(changed: Driveline) -> Complex:
-        if met.is_known:
-            response = found.case.on(changed).response(speed, load, orders=(met.order,))
-            return np.asarray(response.bearing_force[bearing, 0, 0])
-        static = static_forces(changed, load)
-        return np.zeros(3, dtype=np.complex128) if static is None else np.asarray(static[number])
+        response = found.case.on(changed).response([peak.speed], load, orders=(_ORDER,))
+        return np.asarray(response.bearing_force[place, 0, 0])
 
     present = length(force(line))
-    if not present:
-        return
 
     def uneven(changed: Driveline) -> Complex:
         q = np.atleast_1d(changed.transmission().q) / _EVEN
@@ -180,17 +247,16 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
         for share in (1.0, 0.5):
             if by is not None:
                 own = share * float(by[0])
-                yield move.words(line, own), move.made(line, own)
+                yield move.words(line, own), partial(move.made, by=own)
     yield _nearer(line, number)
-    turned = [("", line)]
+    turned: list[tuple[str, _Change]] = [("", _same)]
     for shaft in range(1, line.n_joints):
-        phases = np.array(line.phases)
-        phases[shaft - 1] += 0.5 * math.pi
         words = f"yokes of shaft {shaft} turned by {quantity(0.5 * math.pi, 'deg', digits='given')}"
-        turned.append((words, line.with_phases(phases)))
+        turned.append((words, partial(_turned, shaft=shaft)))
         yield turned[-1]
-    best: tuple[float, str, Driveline] | None = None
-    for words, base in turned:
+    best: tuple[float, str, _Change] | None = None
+    for words, turn in turned:
+        base = turn(line)
         for pair in combinations(moves, 2):
             by = _least(base, pair, uneven)
             if by is None:
@@ -199,21 +265,39 @@ def _layouts(found: Vibration, met: Met, bearing: int) -> Iterator[tuple[str, Dr
             used = float(np.max(np.abs(by) / [move.reach for move in pair]))
             if np.max(np.abs(uneven(layout))) <= _ENDS and (best is None or used < best[0]):
                 said = [move.words(base, float(x)) for move, x in zip(pair, by, strict=True)]
-                best = used, listed([*said, *filter(None, [words])]), layout
+                change = partial(_both, turn=turn, moves=pair, by=by)
+                best = used, listed([*said, *filter(None, [words])]), change
     if best is not None:
         yield best[1:]
 
 
-def _nearer(line: Driveline, bearing: int) -> tuple[str, Driveline]:
-    """Return the driveline with a bearing half as far from the nearest end of its shaft."""
+def _turned(line: Driveline, shaft: int) -> Driveline:
+    """Return the driveline with the yokes of a shaft turned by a quarter turn."""
+    phases = np.array(line.phases)
+    phases[shaft - 1] += 0.5 * math.pi
+    return line.with_phases(phases)
+
+
+def _both(line: Driveline, turn: _Change, moves: Sequence[_Move], by: FloatArray) -> Driveline:
+    """Return the driveline after a turn of yokes and several moves."""
+    return _all_made(turn(line), moves, by)
+
+
+def _nearer(line: Driveline, bearing: int) -> tuple[str, _Change]:
+    """Return a change that puts a bearing half as far from the nearest end of its shaft."""
     shaft, position = line.bearings[bearing]
     rest = float(line.lengths().each[shaft] - position)
     is_upstream = shaft > 0 and (float(position) < rest or shaft == line.n_joints)
     by = 0.5 * (-float(position) if is_upstream else rest)
-    moved = [(own, float(at) + by * (i == bearing)) for i, (own, at) in enumerate(line.bearings)]
     joint = shaft - 1 if is_upstream else shaft
     words = f"bearing {bearing} nearer to joint {joint} by {quantity(abs(by), 'mm')}"
-    return words, line.with_bearings(moved, line.lengths().each)
+    return words, partial(_slid, bearing=bearing, by=by)
+
+
+def _slid(line: Driveline, bearing: int, by: float) -> Driveline:
+    """Return the driveline with a bearing moved along its shaft."""
+    moved = [(own, float(at) + by * (i == bearing)) for i, (own, at) in enumerate(line.bearings)]
+    return line.with_bearings(moved, line.lengths().each)
 
 
 def _all_made(line: Driveline, moves: Sequence[_Move], by: FloatArray) -> Driveline:

@@ -10,6 +10,8 @@ from cardan.app.answers.printed import capital, given, items_text, listed, part_
 from cardan.design.wrapping import wrap
 
 _STILL = 1e-3  # of the couples, that is no excitation
+_CANCELLED = 0.02  # of the force in resonance, below which statics is no measure of it
+_MORE = 1.2  # of the force in other resonances, which a change should not raise
 _ENDS = 0.1  # of the force, that is the end of a shudder
 
 
@@ -115,7 +117,11 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
                 f"its damping is too small or not known, so stay out of {start} to {stop}"
             )
         else:
-            yield f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
+            why = "" if found.vibration.case.unbalance else "; no [[lateral.unbalance]] is given"
+            yield (
+                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
+                f"{why if each.order == 1 else ''}"
+            )
     for each in found.resonances:
         met = [band for band in found.vibration.bands if band.speed == each.speed]
         if met and not each.inside:
@@ -143,11 +149,19 @@ def _times(found: LateralFigures, each: Resonance) -> str:
     if each.order != 2 or statics is None or each.bearing is None or each.peak is None:
         return ""
     static = length(statics[each.bearing])
-    return f", {quantity(each.peak / static, '')} times the static force" if static else ""
+    # Where statics nearly cancels, the ratio says nothing.
+    if _CANCELLED * each.peak > static:
+        return ""
+    return f", {quantity(each.peak / static, '')} times the static force"
 
 
 def _verdicts(found: LateralFigures) -> Iterator[str]:
-    """Say what the torque does to stability."""
+    """Say which limits are not judged, and what the torque does to stability."""
+    for each in found.bearings:
+        for name, value in (("force", each.largest), ("displacement", each.displacement)):
+            if value.limit is not None and value.verdict == "not judged":
+                what = f"the limit of the {name} of bearing {each.bearing}"
+                yield f"{what} is not judged: {value.why}"
     margin = found.torque_margin
     if margin and margin.value is not None and margin.value < 4.0:
         yield (
@@ -167,14 +181,14 @@ def _help(found: LateralFigures) -> Iterator[str]:
         left = quantity(best.left or 0.0, "percent")
         now, then = quantity(bend, "deg"), quantity(best.bend, "deg")
         yield (
-            f"{best.change}: this ends the shudder and leaves {left} of order 2 at bearing "
-            f"{best.bearing}; the equivalent bend is then {then} in place of {now}"
+            f"{best.change}: this ends the shudder{_in_all(found)} and leaves {left} of order 2 "
+            f"at bearing {best.bearing}; the equivalent bend is then {then} in place of {now}"
         )
     elif layouts:
         best = min(layouts, key=lambda each: each.left or 0.0)
         yield (
             f"{best.change}: this leaves {quantity(best.left or 0.0, 'percent')} of order 2 at "
-            f"bearing {best.bearing}, the least of what was tried"
+            f"bearing {best.bearing}{_in_all(found)}, the least of what was tried"
         )
     soft, stiff = (
         next((each for each in found.remedies if each.stiffness == factor), None)
@@ -189,11 +203,18 @@ def _help(found: LateralFigures) -> Iterator[str]:
         )
 
 
+def _in_all(found: LateralFigures) -> str:
+    """Say that a change counts in all states, if there are several."""
+    return " in all states" if found.state else ""
+
+
 def _changes(found: LateralFigures) -> Iterator[str]:
     """Say what each change of the layout leaves."""
     for each in found.remedies:
         if each.stiffness == 1.0 and each.left is not None:
             size = "" if each.peak is None else f", {quantity(each.peak, 'N')}"
+            if each.elsewhere is not None and each.elsewhere > _MORE:
+                size += f", but {quantity(each.elsewhere, 'percent')} of it in another resonance"
             yield (
                 f"{capital(each.change)}: {quantity(each.left, 'percent')} of order 2 left{size}, "
                 f"equivalent bend {quantity(each.bend, 'deg')}."

@@ -86,6 +86,10 @@ class Vibration:
     line: Driveline
     load: Load | None
 
+    def damped(self, loss: float) -> Vibration:
+        """Return the same with one loss factor for all bearings and tubes."""
+        return Vibration(self.case.damped(loss), self.line, self.load)
+
     @cached_property
     def system(self) -> LateralSystem:
         """The lateral system."""

@@ -106,6 +106,11 @@ class LateralCase:
         supports = (*self.supports[:bearing], changed, *self.supports[bearing + 1 :])
         return replace(self, supports=supports)
 
+    def damped(self, loss: float) -> LateralCase:
+        """Return the same with one loss factor for all bearings and tubes."""
+        supports = tuple(own and {**own, "loss_factor": loss} for own in self.supports)
+        return replace(self, supports=supports, tube_loss=loss)
+
     def on(self, line: Driveline) -> LateralSystem:
         """Return the system of one driveline in its bearings."""
         lengths = np.asarray(line.lengths().each)
