@@ -253,6 +253,20 @@ def test_half_the_stiffness_of_one_of_two_bearings_moves_its_own_resonance() -> 
     assert soft.moved == pytest.approx(worst.moved, rel=1e-3)
 
 
+def test_the_speed_of_the_load_is_answered() -> None:
+    """Next to the resonance, in the band of another one, and beside the speeds."""
+    at = "At 640 rpm, the speed in [load], bearing 0 bears up to 578 N"
+    assert f"{at} (order 1 alone 2.73 N and order 2 alone 513 N)." in said(TEXT)
+    high = changed(TEXT, ("speed_rpm = 640", "speed_rpm = 2400"))
+    assert "At 2400 rpm, the speed in [load], the forces are not known" in said(high)
+    assert "the speed in [load]" not in said(changed(TEXT, ("speed_rpm = 640", "speed_rpm = 200")))
+    away = changed(TEXT, ("{from = 300, to = 2500, steps = 221}", "[700, 800]"))
+    near = (
+        "No resonance of an excited order lies in the speed range; the nearest is that of order 2"
+    )
+    assert near in said(away)
+
+
 def test_a_resonance_that_nothing_limits_is_no_good_news() -> None:
     """On the page it has the colour of what is not judged, or that of its verdict."""
     free = changed(TEXT, ("bearing_displacement_mm = 1 ", "joint_force_N = 1e6  # "))

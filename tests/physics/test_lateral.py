@@ -657,6 +657,20 @@ def test_digits_of_frequencies_that_a_bearing_near_an_end_costs(at: float, close
         assert abs(float(found / wanted - 1)) < close
 
 
+def test_a_batch_of_stiffnesses_may_be_alike_in_both_directions() -> None:
+    line = cardan.Driveline.from_points([(0, 0, 0), (0.3, 0, 0), (1.9, 0.1, 0), (2.2, 0.1, 0)])
+    shafts = [None, cardan.tube(0.09, 0.003, length=1.0), None]
+    each = np.array([1e5, 3e5])
+
+    def force(stiffness: object) -> np.ndarray:
+        bearing = ElasticBearing(1, 1.2, stiffness, loss_factor=0.1)  # type: ignore[arg-type]
+        system = LateralSystem(line, shafts=shafts, bearings=[bearing])
+        return system.response(50.0, Load(drive_torque=100.0), [2]).bearing_force
+
+    batch = force(each[:, np.newaxis])
+    assert np.array_equal(batch, np.concatenate([force(k)[:, np.newaxis] for k in each], axis=1))
+
+
 def test_rods_need_no_stiffness_between_joints() -> None:
     """Joints hold them, also where nothing moves."""
     line = cardan.Driveline.from_points([(0, 0, 0), (0.3, 0, 0), (1.3, 0.1, 0), (1.6, 0.2, 0)])
@@ -783,7 +797,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"bearings": [ElasticBearing(1, 1.1, (3e5, 2e5, 1e5))]},
             ValueError,
-            "bearings[0].stiffness has the shape (3,); it needs 2 numbers or one",
+            "bearings[0].stiffness has the shape (3,); its last axis needs 2 numbers or one",
         ),
         (
             {"bearings": [ElasticBearing(1, "x", 3e5)]},
@@ -821,7 +835,7 @@ ROD = RigidShaft(10.0, 0.6, 1.0)
         (
             {"unbalance": [Unbalance(1, 0.5, 1e-3, (0.0, 1.0))]},
             ValueError,
-            "unbalance[0].direction has the shape (2,); it needs 3 numbers",
+            "unbalance[0].direction has the shape (2,); its last axis needs 3 numbers",
         ),
         (
             {"unbalance": [Unbalance(1, 0.5, 1e-3, (1.2, 0.06, 0.05))]},

@@ -35,7 +35,8 @@ class ElasticBearing:
         shaft: that it holds.
         position: distance from the upstream end of the shaft in m.
         stiffness: dynamic stiffness in N/m, one number or ``(..., 2)``: along the part of ``axis``
-            across the shaft, and along ``u x`` that, with the direction ``u`` of the shaft.
+            across the shaft, and along ``u x`` that, with the direction ``u`` of the shaft. A batch
+            that is alike in both directions is ``(..., 1)``.
         axis: any vector not along the shaft; needed if the two directions differ.
         loss_factor: of both directions, or of each; that of rubber at the frequencies of interest.
         damping: of both directions, or of each, in N s/m.

@@ -455,10 +455,10 @@ def _numbers(name: str, items: Sequence[Any]) -> FloatArray:
             value = getattr(item, field)
             label = f"{name}[{i}].{field}"
             array = np.full(size, np.nan) if value is None else finite(label, value)
-            if size == 2 and not array.ndim:
-                array = np.broadcast_to(array, 2)
-            if size > 1 and (not array.ndim or array.shape[-1] != size):
-                rule = f"it needs {size} numbers" + (" or one" if size == 2 else "")
+            if size == 2 and array.shape[-1:] in ((), (1,)):
+                array = np.broadcast_to(array, (*array.shape[:-1], 2))
+            if size > 1 and array.shape[-1:] != (size,):
+                rule = f"its last axis needs {size} numbers" + (" or one" if size == 2 else "")
                 raise ArgumentValueError(label, f"has the shape {array.shape}; {rule}")
             row += [array] if size == 1 else [array[..., j] for j in range(size)]
         columns.append(row)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
-from cardan.app.answers.lateral.vibration import KNOWN, length
+from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR, length
 from cardan.app.answers.printed import capital, given, items_text, listed, part_text, quantity
 from cardan.design.wrapping import wrap
 
@@ -18,9 +18,21 @@ _ENDS = 0.1  # of the force, that is the end of a shudder
 def brief(found: LateralFigures) -> str:
     """Return what a check says of lateral vibration as plain text, 79 wide."""
     lines = []
-    for sentence in (*_resonances(found), *_help(found), *_verdicts(found), *_excitation(found)):
+    for sentence in (
+        *_resonances(found),
+        *_running(found),
+        *_help(found),
+        *_verdicts(found),
+        *_excitation(found),
+    ):
         lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
     return "\n".join(["Lateral vibration", *lines])
+
+
+def _said(found: LateralFigures) -> Iterator[str]:
+    """Say what both the check and the whole answer say."""
+    for part in (_resonances, _running, _help, _verdicts, _excitation):
+        yield from part(found)
 
 
 def words(found: LateralFigures, *, radians: bool = False) -> str:
@@ -30,7 +42,13 @@ def words(found: LateralFigures, *, radians: bool = False) -> str:
 
 def sentences(found: LateralFigures) -> Iterator[str]:
     """Say what shakes the shafts, where, what helps, and what can be trusted."""
-    for sentence in (*_resonances(found), *_help(found), *_verdicts(found), *_excitation(found)):
+    for sentence in (
+        *_resonances(found),
+        *_running(found),
+        *_help(found),
+        *_verdicts(found),
+        *_excitation(found),
+    ):
         yield f"{capital(sentence)}."
     yield from _changes(found)
     yield from _limits(found)
@@ -41,8 +59,7 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
     if found.why:
         yield f"the forces are not known: {found.why}"
         return
-    state = f", in {found.state}" if found.state else ""
-    one = found.vibration
+    state, one = _of_state(found), found.vibration
     most = max((max(each.bow, each.tilt) for each in found.couples), default=0.0)
     if not most:
         yield "no joint is bent under torque, so nothing bends the shafts twice per turn"
@@ -132,9 +149,48 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
                 f"not known, so stay out of {start} to {stop}"
             )
     if found.resonances and not inside:
-        yield "no resonance of an excited order lies in the speed range"
+        yield f"no resonance of an excited order lies in the speed range{_nearest(found)}"
     elif found.modes and not found.resonances:
         yield "no order of 1, 2 and 4 meets a natural frequency near the speed range"
+
+
+def _nearest(found: LateralFigures) -> str:
+    """Name the resonance of an excited order that is nearest to the speed range."""
+    excited = [each for each in found.resonances if each.excited]
+    if not excited or not found.speed_range:
+        return ""
+    low, high = found.speed_range.start, found.speed_range.stop
+    each = min(excited, key=lambda each: max(low - each.speed, each.speed - high) / each.speed)
+    return f"; the nearest is that of order {each.order} at {quantity(each.speed, 'rpm')}"
+
+
+def _running(found: LateralFigures) -> Iterator[str]:
+    """Say what the bearings bear at the speed of the load, if it is one speed in the range."""
+    one = found.vibration
+    if one.load is None or not one.case.elastic or one.load.speed.size != 1:
+        return
+    speed = abs(float(one.load.speed.flat[0]))
+    if not one.case.speed[0] <= speed <= one.case.speed[-1]:
+        return
+    at = f"at {quantity(speed, 'rpm')}, the speed in [load]{_of_state(found)}"
+    if any(abs(speed / each.speed - 1.0) < NEAR for each in one.bands):
+        yield f"{at}, the forces are not known, because the damping of a resonance is not"
+        return
+    response = one.system.response([speed], one.load, orders=ALL)
+    orders = response.of_order("bearing_force")[:, 0]
+    largest = response.largest("bearing_force")[:, 0]
+    for number, force, each in zip(one.case.elastic, largest, orders, strict=True):
+        parts = [
+            f"order {k} alone {quantity(x, 'N')}"
+            for k, x in zip(ALL, each, strict=True)
+            if k in one.excited and (k > 1 or one.case.unbalance)
+        ]
+        said = f" ({listed(parts)})" if parts else ""
+        yield f"{at}, bearing {number} bears up to {quantity(force, 'N')}{said}"
+
+
+def _of_state(found: LateralFigures) -> str:
+    return f", in {found.state}" if found.state else ""
 
 
 def _shape(found: LateralFigures, each: Resonance) -> str:
