@@ -34,6 +34,9 @@ LONG_PAGES = {
 """Pages whose snippets compute for more than a second."""
 
 
+FIGURE = r"\d+(?:\.\d+)?[°%]?"
+
+
 @dataclass(frozen=True)
 class Block:
     """A fenced block: its language, the file it stands for, its text."""
@@ -131,6 +134,20 @@ def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             assert shows(following.text, printed), printed
         elif block.language == "python":
             assert not printed, "it prints something that is not shown"
+
+
+@pytest.mark.parametrize(
+    "page", sorted((DOCS / "machines").glob("*.md")), ids=lambda page: page.stem
+)
+def test_machine_pages_answer_with_printed_figures(page: Path) -> None:
+    """Each figure in the table of answers is in an output of the page."""
+    text = page.read_text("utf-8")
+    outputs = "\n".join(block.text for block in blocks(text) if block.language == "text")
+    printed = set(re.findall(FIGURE, outputs.replace(" deg", "°")))
+    answers = re.findall(r"^\| [^|]*\? \| (.*) \|$", text, re.MULTILINE)
+    assert len(answers) >= 4
+    found = set(re.findall(FIGURE, " ".join(answers).replace(" %", "%")))
+    assert found - printed == set()
 
 
 def test_pages_name_the_files_of_their_scenes() -> None:
