@@ -28,6 +28,9 @@ _BEFORE = re.compile(rf"(?:(?<=</m[in]>)|(?<=</mfrac>))(?={_FUNCTION})")
 _AFTER = re.compile(rf"({_FUNCTION})(?!(?:<mrow>)?<mo[^>]*>&#x00028;|</mrow>)")
 _SPACE = '<mspace width="0.17em"/>'
 _BAR = re.compile(r'<mo(?: stretchy="false")?>&#x0007C;</mo>')
+# Within a row a browser takes every minus for one between two terms.
+_BEFORE_SIGN = "|".join([r"\[", *(f"&#x{ord(sign):05X};" for sign in "({,;=<>≤≥≈←→·×")])
+_SIGN = re.compile(rf"(<mo[^>]*>(?:{_BEFORE_SIGN})</mo>(?:<mspace[^>]*>)?)<mo>(?=&#x02212;)")
 _INCLUDE = re.compile(r"\{\{ (.+?) \}\}")
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 _DECISION = re.compile(r"\]\(((?:[\w./]*/)?)(\d{4})-[\w-]+\.md\)")
@@ -119,6 +122,7 @@ def _formula(match: re.Match[str]) -> str:
         raise ValueError(f"{latex} has a command that the site cannot show")
     # Before powers a browser takes the bars of a magnitude for signs between two terms.
     mathml = _BAR.sub('<mo stretchy="false" lspace="0" rspace="0">&#x0007C;</mo>', mathml)
+    mathml = _SIGN.sub(r'\1<mo form="prefix">', mathml)
     return _AFTER.sub(rf"\1{_SPACE}", _BEFORE.sub(_SPACE, mathml))
 
 

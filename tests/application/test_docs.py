@@ -6,6 +6,7 @@ import importlib.util
 import os
 import re
 import shlex
+import sys
 from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -32,6 +33,9 @@ LONG_PAGES = {
     *(page.name for page in (DOCS / "machines").glob("*.md")),
 }
 """Pages whose snippets compute for more than a second."""
+
+
+FIGURE = r"\d+(?:\.\d+)?[°%]?"
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,44 @@ def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             assert shows(following.text, printed), printed
         elif block.language == "python":
             assert not printed, "it prints something that is not shown"
+
+
+@pytest.mark.parametrize(
+    "page", sorted((DOCS / "machines").glob("*.md")), ids=lambda page: page.stem
+)
+def test_machine_pages_answer_with_printed_figures(page: Path) -> None:
+    """Each figure in the table of answers is in an output of the page."""
+    text = page.read_text("utf-8")
+    outputs = "\n".join(block.text for block in blocks(text) if block.language == "text")
+    printed = set(re.findall(FIGURE, outputs.replace(" deg", "°")))
+    answers = re.findall(r"^\| [^|]*\? \| (.*) \|$", text, re.MULTILINE)
+    assert len(answers) >= 4
+    found = set(re.findall(FIGURE, " ".join(answers).replace(" %", "%")))
+    assert found - printed == set()
+
+
+@pytest.mark.parametrize(
+    ("before", "leading"),
+    [
+        ("<mo>&#x0003D;</mo>", True),
+        ('<mo>&#x0002C;</mo><mspace width="0.278em" />', True),
+        ('<mo stretchy="false">&#x00028;</mo>', True),
+        ('<mo stretchy="false">&#x00029;</mo>', False),
+        ("<mi>a</mi>", False),
+    ],
+)
+def test_a_minus_with_nothing_before_it_stands_next_to_its_term(
+    before: str, leading: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    converter = ModuleType("latex2mathml.converter")
+    row = f"<mrow>{before}<mo>&#x02212;</mo><mi>b</mi></mrow>"
+    monkeypatch.setattr(converter, "convert", lambda *_, **__: row, raising=False)
+    monkeypatch.setitem(sys.modules, "latex2mathml", ModuleType("latex2mathml"))
+    monkeypatch.setitem(sys.modules, "latex2mathml.converter", converter)
+    monkeypatch.syspath_prepend(DOCS)
+    hooks = _module(DOCS / "hooks.py")
+    shown = re.sub(hooks._FORMULA, hooks._formula, '<span class="arithmatex">-b</span>')
+    assert ('<mo form="prefix">&#x02212;</mo>' in shown) == leading
 
 
 def test_pages_name_the_files_of_their_scenes() -> None:
