@@ -79,7 +79,7 @@ def main(site: Path) -> int:
     options.binary_location = shutil.which("chromium") or ""
     for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"):
         options.add_argument(argument)
-    # Without the search, which reads an index of its own on every page.
+    # The search is left out: it reads its index on every page.
     options.page_load_strategy = "eager"
     pages = sorted(page for page in site.rglob("*.html") if 'class="md-' in page.read_text("utf-8"))
     faults, heights = [], {}

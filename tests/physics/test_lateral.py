@@ -541,7 +541,7 @@ def test_resonances_are_where_orders_meet_natural_frequencies() -> None:
 
 
 def test_resonance_without_damping() -> None:
-    """Beside it the amplitude grows with the inverse of the distance; on it nothing is certain."""
+    """Near it the amplitude grows with the inverse of the distance."""
     system = library(two_piece([0.05, 0.1, 0.07]))
     speed = system.natural_frequencies(1)[0] / 2.0
     off = speed * (1.0 + np.array([1e-6, 1e-5, 1e-4]))

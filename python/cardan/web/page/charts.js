@@ -263,6 +263,23 @@ export class Chart {
   }
 
   /**
+   * Fit to an element whenever its width changes, and show again.
+   * @param {HTMLElement} element
+   * @param {() => void} show
+   */
+  follow(element, show) {
+    let width = 0;
+    // A size that is set while sizes are observed would be observed again.
+    const fit = () => requestAnimationFrame(() => {
+      if (element.clientWidth === width) return;
+      width = element.clientWidth;
+      this.fit();
+      show();
+    });
+    new ResizeObserver(fit).observe(element);
+  }
+
+  /**
    * Draw curves.
    * @param {Drawn} what
    * @param {boolean} isGrowing whether the axis of the values may only grow

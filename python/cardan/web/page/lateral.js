@@ -283,15 +283,7 @@ export function lateralCard(element, model) {
       words.replaceChildren(made("p", "", words, error.message));
     }
   };
-  let width = 0;
-  // A size that is set while sizes are observed would be observed again.
-  const fit = () => requestAnimationFrame(() => {
-    if (picture.clientWidth === width) return;
-    width = picture.clientWidth;
-    chart.fit();
-    show(true);
-  });
-  new ResizeObserver(fit).observe(picture);
+  chart.follow(picture, () => show(true));
   return show;
 }
 

@@ -221,15 +221,7 @@ export function torsionCard(element, model) {
     tell(found);
     draw(chart, sent, found, model.isDrawn ? null : former, !isWhole);
   };
-  let width = 0;
-  // A size that is set while sizes are observed would be observed again.
-  const fit = () => requestAnimationFrame(() => {
-    if (picture.clientWidth === width) return;
-    width = picture.clientWidth;
-    chart.fit();
-    show(true);
-  });
-  new ResizeObserver(fit).observe(picture);
+  chart.follow(picture, () => show(true));
   return show;
 }
 

@@ -80,23 +80,14 @@ impl<T: Real> Tube<T> {
 
     /// The figures, in the order of the fields.
     pub fn fields(self) -> [T; 7] {
-        let Self {
-            stiffness,
-            inertia,
-            mass,
-            critical_speed,
-            shear_per_torque,
-            bending_stiffness,
-            shear_coefficient,
-        } = self;
         [
-            stiffness,
-            inertia,
-            mass,
-            critical_speed,
-            shear_per_torque,
-            bending_stiffness,
-            shear_coefficient,
+            self.stiffness,
+            self.inertia,
+            self.mass,
+            self.critical_speed,
+            self.shear_per_torque,
+            self.bending_stiffness,
+            self.shear_coefficient,
         ]
     }
 }

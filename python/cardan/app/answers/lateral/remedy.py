@@ -17,7 +17,8 @@ from cardan.app.answers.rows import count, figure, item
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 
-# Joints move by at most this share of the shorter shaft beside them, and end shafts turn so far.
+# A joint moves by at most this share of the shorter shaft beside it. An end shaft turns by at most
+# this angle.
 _REACH, _SLOPE = 0.08, math.radians(10.0)
 # A single change that leaves more than this share is not listed, and a pair must end it.
 _HELPS, _ENDS = 0.7, 0.1

@@ -235,7 +235,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
 
 
 def _draw_orders(axes: Axes, found: TorsionFigures, right: float, top: float) -> None:
-    """Draw the frequency of each order. Where there are many, their names stand at the lines."""
+    """Draw the frequency of each order. The names of many orders stand at their lines."""
     orders, of_torques = found.torsion.orders, harmonic_orders(found.torsion.system)
     many = len(orders) > len(LINES)
     for number, order in enumerate(orders):

@@ -36,8 +36,8 @@ const MOST_PIECES: f64 = 1e4;
 /// rounding hides all else, of eigenvalues sooner than of solutions.
 const CLOSE: [f64; 2] = [2e-6, 2e-4];
 
-/// A mass closer to a node than this share of the shaft's length gets none of its own, where shapes
-/// are sought: beside an end that does not move it hardly changes the resonances of a piece.
+/// Where shapes are sought, a mass gets no node if it is closer to another one than this share of the
+/// shaft's length: so close to a fixed end it hardly changes the resonances of a piece.
 const BESIDE: f64 = 0.02;
 
 /// A vibration at an order of the drive's rotation.
@@ -114,14 +114,14 @@ enum Item {
 
 /// The nodes that a system has at every frequency.
 #[derive(Debug)]
-pub(super) struct Layout<'a> {
+pub(super) struct Nodes<'a> {
     pub(super) system: &'a LateralSystem,
     /// Shaft and position of every such node, along the driveline.
     stops: Vec<(usize, f64)>,
     /// The first one of each shaft, and the number of all.
     first: Vec<usize>,
     /// What is at nodes.
-    at_nodes: Vec<(Item, Place)>,
+    fixed: Vec<(Item, Place)>,
     /// What is between nodes, by shaft and position.
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
@@ -130,7 +130,7 @@ pub(super) struct Layout<'a> {
     close: f64,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Nodes<'a> {
     /// The nodes of a system. Where shapes are sought, point masses of shafts that bend have nodes as
     /// well, so that no piece with fixed ends resonates below its own frequencies.
     pub(super) fn new(system: &'a LateralSystem, of_shapes: bool) -> Self {
@@ -139,7 +139,7 @@ impl<'a> Layout<'a> {
             system,
             stops: vec![],
             first: vec![],
-            at_nodes: vec![],
+            fixed: vec![],
             between: vec![],
             bearings: vec![],
             close: CLOSE[usize::from(of_shapes)],
@@ -186,7 +186,7 @@ impl<'a> Layout<'a> {
             .chain(unbalances.map(|(i, own)| (own.shaft, own.position, Item::Unbalance(i))));
         for (shaft, position, item) in items {
             if let Some(place) = own.at_node(shaft, position) {
-                own.at_nodes.push((item, place));
+                own.fixed.push((item, place));
                 continue;
             }
             let is_before = |other: &(usize, f64, Item)| (other.0, other.1) <= (shaft, position);
@@ -252,7 +252,7 @@ pub(super) struct Piece {
 
 /// The equations of a system at one frequency, and their solution.
 #[derive(Debug, Default)]
-pub(super) struct Equations {
+pub(super) struct BandEquations {
     band: Band,
     /// The unknowns once they are solved; before that what forces within pieces do to nodes.
     pub(super) unknowns: Vec<C>,
@@ -267,9 +267,9 @@ pub(super) struct Equations {
     pub(super) unit: f64,
 }
 
-impl Equations {
+impl BandEquations {
     /// Makes the equations of a frequency, with pieces as short as a rate in rad/s needs.
-    pub(super) fn assemble(&mut self, layout: &Layout<'_>, at: Rate, finest: f64) {
+    pub(super) fn assemble(&mut self, layout: &Nodes<'_>, at: Rate, finest: f64) {
         let system = layout.system;
         self.place_nodes(layout, at.speed, finest);
         let size = self.unknowns.len();
@@ -285,7 +285,7 @@ impl Equations {
                 self.add_mass(at, place, [own.mass, own.across, own.along]);
             }
         }
-        for &(item, place) in &layout.at_nodes {
+        for &(item, place) in &layout.fixed {
             match item {
                 Item::Mass(i) => {
                     let own = &system.attached.masses[i];
@@ -319,7 +319,7 @@ impl Equations {
     }
 
     /// Numbers the unknowns.
-    fn place_nodes(&mut self, layout: &Layout<'_>, speed: f64, finest: f64) {
+    fn place_nodes(&mut self, layout: &Nodes<'_>, speed: f64, finest: f64) {
         self.base.clear();
         self.joints.clear();
         self.pieces.clear();
@@ -366,7 +366,7 @@ impl Equations {
         }
     }
 
-    fn add_piece(&mut self, layout: &Layout<'_>, at: Rate, piece: &mut Piece) {
+    fn add_piece(&mut self, layout: &Nodes<'_>, at: Rate, piece: &mut Piece) {
         let [with, against] = TURNS;
         let of = |turn| layout.transfer(piece, piece.to, at, turn).stiffness();
         let first = of(with);
@@ -408,7 +408,7 @@ impl Equations {
     }
 
     /// Adds the force of a joint, and that it keeps both ends together across the sliding shaft.
-    fn add_joint(&mut self, layout: &Layout<'_>, joint: usize) {
+    fn add_joint(&mut self, layout: &Nodes<'_>, joint: usize) {
         let system = layout.system;
         let own = system.turning(system.sliding[joint]);
         for (shaft, sign) in [(joint, 1.0), (joint + 1, -1.0)] {
@@ -431,7 +431,7 @@ impl Equations {
     /// Adds a couple on the slope of a place.
     pub(super) fn add_couple(
         &mut self,
-        layout: &Layout<'_>,
+        layout: &Nodes<'_>,
         shaft: usize,
         place: Place,
         couple: [C; 3],
@@ -445,7 +445,7 @@ impl Equations {
     /// Adds a force along a real direction at a place.
     pub(super) fn add_force(
         &mut self,
-        layout: &Layout<'_>,
+        layout: &Nodes<'_>,
         shaft: usize,
         place: Place,
         force: Vector,
@@ -497,7 +497,7 @@ impl Equations {
     }
 
     /// The displacement of a place as a vector, from the unknowns.
-    pub(super) fn displacement(&self, layout: &Layout<'_>, shaft: usize, place: Place) -> [C; 3] {
+    pub(super) fn displacement(&self, layout: &Nodes<'_>, shaft: usize, place: Place) -> [C; 3] {
         let base = self.base[place.stop];
         let turning = layout.system.turning(shaft);
         let moved = [0, 1]
@@ -508,7 +508,7 @@ impl Equations {
     /// The displacement of any position of a shaft.
     pub(super) fn displacement_at(
         &self,
-        layout: &Layout<'_>,
+        layout: &Nodes<'_>,
         at: Rate,
         shaft: usize,
         position: f64,
@@ -542,7 +542,7 @@ impl Equations {
     }
 
     /// Twice the mean power in W that all forces give, over the rate.
-    pub(super) fn given_power(&self, layout: &Layout<'_>, at: Rate) -> f64 {
+    pub(super) fn given_power(&self, layout: &Nodes<'_>, at: Rate) -> f64 {
         let of = |force: C, moved: C| (force * moved.conj()).im;
         let at_nodes = self.given.iter().zip(&self.unknowns).map(|(&force, &x)| of(force, x));
         let mut sum: f64 = at_nodes.sum();
@@ -587,7 +587,7 @@ impl LateralSystem {
     }
 }
 
-impl Layout<'_> {
+impl Nodes<'_> {
     /// Whether the directions of rotation differ for the pieces of a shaft. Euler's theory does not
     /// distinguish them.
     fn differs(&self, shaft: usize, at: Rate) -> bool {

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
-use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
 use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, RigidShaft};
 use crate::error::{Error, Result};
 
@@ -34,16 +34,16 @@ pub struct LateralMode {
 /// Dynamic stiffness with the forces of joints, in two directions across each shaft, where it is
 /// real. Every row and column is divided by the root of its diagonal when nothing moves.
 struct Scaled<'a> {
-    layout: &'a Layout<'a>,
-    equations: Equations,
+    layout: &'a Nodes<'a>,
+    equations: BandEquations,
     /// Pieces are short enough for frequencies up to this one.
     finest: f64,
     scales: Vec<f64>,
 }
 
 impl<'a> Scaled<'a> {
-    fn new(layout: &'a Layout<'a>, finest: f64) -> Self {
-        let mut own = Self { layout, equations: Equations::default(), finest, scales: vec![] };
+    fn new(layout: &'a Nodes<'a>, finest: f64) -> Self {
+        let mut own = Self { layout, equations: BandEquations::default(), finest, scales: vec![] };
         let still = own.matrix(0.0).diagonal();
         let largest = if still.max() > 0.0 { still.max() } else { 1.0 };
         // Nothing holds a free shaft without bearings, and a joint force has no diagonal.
@@ -128,7 +128,7 @@ impl LateralSystem {
                     LateralShaft::Rigid(RigidShaft { mass: 0.0, centre, across: 0.0, along: 0.0 });
             }
         }
-        let layout = Layout::new(&alike, false);
+        let layout = Nodes::new(&alike, false);
         let mut scaled = Scaled::new(&layout, 0.0);
         let least = scaled.take_vector(0.0, 2 * self.joints());
         if least.is_none_or(|least| least >= ROUNDING) {
@@ -158,7 +158,7 @@ impl LateralSystem {
             let problem = format!("is {count}; it must be at most {MOST}");
             return Err(Error::new("count", &[], problem));
         }
-        let layout = Layout::new(self, true);
+        let layout = Nodes::new(self, true);
         let ties = 2 * self.joints();
         let mut found: Vec<f64> = vec![];
         let (mut low, mut high) = (0.0, 1.0);
@@ -194,7 +194,7 @@ impl LateralSystem {
 
 /// The displacements of probes at a natural frequency.
 fn shape(
-    layout: &Layout<'_>,
+    layout: &Nodes<'_>,
     frequency: f64,
     number: usize,
     probes: &[(usize, f64)],

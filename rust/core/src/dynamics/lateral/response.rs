@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
 use crate::dynamics::lateral::system::LateralSystem;
 use crate::error::{Error, Result};
 use crate::mechanics::phasing::is_set;
@@ -95,41 +95,44 @@ impl LateralRuns<'_> {
             .zip(powers.chunks_mut(each.1 * block))
             .zip(self.system.chunks(block).zip(self.speed.chunks(block)))
             .enumerate();
-        work_off(items, threads, Equations::default, |equations, (i, (out, (systems, speeds)))| {
-            if is_set(stop) {
-                return;
-            }
-            let mut layout: Option<(usize, Layout<'_>)> = None;
-            let runs = out.0.chunks_mut(each.0).zip(out.1.chunks_mut(each.1));
-            for (j, ((vectors, powers), (&system, &speed))) in
-                runs.zip(systems.iter().zip(speeds)).enumerate()
-            {
-                let known = layout.take().filter(|(own, _)| *own == system);
-                let (_, layout) =
-                    layout
-                        .insert(known.unwrap_or_else(|| {
-                            (system, Layout::new(&self.systems[system], false))
-                        }));
-                let places = vectors
-                    .chunks_mut(each.0 / orders)
-                    .zip(powers.chunks_mut(each.1 / orders))
-                    .zip(self.orders);
-                for (k, ((vectors, powers), &order)) in places.enumerate() {
-                    let at = (i * block + j) * given + k * given / orders;
-                    let moments = &self.moments[at..][..given / orders];
-                    let record = Record { vectors, powers };
-                    self.one(equations, layout, Rate::of_order(order, speed), moments, record);
+        work_off(
+            items,
+            threads,
+            BandEquations::default,
+            |equations, (i, (out, (systems, speeds)))| {
+                if is_set(stop) {
+                    return;
                 }
-            }
-        });
+                let mut layout: Option<(usize, Nodes<'_>)> = None;
+                let runs = out.0.chunks_mut(each.0).zip(out.1.chunks_mut(each.1));
+                for (j, ((vectors, powers), (&system, &speed))) in
+                    runs.zip(systems.iter().zip(speeds)).enumerate()
+                {
+                    let known = layout.take().filter(|(own, _)| *own == system);
+                    let (_, layout) = layout.insert(
+                        known.unwrap_or_else(|| (system, Nodes::new(&self.systems[system], false))),
+                    );
+                    let places = vectors
+                        .chunks_mut(each.0 / orders)
+                        .zip(powers.chunks_mut(each.1 / orders))
+                        .zip(self.orders);
+                    for (k, ((vectors, powers), &order)) in places.enumerate() {
+                        let at = (i * block + j) * given + k * given / orders;
+                        let moments = &self.moments[at..][..given / orders];
+                        let record = Record { vectors, powers };
+                        self.one(equations, layout, Rate::of_order(order, speed), moments, record);
+                    }
+                }
+            },
+        );
         Ok(())
     }
 
     /// One run at one order.
     fn one(
         &self,
-        equations: &mut Equations,
-        layout: &Layout<'_>,
+        equations: &mut BandEquations,
+        layout: &Nodes<'_>,
         at: Rate,
         moments: &[C],
         Record { vectors, powers }: Record<'_>,

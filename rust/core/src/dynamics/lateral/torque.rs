@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use crate::dynamics::lateral::equations::{Equations, Layout, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
 use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, pair_across};
 use crate::error::{Error, Result};
 use crate::mechanics::geometry::Vector;
@@ -91,9 +91,9 @@ impl LateralSystem {
         if rows.is_empty() {
             return f64::INFINITY;
         }
-        let layout = Layout::new(self, false);
+        let layout = Nodes::new(self, false);
         let at = Rate::of_order(1.0, speed);
-        let mut equations = Equations::default();
+        let mut equations = BandEquations::default();
         equations.assemble(&layout, at, at.omega);
         equations.factor();
         let mut compliance = DMatrix::zeros(rows.len(), rows.len());
