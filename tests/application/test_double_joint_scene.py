@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 import cardan
+from cardan.app.answers.moves.figures import held_in
+from cardan.app.answers.yokes.figures import yoke_settings
+from cardan.app.answers.yokes.text import yoke_text
 from cardan.app.scene import Scene, SceneError
 
 TEXT = """\
@@ -50,6 +53,20 @@ def test_states_are_steering_angles() -> None:
     lines = Scene.parse(f"{TEXT}{states}").drivelines()
     assert lines.bends[1] == pytest.approx(np.radians([17.5, 17.5]))
     assert lines.bends[0] == pytest.approx(bends(5.0, PLACE))
+
+
+def test_only_the_yokes_behind_a_double_joint_are_set() -> None:
+    """Its middle piece has no spline, and the setting is a key that its scene takes."""
+    alone = yoke_settings(Scene.parse(TEXT))
+    assert not alone.turned
+    assert "In the scene" not in yoke_text("", alone)
+    behind = Scene.parse(f"{TEXT}single_bend_deg = 6\nsingle_phase_deg = 20\n")
+    found = yoke_settings(behind)
+    assert [shaft.shaft for shaft in found.turned] == [2]
+    line = yoke_text("", found).rpartition("In the scene: ")[2].strip()
+    set_line = Scene.parse(f"{TEXT}single_bend_deg = 6\n{line}\n").line
+    assert set_line.equivalent().bend < behind.line.equivalent().bend
+    assert ("phase", 1) in held_in(behind)
 
 
 @pytest.mark.parametrize(

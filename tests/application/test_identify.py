@@ -96,6 +96,23 @@ def test_both_joints_of_a_recording(recording: Path) -> None:
     assert max(map(len, text.splitlines()[1:])) <= 79
 
 
+def test_both_joints_of_recorded_speeds(tmp_path: Path) -> None:
+    time = np.linspace(0.0, 4.0, 8001)
+    rpm = 1200.0 + 10.0 * time
+    drive = np.radians(6.0 * (1200.0 * time + 5.0 * time**2))
+    middle, driven = LINE.evaluate(drive, "speed_ratio", shafts=[1, 2]).speed_ratio * rpm
+    path = tmp_path / "speeds.csv"
+    rows = np.column_stack([time, rpm, middle, driven])
+    np.savetxt(path, rows, delimiter=",", header="t,n0,n1,n2", comments="")
+    drive_options = ("--time", "t", "--drive-speed", "n0")
+    speeds = ("--intermediate", "n1", "--driven-speed", "n2")
+    data = json.loads(identify(path, *drive_options, *speeds, "--json").stdout)
+    VALIDATOR.validate(data)
+    bends = [entry["bend_deg"] for entry in data["joints"]]
+    assert bends == pytest.approx([14.0, 9.0], abs=1e-3)
+    assert data["phase_less_twist_deg"] == pytest.approx(-10.0, abs=0.01)
+
+
 def test_what_is_no_joint_is_said(tmp_path: Path) -> None:
     angles = np.linspace(0.0, 2000.0, 4000)
     rng = np.random.default_rng(5)

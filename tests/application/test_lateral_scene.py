@@ -253,6 +253,33 @@ def test_half_the_stiffness_of_one_of_two_bearings_moves_its_own_resonance() -> 
     assert soft.moved == pytest.approx(worst.moved, rel=1e-3)
 
 
+def test_twice_the_stiffness_moves_the_resonance_itself() -> None:
+    """A higher resonance, in which the force is larger, is another one."""
+    text = """
+        [driveline]
+        points_mm = [[0, 0, 0], [280, -14, 0], [1500, -60, 0], [2860, -210, 0], [3120, -225, 0]]
+        [load]
+        drive_torque_Nm = 1100
+        [tubes]
+        outer_diameter_mm = 76
+        wall_mm = 2.2
+        [[bearing]]
+        shaft = 1
+        from_end_mm = 120
+        stiffness_N_per_mm = 220
+        loss_factor = 0.1
+        [lateral]
+        speed_rpm = {from = 200, to = 4200, steps = 201}
+        """
+    stiff = next(each for each in figures(text).remedies if each.stiffness == 2.0)
+    after = figures(changed(text, ("= 220", "= 440")))
+    own = next(each for each in after.resonances if each.peak)
+    assert own.speed / RPM == pytest.approx(1470, abs=10)
+    assert stiff.resonance == pytest.approx(own.peak_speed, rel=2e-3)
+    assert stiff.peak == pytest.approx(own.peak, rel=1e-3)
+    assert stiff.moved == pytest.approx(own.moved, rel=1e-3)
+
+
 def test_the_speed_of_the_load_is_answered() -> None:
     """Next to the resonance, in the band of another one, and beside the speeds."""
     at = "At 640 rpm, the speed in [load], bearing 0 bears up to 578 N"

@@ -363,7 +363,7 @@ def test_a_scene_that_names_files_stays_in_their_folder(
 def test_a_scene_without_the_section(tmp_path: Path) -> None:
     result = run(tmp_path, TRUCK)
     assert result.exit_code == 2
-    assert result.stderr.endswith("section [optimise] is missing; it says what may change\n")
+    assert result.stderr.endswith('as vary = {"points_mm.2.y" = [-40, 40]}\n')
 
 
 def test_a_single_driveline_without_states(tmp_path: Path) -> None:

@@ -400,6 +400,12 @@ def test_nothing_is_suggested_where_all_is_within_or_nothing_helps() -> None:
     assert truck({"critical_margin": 1e9}).suggest() == ()
 
 
+def test_a_preset_is_refused_by_name() -> None:
+    line = Driveline.from_bends([5.0, 4.0], degrees=True)
+    with pytest.raises(TypeError, match="limits is 'industrial'; it must be a dict"):
+        Machine(line, limits="industrial")  # type: ignore[arg-type]
+
+
 def test_results_do_not_depend_on_the_threads() -> None:
     core = truck()._core
     one, all_ = core.figures(1), core.figures(None)

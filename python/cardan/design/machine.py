@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
-from cardan.arrays.errors import ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
@@ -164,10 +164,14 @@ class Machine:
                 straight ahead of a steering column hold; by default that of the first state.
 
         Raises:
-            TypeError: a driveline or a load that is none, values that are not real numbers.
+            TypeError: a driveline or a load that is none, limits that are no dict, values that are
+                not real numbers.
             ValueError: shapes that do not fit.
         """
         own = _states_of("states", states)
+        if limits is not None and not isinstance(limits, Mapping):
+            problem = "it must be a dict by names of KINDS; presets are for Driveline.check"
+            raise ArgumentTypeError("limits", f"is {limits!r}; {problem}")
         given = []
         for name, bounds in (limits or {}).items():
             each = bounds.items() if isinstance(bounds, Mapping) else [(None, bounds)]

@@ -280,6 +280,11 @@ def identify_two_joints(
     """
     first = identify(drive_angle, angle=intermediate, drive_speed=drive_speed, degrees=degrees)
     whole = identify(drive_angle, angle=driven, drive_speed=drive_speed, degrees=degrees)
+    return two_joints(first, whole)
+
+
+def two_joints(first: Identification, whole: Identification) -> TwoJoints:
+    """Return both joints from the first and the one that is equivalent to both."""
     # The second joint takes the intermediate shaft's motion out: z = -k exp(-2 i p) by the maps
     # w -> w - k conj(w) of both joints, with p = phase - twist + pi/2.
     inverse = 1.0 / (1.0 - whole.q * first.q.conjugate())

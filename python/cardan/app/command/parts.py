@@ -277,7 +277,9 @@ def phase(scene: Path, workbook: Path | None, as_json: bool) -> None:
 @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
 @click.option("--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's.")
 @click.option("--driven-speed", metavar="COLUMN", help="Or: its speed in rpm, with --drive-speed.")
-@click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
+@click.option(
+    "--intermediate", metavar="COLUMN", help="Angle or speed of the shaft between two joints."
+)
 @click.option(
     "--drive-speed", metavar="COLUMN", help="Speed of the drive in rpm: shows the bend over it."
 )
@@ -304,7 +306,7 @@ def identify(
     FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
     driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each
     turn. With the angle of the shaft between two joints, both bends and the phase are found. Speeds
-    do instead of angles: that of the drive with the time, and that of the driven shaft.
+    do instead of angles: that of the drive with the time, and those of the other shafts.
 
     \b
     Examples:
@@ -321,8 +323,8 @@ def identify(
     for option, name in (("--time", time), ("--driven-speed", driven_speed)):
         if name is not None and drive_speed is None:
             raise click.UsageError(f"{option} needs --drive-speed")
-    if intermediate is not None and driven is None:
-        raise click.UsageError("--intermediate needs --driven")
+    if intermediate is not None and driven is None and driven_speed is None:
+        raise click.UsageError("--intermediate needs --driven or --driven-speed")
     check_workbook(workbook)
     found = identified(
         file,
@@ -374,7 +376,10 @@ def optimise(
     text = read_text(scene)
     loaded = in_units(Scene.parse(text, str(scene), scene.parent))
     if loaded.optimisation is None:
-        raise ValueError(f"{scene}: section [optimise] is missing; it says what may change")
+        raise ValueError(
+            f"{scene}: section [optimise] is missing; it says what may change, as "
+            'vary = {"points_mm.2.y" = [-40, 40]}'
+        )
     target = scene.with_suffix(".optimised.toml") if to is None else to
     _check_target(loaded, scene, target)
     check_workbook(workbook, loaded)

@@ -89,7 +89,8 @@ def _smooth(answer: Answer) -> dict[str, Any]:
     judged = [entry for entry in part.entries(answer["limits"]) if entry.row.limit]
     verdict = worst_of(entry.value.verdict for entry in judged if entry.value)
     line, unvaried = scene.line, []
-    words = f"{_SMOOTH[verdict]}. {found.heading}"
+    # The verdict on everything, above, may differ.
+    words = f"{_SMOOTH[verdict]}. {found.heading.replace('The driveline', 'The motion')}"
     if scene.study and scene.study.axes:
         words = f"Drivelines of the study: {counted(found.ranks)}."
         alone = motion_of(scene, line.check(scene.speed or None, scene.limits))

@@ -15,7 +15,7 @@ import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
 from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
-from cardan.app.answers.moves.figures import search, set_by_states
+from cardan.app.answers.moves.figures import held_in, search
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
@@ -137,7 +137,7 @@ def live(answer: Answer) -> dict[str, Any] | None:
             "teeth": reach["teeth"],
             "known_ratings": reach["ratings"],
         },
-        "fixed": sorted(set_by_states(scene)),
+        "fixed": sorted(held_in(scene)),
         "shims": _shims(answer) if scene.is_measured else None,
         "given": changeable,
         "source": {

@@ -28,7 +28,7 @@ from cardan.app.scene.recording.recorded import BEND_COLUMNS, Angles, Recording
 from cardan.app.scene.recording.signals import Signal
 from cardan.app.scene.sections.ball_joint import BALL_JOINT, BallJointCase, ball_joint_case
 from cardan.app.scene.sections.bearing import BEARING
-from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
+from cardan.app.scene.sections.driveline import DOUBLE_JOINT, DRIVELINE, READINGS
 from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
 from cardan.app.scene.sections.lateral import LATERAL, LateralCase
 from cardan.app.scene.sections.life import LIFE, DutyCycle
@@ -434,6 +434,11 @@ class Scene:
     def is_measured(self) -> bool:
         """Whether the driveline is as an inclinometer has shown it."""
         return self.layout is not None and READINGS in self.layout.driveline
+
+    @property
+    def is_double(self) -> bool:
+        """Whether joints 0 and 1 are a centred double joint, whose middle piece has no spline."""
+        return self.layout is not None and DOUBLE_JOINT in self.layout.driveline
 
     @property
     def line_as_built(self) -> Driveline:

@@ -16,7 +16,7 @@ from cardan.app.answers.rows import count, figure, flag, item, optional, parts, 
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
 from cardan.arrays import FloatArray
-from cardan.motion.identification import Part, identify, identify_two_joints
+from cardan.motion.identification import Part, identify, identify_two_joints, two_joints
 
 _LARGEST_ORDER = 4
 
@@ -170,13 +170,18 @@ def identified(
     is_ratio, both = driven is None, None
     if driven is None:
         if speed_ratio is not None:
-            ratio = columns[speed_ratio]
+            ratios = [columns[speed_ratio]]
         else:
-            assert driven_speed is not None
             assert speed is not None
             with np.errstate(divide="ignore", invalid="ignore"):
-                ratio = columns[driven_speed] * RPM / speed
-        found = identify(angle, speed_ratio=ratio, drive_speed=speed, degrees=not radians)
+                ratios = [
+                    columns[name] * RPM / speed for name in (intermediate, driven_speed) if name
+                ]
+        *firsts, found = (
+            identify(angle, speed_ratio=ratio, drive_speed=speed, degrees=not radians)
+            for ratio in ratios
+        )
+        both = two_joints(firsts[0], found) if firsts else None
     elif intermediate is not None:
         angles = (angle, columns[intermediate], columns[driven])
         both = identify_two_joints(*angles, drive_speed=speed, degrees=not radians)

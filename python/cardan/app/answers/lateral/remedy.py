@@ -32,6 +32,8 @@ _TOP = 1.5
 _ALIKE = 0.04
 # The loss factor by which changes are compared where the damping is not known.
 _NOMINAL = 0.1
+# A bearing holds a shape in which it has so much of the elastic energy, of the most in any shape.
+_HELD = 0.3
 # A driveline whose first shaft is steeper than this along y has z upwards.
 _STEEP = 0.9
 # The joint of 3 degrees that catalogues permit, by which the evenness of the output is measured.
@@ -89,7 +91,7 @@ def remedies(
     place = every.index(one)
     if not met.is_known:
         every = [each.damped(_NOMINAL) for each in every]
-    one, before = every[place], [_peak(each, met) for each in every]
+    one, before = every[place], [_peak(each, met.speed) for each in every]
     most = max(float(np.max(peak.forces)) for peak in before)
     if not most:
         return
@@ -104,7 +106,8 @@ def remedies(
             Vibration(each.case.stiffened(number, stiffer), change(each.line), each.load)
             for each in (every if stiffer == 1.0 else [one])
         ]
-        peaks = [_peak(each, None if stiffer != 1.0 else met) for each in after]
+        speed = met.speed if stiffer == 1.0 else _own(after[0], bearing)
+        peaks = [_peak(each, speed) for each in after]
         worst = int(np.argmax([np.max(peak.forces) for peak in peaks]))
         found = _remedy(words, stiffer, after[worst], peaks[worst], most)
         bend = max(float(each.line.equivalent().bend) for each in after)
@@ -129,12 +132,19 @@ class _Peak(NamedTuple):
     moved: FloatArray
 
 
-def _peak(found: Vibration, met: Met | None) -> _Peak:
-    """Return order 2 in the resonance next to one, or in that which is largest at equal damping."""
+def _peak(found: Vibration, wanted: float) -> _Peak:
+    """Return order 2 in the resonance next to a speed."""
     frequencies = _resonances(found)
-    wanted = met.speed if met else _at(found.damped(_NOMINAL), frequencies).speed
     nearest = np.argmin(np.abs(np.log(frequencies / wanted)))
     return _at(found, frequencies[nearest : nearest + 1])
+
+
+def _own(found: Vibration, bearing: int) -> float:
+    """Return where order 2 is largest, at equal damping, of the shapes that a bearing holds."""
+    met = [each for each in found.met if each.order == _ORDER]
+    shares = np.array([each.group.shares[bearing] for each in met])
+    speeds = np.array([each.speed for each in met])[shares >= _HELD * np.max(shares)]
+    return _at(found.damped(_NOMINAL), speeds).speed
 
 
 def _at(found: Vibration, frequencies: FloatArray) -> _Peak:

@@ -62,7 +62,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
         and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
         and not _is_implied(each, scene)
     )
-    held = set_by_states(scene)
+    held = held_in(scene)
     moves: Iterator[Move] = (
         _move(change, scene, ", ".join(untried))
         for change in found
@@ -99,10 +99,15 @@ def search(scene: Scene) -> dict[str, Any]:
     }
 
 
-def set_by_states(scene: Scene) -> set[tuple[str, int]]:
-    """Return variables and items that the states set, which no change of the drawing reaches."""
+def held_in(scene: Scene) -> set[tuple[str, int]]:
+    """Return variables and items that no change of the drawing reaches.
+
+    The states set them, or they are the yokes of the middle piece of a double joint.
+    """
     # A change of the drawing turns with what a state turns.
     found = set(scene.states.turned) if scene.states else set()
+    if scene.is_double:
+        found.add(("phase", 1))
     if scene.states and scene.states.set_phases:
         found |= {("phase", shaft) for shaft in range(scene.line.n_joints)}
     return found

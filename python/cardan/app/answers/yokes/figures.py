@@ -150,6 +150,8 @@ class Advice:
     teeth: tuple[ShaftSetting, ...] = parts("on teeth", "the best setting on the splines, if known")
     # Of the phases in degrees, with which the best setting keeps a limit that it can keep.
     decimals: int = field(kw_only=True)
+    # Whether joints 0 and 1 are a centred double joint.
+    is_double: bool = field(kw_only=True)
 
     @property
     def settable_deg(self) -> float:
@@ -191,8 +193,8 @@ def yoke_settings(scene: Scene) -> YokeFigures:
             f"{scene.name}: [states] gives phases_deg; one setting can serve all states only if "
             "none of them sets the yokes"
         )
-    settings = _settings(line, states, scene.teeth)
-    found = _advice(line, limit_of(scene), settings, states, scene.teeth)
+    settings = _settings(line, states, scene.teeth, is_double=scene.is_double)
+    found = _advice(line, limit_of(scene), settings, states, scene.teeth, is_double=scene.is_double)
     lines = {key: _of_states(line, states, phases) for key, phases in settings.items()}
     # On splines, what can be set.
     set_lines = lines.get("on_teeth", lines["best"])
@@ -220,8 +222,8 @@ def scene_advice(scene: Scene) -> Advice | None:
         return None
     if not states and scene.study is not None and scene.study.axes:
         return None
-    settings = _settings(line, states, scene.teeth)
-    return _advice(line, limit_of(scene), settings, states, scene.teeth)
+    settings = _settings(line, states, scene.teeth, is_double=scene.is_double)
+    return _advice(line, limit_of(scene), settings, states, scene.teeth, is_double=scene.is_double)
 
 
 def advice(line: Driveline, limit: float = MAX_EQUIVALENT_BEND) -> Advice:
@@ -245,12 +247,14 @@ def root_rule(line: Driveline) -> RootRule:
 
 
 def _settings(
-    line: Driveline, states: States | None, teeth: Sequence[int]
+    line: Driveline, states: States | None, teeth: Sequence[int], *, is_double: bool = False
 ) -> dict[str, FloatArray]:
     """The phases of each setting in rad; of states the setting serves all."""
     lines, common = line, dict[str, Any]()
     if states:
         lines, common = states.drivelines(), {"states": 0, "weights": states.weights}
+    if is_double:
+        common["fixed"] = [1]
     settings = {"present": line.phases, "best": lines.optimal_phases(**common)}
     if teeth:
         settings["on_teeth"] = lines.optimal_phases(**common, teeth=teeth)
@@ -273,6 +277,8 @@ def _advice(
     settings: Mapping[str, FloatArray],
     states: States | None,
     teeth: Sequence[int],
+    *,
+    is_double: bool = False,
 ) -> Advice:
     # To and from radians, 3 would become 3.0000000000000004.
     limit_deg = round(float(np.degrees(limit)), 12)
@@ -305,6 +311,7 @@ def _advice(
         over,
         tuple(_setting(line, i, settings["on_teeth"][i], count) for i, count in enumerate(teeth)),
         decimals=_decimals(line, states, settings["best"], limit_deg),
+        is_double=is_double,
     )
 
 

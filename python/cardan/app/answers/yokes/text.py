@@ -21,6 +21,9 @@ _ARRANGEMENTS = {
     "spatial": "Spatial arrangement: the bends lie in different planes.",
 }
 
+_NEARER = "Bring the bends of the joints nearer to each other in that state."
+_DOUBLE = "The place of the pivot sets both bends of the double joint: synchronous_deg."
+
 BEST_OF_STATES = (
     "The best setting has the least weighted mean over the states; single states may be worse than "
     "now."
@@ -33,6 +36,8 @@ def yoke_text(title: str, found: YokeFigures) -> str:
     tried = "On these teeth" if found.teeth else "With the best setting"
     passes = "does not pass the check" if found.above_limits else "passes the check"
     passes += " in every state" if found.states else ""
+    if not found.above_limits and found.settable_deg > found.limit_deg:
+        passes += ", as tolerable"
     paragraphs = [
         [title] if title else [],
         [arrangement_text(found)],
@@ -48,7 +53,7 @@ def yoke_text(title: str, found: YokeFigures) -> str:
             f"{tried} the driveline {passes}{':' if found.above_limits else '.'}",
             *(f"- {words}" for words in found.above_limits),
         ],
-        [f"In the scene: {phases_text(found)}"],
+        [f"In the scene: {text}"] if (text := phases_text(found)) else [],
     ]
     return "\n\n".join("\n".join(map(_wrapped, part)) for part in paragraphs if part)
 
@@ -63,9 +68,14 @@ def arrangement_text(found: Advice) -> str:
 
 
 def phases_text(found: Advice) -> str:
-    """Return the setting as a line of a scene, on the teeth where these are known."""
-    phases = (round(shaft.phase_deg, 4) + 0.0 for shaft in found.set_shafts)
-    return f"phases_deg = [{', '.join(f'{phase:.7g}' for phase in phases)}]"
+    """Return the setting as a line of a scene, on the teeth where these are known.
+
+    A double joint alone has no yoke to set and no such line.
+    """
+    phases = [f"{round(shaft.phase_deg, 4) + 0.0:.7g}" for shaft in found.set_shafts]
+    if found.is_double:
+        return f"single_phase_deg = {phases[1]}" if len(phases) > 1 else ""
+    return f"phases_deg = [{', '.join(phases)}]"
 
 
 def yoke_lines(found: Advice) -> list[str]:
@@ -223,7 +233,7 @@ def remedies(found: Advice) -> list[str]:
     if found.cause == "phases":
         return [f"{_turns(found)}; that leaves {settable}."]
     left = f": the best setting leaves {best}" if found.shafts else ""
-    return [f"{_too_different(found)}{left}.", _changes(found)]
+    return [f"{_too_different(found)}{left}.", _DOUBLE if found.is_double else _changes(found)]
 
 
 def _turns(found: Advice) -> str:
@@ -261,8 +271,8 @@ def _states_remedies(found: Advice) -> list[str]:
         return ["A single joint cannot cancel its own unevenness; add a second joint."]
     return [
         f"Even the best common setting of the yokes leaves {_at_most(found)}, beyond the "
-        f"limit of {_limit(found)}. Bring the bends of the joints nearer to each other "
-        "in that state. More weight of that state favours it at the cost of the others."
+        f"limit of {_limit(found)}. {_DOUBLE if found.is_double else _NEARER} "
+        "More weight of that state favours it at the cost of the others."
     ]
 
 

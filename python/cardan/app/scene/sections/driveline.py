@@ -39,6 +39,8 @@ LENGTHS = ("lengths_mm", "lengths_m")
 LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveline]"
 """What gives a driveline its lengths."""
 
+DOUBLE_JOINT = "double_joint_deg"
+"""The key of a centred double joint."""
 
 READINGS, OFFSETS, GAUGE = "readings_deg", "offsets_mm", "gauge_deg"
 """The keys of what an inclinometer and a tape measure show, and of what the former may hide."""
@@ -86,7 +88,7 @@ class Form:
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
 _SINGLE = ("single_bend_deg", "single_twist_deg", "single_phase_deg")
-_DOUBLE_JOINT = ("double_joint_deg", "joint_distance_mm", "synchronous_deg")
+_DOUBLE_JOINT = (DOUBLE_JOINT, "joint_distance_mm", "synchronous_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
 
@@ -436,7 +438,7 @@ DRIVELINE: Section[Described] = Section(
             "with readings_deg: how far each reading may be off; the answer then says how certain "
             "its verdict is",
         ),
-        "double_joint_deg": Key(
+        DOUBLE_JOINT: Key(
             numbers(Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
             "total bend of a centred double joint, in [0, 180)",
             "total",
@@ -446,7 +448,8 @@ DRIVELINE: Section[Described] = Section(
         ),
         "synchronous_deg": Key(
             numbers(Number(0, 120, below=True, unit="deg"), 1),
-            "of a double joint: total bend at which both joints have the same bend",
+            "of a double joint: total bend at which both joints have the same bend; 0 where the "
+            "pivot lies in the middle between them",
             "synchronous",
         ),
         "pivot_wear_mm": Key(

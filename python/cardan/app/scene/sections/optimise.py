@@ -66,7 +66,8 @@ class Vary(Rule):
             if not re.fullmatch(_PATH, path):
                 raise own.error(
                     "is no path of a key of [driveline] or of a [[bearing]], as points_mm.2.y, "
-                    "phases_deg.0, bends_deg.0-1 or bearing.0.position_mm"
+                    "phases_deg.0, bends_deg.0-1 or bearing.0.position_mm; [study] compares values "
+                    "of other keys"
                 )
             found[path] = self._range(own, path, given)
         return found
