@@ -52,14 +52,7 @@ driving shaft as a function of the drive angle [N m]."""
 
 @dataclass(frozen=True)
 class RigidShaft:
-    """A shaft that does not bend.
-
-    Attributes:
-        mass: in kg.
-        centre: distance of the centre of mass from the upstream end [m].
-        across: moment of inertia about an axis across the shaft through the centre [kg m²].
-        along: moment of inertia about the shaft's axis [kg m²].
-    """
+    """A shaft that does not bend, with the attributes of ``cardan.RigidShaft``."""
 
     mass: float
     centre: float
@@ -106,13 +99,7 @@ class Tube:
 class ElasticBearing:
     """A bearing of stiffness ``k (1 + i loss_factor sign(w)) + i w damping`` at ``w`` in rad/s.
 
-    Attributes:
-        shaft: that it holds.
-        position: distance from the upstream end of the shaft [m].
-        stiffness: along the part of ``axis`` across the shaft, and along ``u x`` that [N/m].
-        axis: any vector not along the shaft; needed if the two directions differ.
-        loss_factor: of both directions, or of each.
-        damping: of both directions, or of each [N s/m].
+    Attributes are as of ``cardan.ElasticBearing``, the stiffness always of two directions.
     """
 
     shaft: int
@@ -125,15 +112,7 @@ class ElasticBearing:
 
 @dataclass(frozen=True)
 class PointMass:
-    """A yoke, flange or disc on a shaft.
-
-    Attributes:
-        shaft: that carries it.
-        position: distance from the upstream end of the shaft [m].
-        mass: in kg.
-        across: moment of inertia about an axis across the shaft [kg m²].
-        along: moment of inertia about the shaft's axis [kg m²].
-    """
+    """A yoke, flange or disc on a shaft, with the attributes of ``cardan.PointMass``."""
 
     shaft: int
     position: float
@@ -144,15 +123,7 @@ class PointMass:
 
 @dataclass(frozen=True)
 class Unbalance:
-    """A force ``mass_arm * speed**2`` that turns with the drive, of order 1.
-
-    Attributes:
-        shaft: on which it acts.
-        position: distance from the upstream end of the shaft [m].
-        mass_arm: mass times distance from the axis [kg m].
-        direction: any vector whose part across the shaft is where the force points at the drive
-            angle 0.
-    """
+    """A force that turns with the drive, with the attributes of ``cardan.Unbalance``."""
 
     shaft: int
     position: float
@@ -162,19 +133,7 @@ class Unbalance:
 
 @dataclass(frozen=True)
 class Response:
-    """What a system does, as complex vectors ``(items, *speeds, orders, 3)``.
-
-    Attributes:
-        orders: multiples of the drive speed.
-        bearing_force: of each bearing on its shaft [N].
-        bearing_displacement: of each shaft in its bearing [m].
-        joint_force: of each joint on its driven shaft, across the sliding shaft [N].
-        joint_displacement: of the end that slides [m].
-        displacement: at the probes [m].
-        bearing_power: mean power lost in each bearing, ``(bearings, *speeds, orders)`` [W].
-        tube_power: mean power lost in all tubes, ``(*speeds, orders)`` [W].
-        given_power: mean power of all excitations, likewise [W].
-    """
+    """What a system does, with the attributes of ``cardan.lateral.LateralResponse``."""
 
     orders: tuple[float, ...]
     bearing_force: Complex
@@ -191,12 +150,7 @@ class Response:
 class TorqueStiffness:
     """How the moments of the joints change where a steady torque displaces points of the driveline.
 
-    The points are ends of shafts that can move, each with two components across its shaft. Their
-    forces are ``(mean + Re(turning exp(2 i angle))) d`` for displacements ``d``.
-
-    Attributes:
-        mean: in N/m; an antisymmetric part is circulatory.
-        turning: complex amplitude of order 2 [N/m].
+    Points and attributes are as of ``cardan.lateral.TorqueStiffness``, of one system.
     """
 
     mean: Array
@@ -676,8 +630,9 @@ class _Model:
         self.system, self.probes = system, [system.place(*probe) for probe in probes]
         line, lengths = system.line, system.lengths
         self.pairs = [_pair_across(u) for u in line.directions]
-        groups: Any = (system.bearings, system.masses, system.unbalance)
-        attached = [self._place(item) for group in groups for item in group]
+        attached = [
+            self._place(item) for item in (*system.bearings, *system.masses, *system.unbalance)
+        ]
         self.planes: list[_Plane | None] = []
         for shaft, own in enumerate(system.shafts):
             if isinstance(own, Tube):

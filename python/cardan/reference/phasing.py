@@ -54,17 +54,7 @@ _STEPS = 40
 
 @dataclass(frozen=True)
 class EquivalentJoint:
-    """The one joint as whose driven shaft a shaft turns.
-
-    Attributes:
-        bend: its bend.
-        angle_offset: what to add to the drive angle to get its input angle, within a quarter turn.
-        max_angle_error: largest angle error.
-        max_angle_error_at: drive angle at which the shaft leads by it, within [0, pi).
-        min_speed_ratio: smallest speed ratio.
-        max_speed_ratio: largest speed ratio.
-        max_acceleration_ratio: largest magnitude of the acceleration ratio.
-    """
+    """The one joint as whose driven shaft a shaft turns, as ``cardan.EquivalentJoint`` has it."""
 
     bend: float
     angle_offset: float

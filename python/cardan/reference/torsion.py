@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,12 +40,7 @@ Value: TypeAlias = Any
 class TorqueHarmonic:
     """A torque ``cos * cos(order * angle) + sin * sin(order * angle)`` that drives a shaft end.
 
-    Attributes:
-        shaft: the shaft.
-        end: "input" or "output".
-        order: multiple of the angle of its shaft.
-        cos: in N m.
-        sin: in N m.
+    Attributes are as of ``cardan.TorqueHarmonic``.
     """
 
     shaft: int
@@ -57,18 +52,7 @@ class TorqueHarmonic:
 
 @dataclass(frozen=True)
 class Coupling:
-    """The spring of a shaft, by one of three laws.
-
-    Attributes:
-        stiffness: in N m/rad, beyond the play.
-        twist: points of a table that is odd if it begins at 0, and straight beyond its ends [rad].
-        torque: at these points [N m].
-        play: free angle from one flank to the other [rad].
-        contact_damping: the damper acts in the share of the slope in the largest one.
-        loss_factor: a vibration of any frequency meets ``1 + i loss_factor`` times the stiffness.
-        mean_torque: points of the stiffness by the size of the mean torque [N m].
-        stiffness_by_mean: stiffness at these points, constant beyond them.
-    """
+    """The spring of a shaft, by one of three laws, with the attributes of ``cardan.Coupling``."""
 
     stiffness: float | None = None
     twist: Sequence[float] | None = None
@@ -210,8 +194,7 @@ class Motion:
     drive_torque: Array
 
 
-@dataclass(frozen=True)
-class _End:
+class _End(NamedTuple):
     """A shaft end that turns with another one: its angle, and two derivatives by that one's."""
 
     shaft: int
@@ -264,20 +247,12 @@ def _behind(system: System, angles: Sequence[Value] | Array) -> list[list[_End]]
     return [_carried(system, *at, angle) for at, angle in zip(places, angles, strict=True)]
 
 
-@dataclass(frozen=True)
-class _Balance:
-    """What acts in states: by springs, and by the drive and the springs as those who turn.
+class _Balance(NamedTuple):
+    """What acts in states: by springs, and by the drive and the springs as those who turn."""
 
-    Attributes:
-        groups: ends that turn with each of the latter.
-        torques: of the springs.
-        accelerations: of those who turn.
-        drive_torque: of the drive.
-    """
-
-    groups: list[list[_End]]
-    torques: list[Value]
-    accelerations: list[Value]
+    groups: list[list[_End]]  # ends that turn with each of the latter
+    torques: list[Value]  # of the springs
+    accelerations: list[Value]  # of those who turn
     drive_torque: Value
 
 
@@ -289,15 +264,10 @@ def _balance(
     pieces: Sequence[Value] | None = None,
     losses: Sequence[Value] | None = None,
 ) -> _Balance:
-    """Return what acts in states.
+    """Return what acts in states, which are angles and speeds.
 
-    Args:
-        system: whose.
-        speed: mean speed of the drive, which counts if its torque falls with the speed.
-        mean_torque: of a free drive at this speed.
-        state: angles, and speeds.
-        pieces: of the springs' laws; those of the twists by default.
-        losses: torques of the springs beside those of the laws.
+    The torque is the mean one of a free drive at this speed. Pieces are those of the springs' laws,
+    by default of the twists, and losses are torques of the springs beside their laws.
     """
     angles, speeds = np.split(state, 2)
     groups = _behind(system, angles)
@@ -352,11 +322,18 @@ def _driving(system: System, end: _End) -> Value:
 
 
 def _rates(
-    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None
+    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None = None
 ) -> Array:
     """Return the derivatives of states by time."""
     accelerations = _balance(system, speed, torque, state, pieces).accelerations
     return np.concatenate([np.split(state, 2)[1], accelerations])
+
+
+def _step(
+    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value], width: float
+) -> Array:
+    """Return the states after a step of time on some pieces of the springs' laws."""
+    return integrated(lambda _, now: _rates(system, speed, torque, now, pieces), state, width, 1)[0]
 
 
 def _motion(
@@ -369,15 +346,14 @@ def _motion(
 ) -> Motion:
     """Return what a system does in states, ahead of the mean angles of the drive."""
     own = _balance(system, speed, torque, state, losses=losses)
+    speeds = np.split(state, 2)[1]
     each = {
         (end.shaft, end.side): (
             end.angle - mean_angle - zero_of(system, end.shaft),
             end.ratio * w,
             end.ratio * acceleration + end.slope * w**2,
         )
-        for group, w, acceleration in zip(
-            own.groups, np.split(state, 2)[1], own.accelerations, strict=True
-        )
+        for group, w, acceleration in zip(own.groups, speeds, own.accelerations, strict=True)
         for end in group
     }
     shape = np.shape(mean_angle)
@@ -413,10 +389,7 @@ def _crossed(
     """Return the state after a step in which springs come to kinks: from one to the next."""
 
     def after(time: float) -> Array:
-        def rates(_: float, now: Array) -> Array:
-            return _rates(system, speed, torque, now, pieces)
-
-        return integrated(rates, state, time, 1)[0]
+        return _step(system, speed, torque, state, pieces, time)
 
     def beyond(spring: int, side: int, now: Array) -> float:
         """Return how far a spring has left its piece."""
@@ -461,7 +434,7 @@ def period(
 
     Args:
         system: whose stiffnesses depend on no mean torque, and have no loss factor.
-        speed: mean speed of the drive [rad/s].
+        speed: mean speed of the drive [rad/s], as in all functions.
         state: a state, or columns of states.
         steps: of the period.
         torque: mean torque of a free drive [N m], of each state.
@@ -478,11 +451,7 @@ def period(
     states = []
     for _ in range(steps):
         pieces = pieces_of(state)
-
-        def rates(_: float, now: Array, own: list[Value] = pieces) -> Array:
-            return _rates(system, speed, torque, now, own)
-
-        after = integrated(rates, state, width, 1)[0]
+        after = _step(system, speed, torque, state, pieces, width)
         left = [a != b for a, b in zip(pieces, pieces_of(after), strict=True)]
         for place in np.argwhere(np.any(left, axis=0)) if left else ():
             column = tuple(place)
@@ -619,7 +588,7 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
 
     Args:
         system: without loss factors.
-        speed: mean speed of the drive [rad/s].
+        speed: of the drive.
         start: a state at the drive angle 0; by default that of rigid shafts.
         steps: of half a turn; the error falls with their fourth power.
 
@@ -652,7 +621,7 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
         if np.max(np.abs(missed)) < 1e-10:
             shift = math.nan
             if system.free:
-                rates = (_rates(system, speed, at[-1], at[:-1], None) / scale[:-1])[:, np.newaxis]
+                rates = (_rates(system, speed, at[-1], at[:-1]) / scale[:-1])[:, np.newaxis]
                 shift = float(np.max(np.abs(own @ rates - rates)) / np.max(np.abs(rates)))
                 aside = np.linalg.qr(rates, mode="complete")[0][:, 1:]
                 own = aside.T @ own @ aside
@@ -678,7 +647,7 @@ def collocated(
 
     Args:
         system: any.
-        speed: mean speed of the drive [rad/s].
+        speed: of the drive.
         start: a state at the drive angle 0, of which the wind-up counts.
         samples: of half a turn.
 
@@ -751,10 +720,7 @@ def drive_torque_slope(
 ) -> float:
     """Return by how much the mean torque of the drive grows with its speed [N m s/rad].
 
-    Args:
-        system: whose.
-        speed: mean speed of the drive [rad/s].
-        find: finds its periodic motions.
+    ``find`` finds the periodic motions.
     """
     h = 1e-4 * speed
     above, below = (find(system, at).drive_torque_mean for at in (speed + h, speed - h))
@@ -778,7 +744,7 @@ def transient(
     def slopes(time: float, now: Array) -> Array:
         now = now.copy()
         now[drive] = speed(time)
-        return _rates(system, speed(time), 0.0, now, None)
+        return _rates(system, speed(time), 0.0, now)
 
     width = end / steps
     states = np.array(integrated(slopes, start, width, steps)).T
