@@ -6,6 +6,7 @@ that break their rule.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from typing import Any, TypeAlias
@@ -155,3 +156,16 @@ def together(
         wanted = (*shape, *array.shape[array.ndim - own :])
         full.append(array if array.shape == wanted else np.broadcast_to(array, wanted))
     return shape, full
+
+
+def numbered(
+    batch: tuple[int, ...], of: str = "driveline", **arrays: FloatArray
+) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
+    """Return the common shape of a batch and arrays, and flat the numbers of its items and arrays.
+
+    Errors call the batch what it is ``of``.
+    """
+    shape = common_shape(**{of: batch}, **{name: array.shape for name, array in arrays.items()})
+    numbers = np.arange(math.prod(batch)).reshape(batch)
+    first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
+    return shape, first, flat

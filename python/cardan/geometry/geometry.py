@@ -281,17 +281,6 @@ def reversed(line: Driveline) -> Driveline:
     return line._of(turned)
 
 
-def broadcast(
-    line: Driveline, **arrays: FloatArray
-) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
-    """Return the common shape of batch and arrays, and flat the drivelines' numbers and arrays."""
-    shapes = {name: array.shape for name, array in arrays.items()}
-    shape = common_shape(driveline=line.shape, **shapes)
-    numbers = np.arange(math.prod(line.shape)).reshape(line.shape)
-    first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
-    return shape, first, flat
-
-
 def unpickled(
     cls: type[Driveline], known: tuple[tuple[int, ...], bool], *arrays: FloatArray
 ) -> Driveline:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import ComplexArray, FloatArray, as_float64, common_shape, finite, threads
+from cardan.arrays import (
+    ComplexArray,
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    numbered,
+    threads,
+)
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
@@ -169,12 +178,8 @@ class LateralSystem:
             full = np.broadcast_to(array, (*shape, *array.shape[array.ndim - ends :]))
             return np.ascontiguousarray(full).ravel()
 
-        geometry = [
-            flat(line.directions, 2),
-            flat(lengths, 1),
-            flat(line.normals[..., 0, :], 1),
-            flat(line.phases, 1),
-        ]
+        geometry = [flat(line.directions, 2), flat(lengths, 1)]
+        geometry += [flat(line.normals[..., 0, :], 1), flat(line.phases, 1)]
         places = [
             (_shafts_of(name, items, count), flat(numbers[name], 2))
             for name, items in given.items()
@@ -185,16 +190,8 @@ class LateralSystem:
         core = _core.Lateral(shape, geometry, (kinds, flat(own, 2)), places, slides)
         full = np.broadcast_to(lengths, (*shape, count)).copy()
         full.flags.writeable = False
-        values = {
-            "line": line,
-            "shape": shape,
-            "lengths": full,
-            "shafts": shafts,
-            **given,
-            "sliding": tuple(core.sliding()),
-            "_core": core,
-        }
-        for name, value in values.items():
+        values = {"line": line, "shape": shape, "lengths": full, "shafts": shafts, **given}
+        for name, value in {**values, "sliding": tuple(core.sliding()), "_core": core}.items():
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
@@ -204,7 +201,8 @@ class LateralSystem:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parts."""
         names = ("shafts", "bearings", "masses", "unbalance", "sliding")
-        return (_restored, (self.line, {name: getattr(self, name) for name in names}))
+        parts = {name: getattr(self, name) for name in names}
+        return (functools.partial(LateralSystem, **parts), (self.line,))
 
     def natural_frequencies(self, count: SupportsIndex = 6) -> FloatArray:
         """Return the lowest natural frequencies in rad/s, ``(..., count)``.
@@ -330,7 +328,7 @@ class LateralSystem:
                 problem = f"reach beyond {reach:.6g} rad/s, up to which modes are sought"
                 raise ArgumentValueError("speeds", problem)
             count = min(2 * count, _MOST_MODES)
-        found = []
+        found: list[LateralResonance] = []
         for frequency, moved in zip(
             modes.frequencies.tolist(), np.moveaxis(modes.displacement, 0, 1), strict=True
         ):
@@ -339,13 +337,11 @@ class LateralSystem:
             most = int(np.argmax(np.linalg.norm(moved, axis=-1)))
             shaft, position = places[most]
             x, y, z = (float(part) for part in moved[most])
-            for multiple in order.tolist():
-                if low <= frequency / multiple <= high:
-                    found.append(
-                        LateralResonance(
-                            frequency / multiple, multiple, frequency, shaft, position, (x, y, z)
-                        )
-                    )
+            found += [
+                LateralResonance(frequency / k, k, frequency, shaft, position, (x, y, z))
+                for k in order.tolist()
+                if low <= frequency / k <= high
+            ]
         return tuple(sorted(found, key=lambda each: each.speed))
 
     def torque_stiffness(self, torque: ArrayLike) -> TorqueStiffness:
@@ -370,11 +366,8 @@ class LateralSystem:
         joint can move. The shape is that of systems and speeds.
         """
         speeds = finite("speed", speed)
-        shape = common_shape(system=self.shape, speed=speeds.shape)
-        systems = np.arange(math.prod(self.shape)).reshape(self.shape)
-        return self._core.largest_stable_torque(
-            np.broadcast_to(systems, shape).ravel(), np.broadcast_to(speeds, shape).ravel()
-        ).reshape(shape)
+        shape, systems, (flat,) = numbered(self.shape, "system", speed=speeds)
+        return self._core.largest_stable_torque(systems, flat).reshape(shape)
 
     def is_stable(self, speed: ArrayLike, torque: ArrayLike) -> NDArray[np.bool_]:
         """Return whether a speed in rad/s is stable under a torque of the drive in N m.
@@ -415,10 +408,6 @@ class LateralSystem:
                 0.0, self.lengths[shaft], 2 if isinstance(own, RigidShaft) else _PLACES + 1
             )
         ]
-
-
-def _restored(line: Driveline, parts: dict[str, Any]) -> LateralSystem:
-    return LateralSystem(line, **parts)
 
 
 def _shafts_of(name: str, items: Sequence[Any], count: int) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ from cardan.arrays import (
     common_shape,
     finite,
     not_negative,
+    numbered,
     per_shaft,
     threads,
     together,
@@ -247,7 +249,7 @@ class TorsionalSystem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parameters."""
-        return (_restored, (self.line, self._given()))
+        return (functools.partial(TorsionalSystem, **self._given()), (self.line,))
 
     def _given(self) -> dict[str, Any]:
         """The arguments that make this system."""
@@ -382,20 +384,18 @@ class TorsionalSystem:
         m, ends, count = len(self.compliant), self.line.n_joints + 1, len(wanted)
         of, each = (self._core.steady, wanted.tolist()), 3 * m + 3 + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
-        sizes = np.cumsum([m, m, m, 3, 2 * m * count])
-        mean, least, most, of_drive, torques, angles = np.split(records, sizes, axis=-1)
-        angle_orders = _moved(_complex(angles).reshape(*shape, ends, 2, count), 2, len(shape))
+        torques, orders = (m,), (m, count, 2)
+        mean, least, most, *of_drive, torque_orders, angles = _parts(
+            records, torques, torques, torques, (), (), (), orders, (ends, 2, count, 2)
+        )
+        angle_orders = _moved(_complex(angles), 2, len(shape))
         rates = 1j * wanted * np.where(failures == 0, speeds, np.nan)[..., np.newaxis]
         return SteadyState(
-            found=failures == 0,
-            _failures=failures,
-            torque_mean=_moved(mean, 1, len(shape)),
-            torque_min=_moved(least, 1, len(shape)),
-            torque_max=_moved(most, 1, len(shape)),
-            drive_torque_mean=of_drive[..., 0],
-            drive_speed_min=of_drive[..., 1],
-            drive_speed_max=of_drive[..., 2],
-            torque_orders=_moved(_complex(torques).reshape(*shape, m, count), 1, len(shape)),
+            failures == 0,
+            failures,
+            *(_moved(torque, 1, len(shape)) for torque in (mean, least, most)),
+            *of_drive,
+            torque_orders=_moved(_complex(torque_orders), 1, len(shape)),
             angle_orders=angle_orders,
             speed_orders=rates * angle_orders,
             orders=wanted,
@@ -423,21 +423,20 @@ class TorsionalSystem:
         m, ends = len(self.compliant), self.line.n_joints + 1
         of, each = (self._core.orbits, count), count * (6 * ends + m + 1)
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        *motion, torques, of_drive = np.split(
-            records, np.cumsum([*3 * [2 * ends * count], m * count]), axis=-1
+        of_ends = (ends, 2, count)
+        *motion, torques, of_drive = _parts(
+            records, of_ends, of_ends, of_ends, (m, count), (count,)
         )
-        angles, speeds, accelerations = (
-            _moved(record.reshape(*shape, ends, 2, count), 2, len(shape)) for record in motion
-        )
+        angles, speeds, accelerations = (_moved(record, 2, len(shape)) for record in motion)
         return Orbit(
-            found=failures == 0,
-            _failures=failures,
+            failures == 0,
+            failures,
             drive_angle=np.asarray(np.arange(count) * (2.0 * np.pi * self.period_turns / count)),
             angle_error=angles,
             speed=speeds,
             acceleration=accelerations,
             drive_torque=of_drive,
-            torque=_moved(torques.reshape(*shape, m, count), 1, len(shape)),
+            torque=_moved(torques, 1, len(shape)),
             compliant=self.compliant,
         )
 
@@ -463,15 +462,9 @@ class TorsionalSystem:
         """
         of, each = (self._core.multipliers,), 2 * self._multipliers + 2
         _, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        return Stability(
-            failures == 0,
-            failures,
-            multipliers=_complex(records[..., :-2]),
-            drive_torque_slope=records[..., -2],
-            speed_multiplier=records[..., -1],
-            drive_slope=self.drive_slope,
-            period_turns=self.period_turns,
-        )
+        multipliers, *slopes = _parts(records, (self._multipliers, 2), (), ())
+        found = (failures == 0, failures, _complex(multipliers), *slopes)
+        return Stability(*found, drive_slope=self.drive_slope, period_turns=self.period_turns)
 
     @property
     def _multipliers(self) -> int:
@@ -502,15 +495,13 @@ class TorsionalSystem:
         of, each = (self._core.coexisting, orbits), 1 + one * orbits
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         of_orbits = records[..., 1:].reshape(*shape, orbits, one)
-        mean, least, largest, multipliers = np.split(of_orbits, [m, 2 * m, 3 * m], axis=-1)
+        *torques, multipliers = _parts(of_orbits, (m,), (m,), (m,), (self._multipliers, 2))
         return Coexisting(
-            found=failures == 0,
-            _failures=failures,
-            count=np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
-            torque_mean=np.moveaxis(mean, -1, 0),
-            torque_min=np.moveaxis(least, -1, 0),
-            torque_max=np.moveaxis(largest, -1, 0),
-            multipliers=_complex(multipliers),
+            failures == 0,
+            failures,
+            np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
+            *(np.moveaxis(torque, -1, 0) for torque in torques),
+            _complex(multipliers),
         )
 
     def transient(
@@ -594,15 +585,9 @@ class TorsionalSystem:
         """
         options = (*of[1:], _checked_tolerance(tolerance), threads.at_most(workers))
         speeds = as_float64("speed", speed)
-        shape = common_shape(system=self.shape, speed=speeds.shape)
-        numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
-        systems, full = np.broadcast_to(numbers, shape).ravel(), np.broadcast_to(speeds, shape)
-        records, failures = of[0](systems, full.ravel(), *options)
-        return shape, full, records.reshape(*shape, each), failures.reshape(shape)
-
-
-def _restored(line: Driveline, given: dict[str, Any]) -> TorsionalSystem:
-    return TorsionalSystem(line, **given)
+        shape, systems, (flat,) = numbered(self.shape, "system", speed=speeds)
+        records, failures = of[0](systems, flat, *options)
+        return shape, flat.reshape(shape), records.reshape(*shape, each), failures.reshape(shape)
 
 
 def _orders(orders: ArrayLike) -> FloatArray:
@@ -642,8 +627,16 @@ def _couplings(
     return made
 
 
+def _parts(records: FloatArray, *shapes: tuple[int, ...]) -> list[FloatArray]:
+    """Part records along their last axis into arrays of some shapes."""
+    parts = np.split(records, np.cumsum([math.prod(shape) for shape in shapes])[:-1], axis=-1)
+    batch = records.shape[:-1]
+    return [part.reshape((*batch, *shape)) for part, shape in zip(parts, shapes, strict=True)]
+
+
 def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
-    return np.ascontiguousarray(pairs).view(np.complex128)
+    """Join pairs on the last axis."""
+    return np.ascontiguousarray(pairs).view(np.complex128)[..., 0]
 
 
 def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:

@@ -26,12 +26,12 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     not_negative,
+    numbered,
     positive,
     scalar_or_array,
     threads,
 )
 from cardan.arrays.indices import item_index
-from cardan.geometry.geometry import broadcast
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -179,7 +179,7 @@ def spline_force(
     index = item_index("shaft", shaft, line.n_joints + 1)
     load = as_float64("torque", torque)
     mu, arm = not_negative("friction", friction), positive("radius", radius)
-    shape, numbers, loads = broadcast(line, torque=load, friction=mu, radius=arm)
+    shape, numbers, loads = numbered(line.shape, torque=load, friction=mu, radius=arm)
     flat, undetermined = _core.spline_forces(
         line._lines, index, numbers, loads, threads.at_most(None)
     )
