@@ -39,6 +39,7 @@ from cardan.reference.vectors import (
     _plus,
     _scaled,
     _unit,
+    enough,
     from_directions,
 )
 
@@ -164,18 +165,9 @@ class TorqueStiffness:
 
 @dataclass(frozen=True)
 class System:
-    """A driveline on elastic bearings.
+    """A driveline on elastic bearings, with the attributes of ``cardan.LateralSystem``.
 
-    Attributes:
-        line: its shafts at rest.
-        lengths: of each shaft [m].
-        shafts: each rigid, a tube, or None if it is part of a machine and does not move.
-        bearings: elastic bearings.
-        masses: point masses.
-        unbalance: unbalances.
-        sliding: for each joint the one of its two shafts that slides along its own axis. By default
-            the one that the joint must support, and where that is neither, the driven one.
-        step: greatest length of an element [m].
+    ``lengths`` are given [m], and elements are no longer than ``step`` [m].
 
     Raises:
         ValueError: a position beyond its shaft; a joint between two machines; a sliding shaft that
@@ -456,9 +448,8 @@ def _slides(system: System) -> list[int]:
 
 
 def _samples(line: Shafts) -> int:
-    """Return how many drive angles of a turn show all that joints do, as for ``mean_offset``."""
-    cosines = math.prod(_dot(u, v) for u, v in pairwise(line.directions))
-    return 2 * (16 + math.ceil(20.0 / cosines))
+    """Return how many drive angles of a turn show all that joints do."""
+    return 2 * enough(math.prod(_dot(u, v) for u, v in pairwise(line.directions)))
 
 
 def _moments(line: Shafts, angle: float, speed: float, load: Load) -> Sequence[Vector]:

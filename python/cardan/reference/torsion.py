@@ -102,20 +102,10 @@ class _Law:
 
 @dataclass(frozen=True)
 class System:
-    """A driveline with compliant shafts.
+    """A driveline of ideal joints with compliant shafts.
 
-    Attributes:
-        shafts: the driveline, of ideal joints.
-        inertias: of each shaft at its input end and at its output end [kg m²].
-        stiffnesses: of each shaft [N m/rad], infinite of a rigid one and of one with a coupling.
-        dampings: of each shaft [N m s/rad].
-        load_torque: that brakes the last shaft [N m].
-        load_damping: of the load [N m s/rad].
-        drive: "held" at its speed, or "free" with a torque that keeps the mean speed.
-        drive_slope: by how much the torque of a free drive falls with its speed [N m s/rad].
-        harmonics: torques that drive shaft ends.
-        couplings: springs of shafts.
-        loss_factors: of each shaft's stiffness.
+    Attributes are as of ``cardan.TorsionalSystem``; inertias are pairs, and the stiffness of a
+    shaft with a coupling is infinite.
     """
 
     shafts: Shafts
@@ -176,15 +166,10 @@ class System:
 
 @dataclass(frozen=True)
 class Motion:
-    """What a system does at drive angles, of each end or compliant shaft; states come last.
+    """What a system does at drive angles; states come last.
 
-    Attributes:
-        angle_error: of each shaft end ahead of the drive, ``(n + 1, 2, ...)``; of rigid shafts its
-            mean is 0.
-        speed: in rad/s, likewise.
-        acceleration: in rad/s², likewise, while a held drive keeps its speed.
-        torque: of each compliant shaft in N m.
-        drive_torque: of the drive with the harmonics at its end.
+    Attributes are as of ``cardan.torsion.Orbit``, the torque of the drive with the harmonics at its
+    end, and the acceleration while a held drive keeps its speed.
     """
 
     angle_error: Array

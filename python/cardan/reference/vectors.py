@@ -343,15 +343,22 @@ def _index(shafts: Shafts, shaft: int) -> int:
     return shaft % count
 
 
+def enough(least_ratio: float) -> int:
+    """Return how many angles of half a turn leave less than 1e-17 of its mean or its ``q``.
+
+    The speed ratio stays between ``c`` and ``1/c``, so harmonic ``n`` of the half turn falls at
+    least like ``((1 - c)/(1 + c))**n < exp(-2 c n)``. There are 36 when straight, 246 for one joint
+    bent by 85 degrees, and from there on like ``1/c``.
+    """
+    return 16 + math.ceil(20.0 / least_ratio)
+
+
 def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     """Return the constant angle that :func:`motion` takes off the raw turn of a shaft.
 
     It is the mean of the raw turn over half a revolution, after which everything repeats (over a
     whole one with joints as built), by the trapezoid rule, which converges geometrically for a
-    smooth periodic function. The speed ratio stays between ``c`` and ``1/c``, so harmonic ``n`` of
-    the half turn falls at least like ``((1 - c)/(1 + c))**n < exp(-2 c n)``, and ``16 + 20/c``
-    points leave less than 1e-17: 36 points when straight, 246 for one joint bent by 85 degrees, and
-    from there on like ``1/c``.
+    smooth periodic function (``enough``).
 
     Raises:
         ValueError: ``c < 2e-4`` (one joint beyond 89.988 degrees), too many points.
@@ -360,7 +367,7 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     c = math.prod(_dot(u, v) for u, v in pairwise(shafts.directions[: stop + 1]))
     if c < 2e-4:
         raise ValueError(f"the cosines of the bends multiply to {c}; the mean needs at least 2e-4")
-    count = 16 + math.ceil(20.0 / c)
+    count = enough(c)
     angles = [math.pi * i / count for i in range(2 * count if shafts.deviations else count)]
     return math.fsum(_lead(_joints(shafts, angle)[:stop]) for angle in angles) / len(angles)
 
