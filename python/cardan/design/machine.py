@@ -410,8 +410,7 @@ def _of_cases(
         columns["inertia_shafts"] = [shaft for shaft, _ in inertias]
         columns["inertias"] = [each for _, each in inertias]
     if has_lengths(line):
-        ends = np.cumsum(own.lengths[..., np.newaxis] * own.directions, axis=-2)
-        columns["points"] = np.concatenate([np.zeros_like(ends[..., :1, :]), ends], axis=-2)
+        columns["points"] = own.points
     return {prefix + name: column for name, column in columns.items()}
 
 

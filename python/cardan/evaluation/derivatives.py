@@ -1,13 +1,8 @@
 """Derivatives of outputs by the parameters of drivelines: those of every sample, or of a sum.
 
-All motion of a shaft depends on the drive angle and on one complex number ``q`` per shaft
-(``cardan.Transmission``), whose derivatives by the parameters are a small matrix per driveline. The
-native module sums ``weight * d output / d q`` and its like over the samples in the pass that
-evaluates, and multiplies by that matrix at the end.
-
-Of reduced samples an extreme changes as the sample at which it is. Mean, root mean square and peak
-change as their formulas say. All of them are sums of samples with weights that depend on the
-outputs, so that the derivatives are those of the samples, weighted and summed.
+The native module sums them over the samples in the pass that evaluates
+(``docs/theory/derivatives.md``). Those of reduced samples are sums of those of the samples with
+weights that depend on the outputs.
 """
 
 from __future__ import annotations

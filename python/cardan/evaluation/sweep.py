@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any, Self, SupportsIndex
 
@@ -126,7 +127,8 @@ class Sweep:
         """Pickle as made."""
         if self.unit == "turn":
             return (Sweep.revolutions, self._given)
-        return (_unpickled, self._given)
+        start, stop, num, *degrees = self._given
+        return (functools.partial(Sweep, degrees=bool(degrees)), (start, stop, num))
 
     def __eq__(self, other: object) -> bool:
         """Compare what the sweeps were made from."""
@@ -142,10 +144,6 @@ class Sweep:
         if self.unit == "turn":
             return f"Sweep.revolutions({given})"
         return f"Sweep({given}, degrees=True)" if self.unit == "deg" else f"Sweep({given})"
-
-
-def _unpickled(start: float, stop: float, num: int, degrees: bool = False) -> Sweep:
-    return Sweep(start, stop, num, degrees=degrees)
 
 
 def _whole(name: str, value: SupportsIndex) -> int:

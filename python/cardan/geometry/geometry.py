@@ -50,6 +50,11 @@ class Geometry(NamedTuple):
         """Whether the joints deviate from their drawing."""
         return bool(self.deviations.shape[-2])
 
+    @property
+    def points(self) -> FloatArray:
+        """Ends and joint centres from the driving end on, ``(..., n + 2, 3)``, of known lengths."""
+        return end_to_end(self.lengths[..., np.newaxis] * self.directions)
+
     def as_built(self) -> Geometry:
         """Give ideal joints deviations of 0."""
         if self.is_as_built:
@@ -92,6 +97,11 @@ class Geometry(NamedTuple):
             problem = f"is {shape}, which has no room for just {size} drivelines"
             raise ArgumentValueError("shape", problem) from None
         return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
+
+
+def end_to_end(spans: FloatArray) -> FloatArray:
+    """Return the points between vectors ``(..., m, 3)`` that follow each other from 0 on."""
+    return np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
 
 
 def place_in(own: tuple[int, ...], shape: tuple[int, ...], place: Place) -> Place:

@@ -69,8 +69,7 @@ def wound_up(
     own = line._of(line._geometry.batched(shape))
     if rate == 0.0 and not np.any(move):
         return own
-    spans = own.lengths().each[..., np.newaxis] * own.directions
-    places = np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
+    places = own._geometry.points
     by = np.broadcast_to(size, shape)[..., np.newaxis, np.newaxis]
     places[..., moved, :] = (
         turned(places[..., moved, :], middle, along / length, rate * by) + move * by

@@ -1,35 +1,8 @@
 """The complex number ``q`` of a chain whose parameters deviate, and how far it can move at most.
 
-A chain takes the pin's direction ``w = exp(i a)`` to ``A w + B conj(w)``; all motion depends on ``q
-= B/A``, which the core finds.
-
-Upper bounds that no driveline within its tolerances exceeds follow from another picture of ``q``.
-With ``L = ln sec(bend)`` a chain is a polygon in the hyperbolic plane: a joint is a side of length
-``L_j``, a shaft a corner, and ``q`` the end of the polygon at the distance ``L_E`` from its start
-(the Poincaré disc, ``|q| = tanh(L_E/2)``). If one element changes, the end moves by at most
-
-* ``2 asinh(sinh(c/2) cosh(s))`` for a side that becomes longer or shorter by up to ``c = L(b + t) -
-  L(b)``, the shift of a point at the distance ``s`` from the axis of a translation by ``c``, and
-* ``2 asinh(sinh(s) |sin d|)`` for a corner turned by ``2 d``,
-
-with ``s`` the distance from the element to the end; if only the distance of start and end matters,
-to the nearer of the two. ``s`` is at most the sum of the sides between. By the triangle inequality
-the changes add up, in any order (derived here). The corners are turned first, while the sides are
-as drawn, then the sides change, with all others at their longest.
-
-The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It is
-no bound: two long sides on the same side of a third move apart by more than that becomes
-longer. It is larger in nearly all cases, and the larger of both is the bound.
-
-Points change the direction of each shaft by up to a cone ``e``. Write a joint as ``z = tan(b/2)
-exp(i phi)``, the stereographic picture of the next direction in a frame of its shaft. The side ends
-at ``z**2``, and a step ``ds`` on the sphere moves it by ``tan(b) ds`` in the hyperbolic plane. So
-two cones together move it by at most ``c = L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever
-the bend plane does; this holds through a straight joint. What turns in addition are the frame of
-the next shaft, by the area of the spherical quadrilateral of the old and new directions, and the
-plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two
-sides ``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
-tanh(r/2))`` in the hyperbolic plane. A turn of a frame counts twice, since a side is ``z**2``.
+The core finds ``q``. Upper bounds that no driveline within its tolerances exceeds follow from its
+picture in the hyperbolic plane, a polygon with sides ``L = ln sec(bend)``: page Tolerances of the
+theory (``docs/theory/tolerances.md``).
 """
 
 from __future__ import annotations

@@ -34,15 +34,7 @@ from cardan.arrays.errors import (
 )
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
-from cardan.torsion.analyses import (
-    bend_rules,
-    modes,
-    running_speeds,
-    side_by_side,
-    speed_response,
-    stability_map,
-    unstable_ranges,
-)
+from cardan.torsion import analyses
 from cardan.torsion.excitation import ENDS, Coupling, TorqueHarmonic
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (
@@ -258,13 +250,13 @@ class TorsionalSystem:
         springs[..., list(self.couplings)] = np.inf
         return given | {"stiffnesses": springs, "couplings": dict(self.couplings)}
 
-    modes = modes
-    bend_rules = bend_rules
-    unstable_ranges = unstable_ranges
-    stability_map = stability_map
-    side_by_side = side_by_side
-    speed_response = speed_response
-    running_speeds = running_speeds
+    modes = analyses.modes
+    bend_rules = analyses.bend_rules
+    unstable_ranges = analyses.unstable_ranges
+    stability_map = analyses.stability_map
+    side_by_side = analyses.side_by_side
+    speed_response = analyses.speed_response
+    running_speeds = analyses.running_speeds
 
     def changed(
         self,

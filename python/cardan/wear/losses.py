@@ -1,12 +1,7 @@
 """Friction in the joints: the power that the pins take, at an angle and over a turn.
 
-The pins turn in their bearings at the rates ``swing_driving`` and ``swing_driven`` per radian of
-the drive. The moment ``M`` of the joint presses each of two pins on its bearing with ``M/(2 R)`` at
-the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
-times the rate. A seal or a preload adds a moment that does not depend on the load.
-
 Everything is exact to first order in the friction: the loss of one joint is not subtracted from the
-torque of the next.
+torque of the next (``docs/theory/wear.md``).
 """
 
 from __future__ import annotations

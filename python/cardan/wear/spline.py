@@ -1,15 +1,7 @@
 """Shafts that change their length: travel of a spline, what is left of it, and its axial force.
 
-A spline that carries a torque ``T`` at the pitch radius ``r`` presses with ``T/r`` on its flanks.
-It therefore slides only under the axial force ``F = mu T/r``. While shaft ``i`` becomes longer, it
-pulls like a rod in tension: with ``F u_i`` on what holds it upstream and with ``-F u_i`` on what
-holds it downstream. While it becomes shorter, it pushes. The joints transmit this force to the next
-shafts, which are inclined by the bends: ``F cos(bend)`` acts along such a shaft and ``F sin(bend)``
-across it, in the plane of the bend.
-
-D. Thoma (1920) assumes that a joint transmits moments and no force. He names the conditions:
-accurate parts, and a shaft that can slide along its axis and has no axial force to bear. A loaded
-spline fulfils only the first half of the second condition.
+Under a torque a spline slides only under an axial force, which the joints transmit to the next
+shafts: ``docs/theory/moments.md``.
 """
 
 from __future__ import annotations
