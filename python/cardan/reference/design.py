@@ -78,14 +78,14 @@ def smallest_change(
     """
     for i in range(1, steps + 1):
         ends = [sign * reach * i / steps for sign in (1.0, -1.0)]
-        found = [
-            end * falling(lambda x, end=end: not suffices(x * end), 1.0 - 1.0 / i, 1.0)
-            for end in ends
-            if suffices(end)
-        ]
+        found = [_boundary(suffices, end, 1.0 - 1.0 / i) for end in ends if suffices(end)]
         if found:
             return min(found, key=abs)
     return None
+
+
+def _boundary(suffices: Callable[[float], bool], enough: float, share: float) -> float:
+    return enough * falling(lambda part: not suffices(part * enough), share, 1.0)
 
 
 # --- layouts -------------------------------------------------------------------------------------

@@ -621,9 +621,8 @@ class _Model:
         self.system, self.probes = system, [system.place(*probe) for probe in probes]
         line, lengths = system.line, system.lengths
         self.pairs = [_pair_across(u) for u in line.directions]
-        attached = [
-            self._place(item) for item in (*system.bearings, *system.masses, *system.unbalance)
-        ]
+        items: Any = (*system.bearings, *system.masses, *system.unbalance)
+        attached = [self._place(item) for item in items]
         self.planes: list[_Plane | None] = []
         for shaft, own in enumerate(system.shafts):
             if isinstance(own, Tube):

@@ -525,8 +525,7 @@ def speed_response(
         refined: whether speeds are added and searched between the others.
 
     Raises:
-        TypeError: speeds or orders that are not real numbers.
-        ValueError: a batch of systems, speeds that do not rise, an order out of range.
+        ValueError: speeds that do not rise, an order out of range.
 
     >>> import cardan
     >>> system = cardan.TorsionalSystem(
@@ -579,9 +578,11 @@ def _largest(
         if unlimited.size:
             yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
         elif np.any(steady.found):
-            at, found, best = located(
-                system, speed, steady, lambda _, found, of=place: _sizes(found, of), rounds
-            )
+
+            def value(_: FloatArray, found: SteadyState, of: int = place) -> FloatArray:
+                return _sizes(found, of)
+
+            at, found, best = located(system, speed, steady, value, rounds)
             ends = (found.torque_min, found.torque_max, found.torque_mean)
             least, most, mean = (float(end[place, best]) for end in ends)
             yield LargestTorque(shaft, float(at[best]), least, most, mean, reversals)
@@ -677,9 +678,7 @@ def running_speeds(
         torque: its torque in N m at these speeds, ``(m,)``.
 
     Raises:
-        TypeError: speeds or torques that are not real numbers.
-        ValueError: a batch of systems, a held drive, speeds that do not rise, as many torques as
-            speeds.
+        ValueError: a held drive, speeds that do not rise, as many torques as speeds.
 
     >>> import cardan
     >>> system = cardan.TorsionalSystem(

@@ -377,7 +377,7 @@ class TorsionalSystem:
         of, each = (self._core.steady, wanted.tolist()), 3 * m + 3 + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
         torques, orders = (m,), (m, count, 2)
-        mean, least, most, *of_drive, torque_orders, angles = _parts(
+        mean, least, most, needed, slowest, fastest, torque_orders, angles = _parts(
             records, torques, torques, torques, (), (), (), orders, (ends, 2, count, 2)
         )
         angle_orders = _moved(_complex(angles), 2, len(shape))
@@ -385,8 +385,12 @@ class TorsionalSystem:
         return SteadyState(
             failures == 0,
             failures,
-            *(_moved(torque, 1, len(shape)) for torque in (mean, least, most)),
-            *of_drive,
+            _moved(mean, 1, len(shape)),
+            _moved(least, 1, len(shape)),
+            _moved(most, 1, len(shape)),
+            needed,
+            slowest,
+            fastest,
             torque_orders=_moved(_complex(torque_orders), 1, len(shape)),
             angle_orders=angle_orders,
             speed_orders=rates * angle_orders,
@@ -454,9 +458,9 @@ class TorsionalSystem:
         """
         of, each = (self._core.multipliers,), 2 * self._multipliers + 2
         _, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        multipliers, *slopes = _parts(records, (self._multipliers, 2), (), ())
-        found = (failures == 0, failures, _complex(multipliers), *slopes)
-        return Stability(*found, drive_slope=self.drive_slope, period_turns=self.period_turns)
+        multipliers, slope, of_speed = _parts(records, (self._multipliers, 2), (), ())
+        found = (failures == 0, failures, _complex(multipliers), slope, of_speed)
+        return Stability(*found, self.drive_slope, self.period_turns)
 
     @property
     def _multipliers(self) -> int:
@@ -487,12 +491,16 @@ class TorsionalSystem:
         of, each = (self._core.coexisting, orbits), 1 + one * orbits
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         of_orbits = records[..., 1:].reshape(*shape, orbits, one)
-        *torques, multipliers = _parts(of_orbits, (m,), (m,), (m,), (self._multipliers, 2))
+        mean, least, largest, multipliers = _parts(
+            of_orbits, (m,), (m,), (m,), (self._multipliers, 2)
+        )
         return Coexisting(
             failures == 0,
             failures,
             np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
-            *(np.moveaxis(torque, -1, 0) for torque in torques),
+            np.moveaxis(mean, -1, 0),
+            np.moveaxis(least, -1, 0),
+            np.moveaxis(largest, -1, 0),
             _complex(multipliers),
         )
 
