@@ -1,22 +1,40 @@
 """Torsional vibration of drivelines with compliant shafts."""
 
-from cardan.torsion.analyses import BendRule as BendRule
-from cardan.torsion.analyses import LargestTorque as LargestTorque
-from cardan.torsion.analyses import Mode as Mode
-from cardan.torsion.analyses import RunningSpeed as RunningSpeed
-from cardan.torsion.analyses import SideBySide as SideBySide
-from cardan.torsion.analyses import SpeedResponse as SpeedResponse
-from cardan.torsion.analyses import StabilityMap as StabilityMap
-from cardan.torsion.analyses import UnstableRange as UnstableRange
-from cardan.torsion.excitation import Coupling as Coupling
-from cardan.torsion.excitation import TorqueHarmonic as TorqueHarmonic
-from cardan.torsion.excitation import firing_harmonics as firing_harmonics
-from cardan.torsion.results import Coexisting as Coexisting
-from cardan.torsion.results import Orbit as Orbit
-from cardan.torsion.results import Stability as Stability
-from cardan.torsion.results import SteadyState as SteadyState
-from cardan.torsion.system import TorsionalSystem as TorsionalSystem
-from cardan.torsion.transient import TorsionalMotion as TorsionalMotion
-from cardan.torsion.transient import Transient as Transient
-from cardan.torsion.tube import Tube as Tube
-from cardan.torsion.tube import tube as tube
+from cardan.torsion.analyses import (
+    BendRule,
+    LargestTorque,
+    Mode,
+    RunningSpeed,
+    SideBySide,
+    SpeedResponse,
+    StabilityMap,
+    UnstableRange,
+)
+from cardan.torsion.excitation import Coupling, TorqueHarmonic, firing_harmonics
+from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
+from cardan.torsion.system import TorsionalSystem
+from cardan.torsion.transient import TorsionalMotion, Transient
+from cardan.torsion.tube import Tube, tube
+
+__all__ = [
+    "BendRule",
+    "Coexisting",
+    "Coupling",
+    "LargestTorque",
+    "Mode",
+    "Orbit",
+    "RunningSpeed",
+    "SideBySide",
+    "SpeedResponse",
+    "Stability",
+    "StabilityMap",
+    "SteadyState",
+    "TorqueHarmonic",
+    "TorsionalMotion",
+    "TorsionalSystem",
+    "Transient",
+    "Tube",
+    "UnstableRange",
+    "firing_harmonics",
+    "tube",
+]
