@@ -169,3 +169,15 @@ def numbered(
     numbers = np.arange(math.prod(batch)).reshape(batch)
     first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
     return shape, first, flat
+
+
+def keep(owner: object, **values: Any) -> None:  # noqa: ANN401 - of attributes
+    """Keep values in an object that is frozen, with read-only copies of arrays.
+
+    The caller may change the arrays that it gave.
+    """
+    for name, value in values.items():
+        if isinstance(value, np.ndarray):
+            value = value.copy()
+            value.flags.writeable = False
+        object.__setattr__(owner, name, value)

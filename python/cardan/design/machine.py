@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    keep,
+    not_negative,
+    per_joint,
+    positive,
+    threads,
+)
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
@@ -176,8 +184,7 @@ class Machine:
         if drawing.shape:
             raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
         parts["drawn"] = _cases(drawing.reshape(1), None, None)
-        object.__setattr__(self, "states", own)
-        object.__setattr__(self, "_parts", parts)
+        keep(self, states=own, _parts=parts)
 
     def with_duty(self, steps: Driveline, load: Load, shares: ArrayLike) -> Machine:
         """Add a duty cycle, over which lives are judged, and loads beside those of the states.
@@ -383,7 +390,7 @@ class Machine:
 
     def _with(self, **parts: Any) -> Machine:  # noqa: ANN401 - what the core takes
         other = copy.copy(self)
-        object.__setattr__(other, "_parts", {**self._parts, **parts})
+        keep(other, _parts={**self._parts, **parts})
         return other
 
     def _per_joint(self, name: str, array: FloatArray) -> list[float]:

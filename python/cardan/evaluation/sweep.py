@@ -9,7 +9,7 @@ from typing import Any, Self, SupportsIndex
 import numpy as np
 
 from cardan._core import Sweep as NativeSweep
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, keep
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import integer
 
@@ -52,7 +52,7 @@ class Sweep:
         given = (*ends, count, True) if degrees else (*ends, count)
         if degrees:
             ends = (math.radians(ends[0]), math.radians(ends[1]))
-        self._of(NativeSweep(ends, count, 0), count, given)
+        keep(self, _core=NativeSweep(ends, count, 0), num=count, _given=given)
 
     @classmethod
     def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
@@ -77,13 +77,9 @@ class Sweep:
             raise ArgumentValueError("turns", f"is {turns} of {per_turn} samples each; {rule}")
         number = _whole("turns times samples", int(count))
         self = object.__new__(cls)
-        self._of(NativeSweep(None, number, per_turn), number, (turns, per_turn))
+        core = NativeSweep(None, number, per_turn)
+        keep(self, _core=core, num=number, _given=(turns, per_turn))
         return self
-
-    def _of(self, core: NativeSweep, count: int, given: tuple[float, ...]) -> None:
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "num", count)
-        object.__setattr__(self, "_given", given)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Refuse: sweeps do not change."""

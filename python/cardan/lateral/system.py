@@ -18,6 +18,7 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     finite,
+    keep,
     numbered,
     threads,
 )
@@ -188,11 +189,9 @@ class LateralSystem:
         if sliding is not None:
             slides = [item_index("sliding", x, count, (j,)) for j, x in enumerate(sliding)]
         core = _core.Lateral(shape, geometry, (kinds, flat(own, 2)), places, slides)
-        full = np.broadcast_to(lengths, (*shape, count)).copy()
-        full.flags.writeable = False
-        values = {"line": line, "shape": shape, "lengths": full, "shafts": shafts, **given}
-        for name, value in {**values, "sliding": tuple(core.sliding()), "_core": core}.items():
-            object.__setattr__(self, name, value)
+        full = np.broadcast_to(lengths, (*shape, count))
+        keep(self, line=line, shape=shape, lengths=full, shafts=shafts, **given)
+        keep(self, sliding=tuple(core.sliding()), _core=core)
 
     def __repr__(self) -> str:
         """Show the driveline and the number of bearings."""

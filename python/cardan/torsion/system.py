@@ -18,6 +18,7 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     finite,
+    keep,
     not_negative,
     numbered,
     per_shaft,
@@ -215,12 +216,8 @@ class TorsionalSystem:
             self._keep(dampings=np.asarray(2.0 * ratios * finite_springs / lowest))
 
     def _keep(self, **values: Any) -> None:  # noqa: ANN401 - of attributes
-        """Keep values, with read-only copies of arrays: the caller may change them."""
-        for name, value in values.items():
-            if isinstance(value, np.ndarray):
-                value = value.copy()
-                value.flags.writeable = False
-            object.__setattr__(self, name, value)
+        """Keep values, and what the native module makes of them."""
+        keep(self, **values)
         lines = np.arange(math.prod(self.line.shape)).reshape(self.line.shape)
         lines = np.broadcast_to(lines, self.shape).ravel()
         own = [getattr(self, name).ravel() for name in _PARAMETERS]
@@ -232,8 +229,9 @@ class TorsionalSystem:
             ],
             [own._fields(shaft) for shaft, own in self.couplings.items()],
         )
-        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:], engine)
-        object.__setattr__(self, "_core", core)
+        keep(
+            self, _core=_core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:], engine)
+        )
 
     def __repr__(self) -> str:
         """Show the driveline and the compliant shafts."""
