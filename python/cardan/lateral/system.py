@@ -26,13 +26,16 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_sh
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.lateral.elements import ElasticBearing, PointMass, RigidShaft, Unbalance
 from cardan.lateral.results import (
     VECTORS,
+    ElasticBearing,
     LateralModes,
     LateralResonance,
     LateralResponse,
+    PointMass,
+    RigidShaft,
     TorqueStiffness,
+    Unbalance,
 )
 from cardan.torsion.results import SteadyState
 from cardan.torsion.tube import Tube
@@ -110,11 +113,9 @@ class LateralSystem:
         line: the driveline.
         shape: of the batch, to which driveline and numbers broadcast.
         lengths: of each shaft in m, ``(..., n + 1)``.
-        shafts: as given.
-        bearings: as given.
-        masses: as given.
-        unbalance: as given.
         sliding: with the default filled in.
+
+    The other arguments are attributes as given.
 
     >>> import cardan
     >>> points = [[0, 0, 0], [0.3, 0, 0], [1.5, 0.06, 0], [3.2, 0.3, 0], [3.5, 0.3, 0]]

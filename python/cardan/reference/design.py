@@ -45,14 +45,9 @@ def ranked(
 ) -> int:
     """Return the rank of a figure by exact fractions.
 
-    It is 0 where nothing is judged, 1 within, 2 tolerable and 3 beyond.
-
-    Args:
-        value: the figure.
-        limit: up to which it is within.
-        maximum: up to which it is tolerable.
-        most: whether both are the most that it may be, or the least.
-        size: of what is judged; rounding is a billionth of this or of the limit.
+    It is 0 where nothing is judged, 1 within, 2 tolerable and 3 beyond. Limit and maximum are the
+    most that the figure may be, or the least. Rounding is a billionth of the size of what is judged
+    or of the limit.
     """
     if math.isnan(value) or math.isnan(limit):
         return 0
@@ -71,10 +66,7 @@ def smallest_change(
 ) -> float | None:
     """Return the smallest change of one variable that suffices; ``None`` if none does.
 
-    Args:
-        suffices: whether a change does.
-        reach: how large it may be to either side.
-        steps: of the search to either side, between which nothing is found.
+    It reaches so far to either side; between the steps of the search nothing is found.
     """
     for i in range(1, steps + 1):
         ends = [sign * reach * i / steps for sign in (1.0, -1.0)]
@@ -327,12 +319,9 @@ def spline(
     Each of these has two bearings, which give forces across it, and a thrust. The friction pulls
     the halves towards each other. All forces and moments of all bodies are solved at once.
 
-    Args:
-        points: of the driveline [m].
-        shaft: with the spline, counted from 0.
-        axial: friction in the spline, its coefficient times the torque over its radius [N].
-        bearings: shaft of each, and its distance from the upstream end of the shaft [m]; without
-            them the next shafts have two anywhere.
+    Points are in m, and the friction in the spline is its coefficient times the torque over its
+    radius [N]. Bearings have a shaft and a distance from its upstream end [m]; without them the
+    next shafts have two anywhere.
     """
     corners = np.array(points, float)
     steps = np.diff(corners, axis=0)

@@ -111,11 +111,7 @@ def falling(value: Callable[[float], float], low: float, high: float) -> float:
 def reduced(values: ArrayLike, reduction: str, *, vector: bool = False) -> NDArray[np.float64]:
     """Return what the samples on the last axis are reduced to; of vectors, on the axis before.
 
-    Args:
-        values: samples.
-        reduction: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` (root of the mean square), or
-            ``"peak"``, the largest magnitude, which of vectors is the largest length.
-        vector: whether the last axis holds components.
+    Reductions are those of ``Driveline.evaluate``; the last axis of a vector holds its components.
     """
     array, axis = np.asarray(values, float), -2 if vector else -1
     if reduction == "rms":
@@ -132,11 +128,8 @@ def harmonics(
 ) -> list[NDArray[np.complex128]]:
     """Return complex amplitudes by plain Fourier sums; that of order 0 is the mean.
 
-    Args:
-        of: a smooth quantity by drive angle; a kink leaves an error of the order of the square of
-            the step.
-        orders: in periods per turn of the drive.
-        steps: of a turn.
+    Orders count periods per turn of the drive. A kink of the quantity ``of`` the drive angle leaves
+    an error of the order of the square of the step.
     """
     angles = [math.tau * i / steps for i in range(steps)]
     values = [np.asarray(of(angle), float) for angle in angles]
@@ -152,12 +145,8 @@ def largest(
 ) -> tuple[float, float]:
     """Return a drive angle at which a value is largest over a period, and the value.
 
-    The best of many angles is refined by thirds of what is around it.
-
-    Args:
-        of: a value by drive angle.
-        period: after which it repeats.
-        steps: of the period; a narrower peak may be missed.
+    The best of many angles is refined by thirds of what is around it. A peak that is narrower than
+    a step of the period may be missed.
     """
     step = period / steps
     best = max(range(steps), key=lambda i: of(i * step)) * step
@@ -171,12 +160,9 @@ def largest(
 def slopes(
     of: Callable[[list[float]], ArrayLike], at: Sequence[float], *, step: float = 1e-3
 ) -> list[NDArray[Any]]:
-    """Return the derivatives of a quantity by each of its numbers, by differences of fourth order.
+    """Return the derivatives of a quantity ``of`` some numbers by each, by differences.
 
-    Args:
-        of: the quantity by its numbers, such as bends, an angle or a torque.
-        at: where to differentiate.
-        step: of the numbers; the error grows with its fourth power.
+    They may be bends, an angle or a torque; the error grows with the fourth power of the step.
     """
     found = []
     for i, x in enumerate(at):
@@ -191,11 +177,8 @@ def integrated(
 ) -> list[NDArray[Any]]:
     """Return the states after each step of the classical method of Runge and Kutta.
 
-    Args:
-        of: the slopes of the state, by the variable, which begins with 0, and the state.
-        state: numbers, or columns of numbers that are integrated side by side.
-        step: of the variable; the error falls with its fourth power.
-        count: number of steps.
+    The slopes are a function ``of`` the variable, which begins with 0, and the state. Columns of a
+    state are integrated side by side. The error falls with the fourth power of the step.
     """
     found = []
     for i in range(count):

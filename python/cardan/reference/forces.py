@@ -77,12 +77,7 @@ def loads(
     """Return the moments in the driveline when the drive stands at ``angle``.
 
     Args:
-        angle: drive angle, as for ``reference.motion``.
-        drive_torque: torque put into shaft 0 [N m]; excludes ``output_torque``.
-        output_torque: torque delivered by the last shaft [N m]; 0 if neither is given.
-        speed: of the drive [rad/s].
-        acceleration: of the drive [rad/s^2].
-        inertias: of each shaft about its axis [kg m^2]; none by default.
+        angle: drive angle, as for ``reference.motion``; the others are as of ``cardan.Load``.
 
     Errors: at most ``2 * 2**-52 / c`` per joint, of the largest moment; and with inertias what the
     errors of ``reference.motion`` make of the torque that they take.

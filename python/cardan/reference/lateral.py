@@ -243,12 +243,8 @@ class System:
     ) -> Response:
         """Return the vibration at steady speeds.
 
-        Args:
-            speed: of the drive, in rad/s, of any shape.
-            load: what the joints transmit.
-            orders: multiples of the drive speed.
-            probes: shaft and position of each place whose displacement is asked for.
-            turns: turns of the drive after which a load that is a function repeats.
+        Arguments are as of ``LateralSystem.response``, and the turns of the drive after which a
+        load that is a function repeats.
 
         Errors: those of rounding for rigid shafts. For tubes of 0.08 m and frequencies up to the
         third bending mode, 3e-8 with a step of 0.2 m and 3e-9 with one of 0.1 m; shorter steps lose

@@ -190,11 +190,9 @@ def transmission(shafts: Shafts, shaft: int = -1) -> Transmission:
 def dq(
     laid_out: Callable[[list[float]], Shafts], parameters: Sequence[float], shaft: int = -1
 ) -> tuple[complex, ...]:
-    """Return the derivatives of ``q`` by parameters of a driveline.
+    """Return the derivatives of ``q`` by parameters of a driveline, such as its bends.
 
-    Args:
-        laid_out: the driveline of given parameters, such as its bends.
-        parameters: where to differentiate; at least 0.002 inside the range of each.
+    The parameters are at least 0.002 inside the range of each.
 
     Errors: 1e-11, relative to the smallest speed ratio.
     """
@@ -231,12 +229,9 @@ def optimal_phases(
 
     They minimise the weighted mean of ``abs(q)**2`` over the states of a driveline. Of settings
     that are as good they are those to which the yokes turn least from their present phases (least
-    sum of squares, a yoke being the same after half a turn).
-
-    Args:
-        states: a driveline, or one per state; all have the phases of the first.
-        weights: how much each state counts; by default all alike.
-        starts: settings to search from; by default the best of a grid.
+    sum of squares, a yoke being the same after half a turn). All states have the phases of the
+    first and count alike by default. Starts are settings to search from, by default the best of a
+    grid.
 
     Errors: some 1e-7, as ``abs(q)`` grows with the square of a turn; where constant velocity is
     reached it grows with the turn, which then has the errors of the angle error over ``abs(q)`` of

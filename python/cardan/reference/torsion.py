@@ -415,14 +415,10 @@ def period(
 ) -> list[Array]:
     """Return the states after each step of a period, from the drive angle 0.
 
-    A spring that passes a kink and comes back within one step is taken to stay.
-
-    Args:
-        system: whose stiffnesses depend on no mean torque, and have no loss factor.
-        speed: mean speed of the drive [rad/s], as in all functions.
-        state: a state, or columns of states.
-        steps: of the period.
-        torque: mean torque of a free drive [N m], of each state.
+    A spring that passes a kink and comes back within one step is taken to stay. Stiffnesses of the
+    system depend on no mean torque, and it has no loss factor. The speed is the mean one of the
+    drive [rad/s], as in all functions. With columns of states, each may have its own mean torque of
+    a free drive [N m].
     """
     width = system.period_turns * math.tau / speed / steps
     kinked = any(len(law.kinks) for law in system.laws)
@@ -569,13 +565,9 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
     The start is moved until a period brings the state back. Motions from nearby starts show how the
     end depends on the start. The eigenvalues of this dependence are the multipliers by which
     deviations grow. Other starts may lead to other periodic motions. A free drive begins at the
-    angle 0, and its mean torque is sought in place of its angle.
-
-    Args:
-        system: without loss factors.
-        speed: of the drive.
-        start: a state at the drive angle 0; by default that of rigid shafts.
-        steps: of half a turn; the error falls with their fourth power.
+    angle 0, and its mean torque is sought in place of its angle. The start is a state at the drive
+    angle 0, by default that of rigid shafts. The error falls with the fourth power of the steps of
+    half a turn.
 
     Raises:
         ArithmeticError: no periodic motion is found.
@@ -628,13 +620,8 @@ def collocated(
 
     The angles at equal times of a period are moved until the equations of motion hold there, with
     the derivatives of the Fourier series through the angles. A loss factor turns each order of the
-    twist by a quarter. The error falls faster than any power of the samples if no spring has kinks.
-
-    Args:
-        system: any.
-        speed: of the drive.
-        start: a state at the drive angle 0, of which the wind-up counts.
-        samples: of half a turn.
+    twist by a quarter. The error falls faster than any power of the samples of half a turn if no
+    spring has kinks. Of a start, a state at the drive angle 0, the wind-up counts.
 
     Raises:
         ArithmeticError: no periodic motion is found.
@@ -715,14 +702,9 @@ def drive_torque_slope(
 def transient(
     system: System, speed: Callable[[float], float], start: Array, end: float, *, steps: int
 ) -> Motion:
-    """Return the motion of a held drive in time from a start, after each step.
+    """Return the motion of a held drive in time from a state, after each of the steps to the end.
 
-    Args:
-        system: whose springs have no kinks.
-        speed: of the drive by time [rad/s].
-        start: a state.
-        end: time of the last step [s].
-        steps: until then.
+    The springs of the system have no kinks. Times are in s.
     """
     drive = len(start) // 2
 

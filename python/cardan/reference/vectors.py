@@ -147,12 +147,8 @@ def from_bends(
 
     Shaft 0 points along +x and the first bend plane has the normal +z, so shaft 1 points along
     ``(cos b, sin b, 0)``. Each twist turns the normal about the common shaft, whether or not the
-    joints beside it are bent. Error about 2e-16 per joint.
-
-    Args:
-        bends: bend of each joint.
-        twists: twist of each intermediate shaft, one fewer; 0 by default.
-        phases: phase of each intermediate shaft, likewise.
+    joints beside it are bent. Twists and phases, one for each intermediate shaft, are 0 by default.
+    Error about 2e-16 per joint.
 
     Raises:
         ValueError: a bend outside [0, pi/2), no bend, or a wrong number of twists or phases.
@@ -180,11 +176,8 @@ def from_directions(
 
     A straight joint (``|u x v| <= 4 * 2**-52``) takes the bend-plane normal of the previous joint;
     with no bent joint before it that of the next bent one; and in a driveline that is straight
-    throughout the perpendicular nearest to +z, or nearest to +x for shafts along z.
-
-    Args:
-        directions: a vector along each shaft, in the direction of power flow.
-        phases: phase of each intermediate shaft; 0 by default.
+    throughout the perpendicular nearest to +z, or nearest to +x for shafts along z. Phases are as
+    for :func:`from_bends`.
 
     Raises:
         ValueError: fewer than two directions, one without length or without three finite

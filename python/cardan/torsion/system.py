@@ -109,14 +109,10 @@ class TorsionalSystem:
         shape: of the batch, to which driveline and parameters are broadcast.
         compliant: indices of the compliant shafts in order, the first axis of their torques.
         inertias: of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``.
-        stiffnesses: as given, in the shape of the batch like what follows.
         dampings: as given, or by the damping ratios.
-        load_torque: as given.
-        load_damping: as given.
-        drive: ``"held"`` or ``"free"``.
-        drive_slope: as given.
-        harmonics: as given.
         couplings: as given; loss factors of other shafts are couplings as well.
+
+    The other arguments are attributes as given, arrays in the shape of the batch.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
