@@ -22,7 +22,7 @@ from cardan.arrays import (
     positive,
     threads,
 )
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, require
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
@@ -181,8 +181,7 @@ class Machine:
             given += [(name, item, *_pair(name, bound)) for item, bound in each]
         parts = {**_NOTHING, "states": _cases(own, load, speed), "limits": given}
         drawing = own[0] if drawn is None else drawn
-        if drawing.shape:
-            raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
+        require("drawn", not drawing.shape, f"has shape {drawing.shape}; it is one driveline")
         parts["drawn"] = _cases(drawing.reshape(1), None, None)
         keep(self, states=own, _parts=parts)
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_shaft
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, Place, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, Place, check_shape, require
 from cardan.arrays.indices import item_index
 
 if TYPE_CHECKING:
@@ -144,14 +144,12 @@ def concatenate(
         ValueError: no drivelines, different numbers of joints, shapes that do not fit.
     """
     given = [lines] if isinstance(lines, cls) else list(lines)
-    if not given:
-        raise ArgumentValueError("lines", "is empty; there must be at least one driveline")
+    require("lines", given, "is empty; there must be at least one driveline")
     for i, line in enumerate(given):
         if not isinstance(line, cls):
             raise ArgumentTypeError("lines", f"is {line!r}; it must be a driveline", (i,))
-        if line.n_joints != given[0].n_joints:
-            problem = f"has {line.n_joints} joints and lines[0] {given[0].n_joints}"
-            raise ArgumentValueError("lines", problem, (i,))
+        problem = f"has {line.n_joints} joints and lines[0] {given[0].n_joints}"
+        require("lines", line.n_joints == given[0].n_joints, problem, (i,))
     parts = [line._geometry if line.shape else line._geometry.reshaped((1,)) for line in given]
     shape, bearings = parts[0].shape, parts[0].bearings
     along = operator.index(axis)
@@ -167,8 +165,7 @@ def concatenate(
         elif part.bearings != bearings:
             problem = f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
             problem += "they must be the same"
-        if problem:
-            raise ArgumentValueError("lines", problem, (i,))
+        require("lines", not problem, problem, (i,))
     if not all(part.lengths.shape[-1] for part in parts):
         # Lengths that some lack are of no use to all.
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]

@@ -22,7 +22,7 @@ from cardan.arrays import (
     numbered,
     threads,
 )
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, require
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
@@ -158,9 +158,8 @@ class LateralSystem:
         line._geometry.check_ideal("lateral systems are computed")
         count = line.n_joints + 1
         shafts = tuple(shafts)
-        if len(shafts) != count:
-            problem = f"has {len(shafts)} values; the driveline has {count} shafts"
-            raise ArgumentValueError("shafts", problem)
+        problem = f"has {len(shafts)} values; the driveline has {count} shafts"
+        require("shafts", len(shafts) == count, problem)
         given: dict[str, tuple[Any, ...]] = {
             "bearings": tuple(bearings),
             "masses": tuple(masses),
@@ -310,16 +309,13 @@ class LateralSystem:
             ValueError: a batch, speeds that are not in order or need more than 100 modes, an order
                 that is not positive.
         """
-        if self.shape:
-            raise ArgumentValueError("system", f"is a batch {self.shape}; it must be one")
+        require("system", not self.shape, f"is a batch {self.shape}; it must be one")
         ends = finite("speeds", speeds)
         check_shape("speeds", ends, ends.shape == (2,), "it must be two speeds")
         low, high = ends.tolist()
         order = np.atleast_1d(finite("orders", orders))
-        if not 0.0 <= low < high:
-            raise ArgumentValueError("speeds", f"are {low} and {high}; they must increase from 0")
-        if np.any(order <= 0.0):
-            raise ArgumentValueError("orders", "must be positive")
+        require("speeds", 0.0 <= low < high, f"are {low} and {high}; they must increase from 0")
+        require("orders", not np.any(order <= 0.0), "must be positive")
         places = self._places()
         highest, count = high * float(order.max()), 8
         while (modes := self.modes(count, places)).frequencies[-1] <= highest:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentValueError, check_shape, require
 from cardan.motion import uncertainty
 from cardan.motion.uncertainty import Z_95
 
@@ -229,9 +229,8 @@ def identify(
     columns = {name: _column(name, x) for name, x in given.items() if x is not None}
     count = columns["drive_angle"].size
     for of, column in columns.items():
-        if column.size != count:
-            problem = f"has {column.size} samples and drive_angle {count}; they must be as many"
-            raise ArgumentValueError(of, problem)
+        problem = f"has {column.size} samples and drive_angle {count}; they must be as many"
+        require(of, column.size == count, problem)
     known = np.all([np.isfinite(column) for column in columns.values()], axis=0)
     drive, measured, *speeds = (column[known] for column in columns.values())
     if degrees:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, require
 from cardan.design.quantities import (
     MOTION_QUANTITIES,
     Amplitude,
@@ -256,9 +256,8 @@ class Problem:
         if self.jac is not None:
             by_q = np.asarray(self.jac(x))
             wanted = (len(self.weights), len(x))
-            if by_q.shape != wanted:
-                problem = f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
-                raise ArgumentValueError("jac", problem)
+            problem = f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
+            require("jac", by_q.shape == wanted, problem)
             for i, measure in enumerate(self.measures):
                 found[i] = by_q[:, np.newaxis, :] if measure.of_q else None
         if self.parameters:

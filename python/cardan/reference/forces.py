@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.vectors import (
     Shafts,
     Vector,
@@ -93,9 +93,8 @@ def loads(
         raise ArgumentValueError("drive_torque", problem)
     count = len(shafts.directions)
     inertias = (0.0,) * count if inertias is None else inertias
-    if len(inertias) != count:
-        problem = f"has {len(inertias)} values; there are {count} shafts"
-        raise ArgumentValueError("inertias", problem)
+    problem = f"has {len(inertias)} values; there are {count} shafts"
+    require("inertias", len(inertias) == count, problem)
     joints = _joints(shafts, angle)
     moving = zip(inertias, _rates(joints), strict=True)
     kept = [

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
@@ -193,8 +193,7 @@ class System:
                 raise ArgumentValueError(name, f"must have one value for each of {count} shafts")
         for name in ("bearings", "masses", "unbalance"):
             for i, item in enumerate(getattr(self, name)):
-                if not 0 <= item.shaft < count:
-                    raise ArgumentValueError(name, f"has shaft {item.shaft} of {count}", (i,))
+                require(name, 0 <= item.shaft < count, f"has shaft {item.shaft} of {count}", (i,))
                 self.place(item.shaft, item.position)
         for i, bearing in enumerate(self.bearings):
             pairs = (bearing.stiffness, _pair(bearing.loss_factor), _pair(bearing.damping))
@@ -204,8 +203,7 @@ class System:
             if pair == (None, None):
                 raise ValueError(f"joint {j} joins two machines that do not move")
         for j, shaft in enumerate(self.sliding or ()):
-            if shaft not in (j, j + 1):
-                raise ArgumentValueError("sliding", f"is shaft {shaft}, not one of joint {j}", (j,))
+            require("sliding", shaft in (j, j + 1), f"is shaft {shaft}, not one of joint {j}", (j,))
         object.__setattr__(self, "slides", tuple(self.sliding or _slides(self)))
 
     def place(self, shaft: int, position: float) -> tuple[int, float]:
@@ -214,9 +212,8 @@ class System:
         for end in (0.0, length):
             if abs(position - end) <= 1e-9 * length:
                 return shaft, end
-        if not 0.0 < position < length:
-            problem = f"is {position}; shaft {shaft} is {length} m long"
-            raise ArgumentValueError("position", problem)
+        problem = f"is {position}; shaft {shaft} is {length} m long"
+        require("position", 0.0 < position < length, problem)
         return shaft, position
 
     def natural_frequencies(self, count: int = 6) -> Array:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.evaluation import falling, slopes
 from cardan.reference.vectors import (
     ShaftMotion,
@@ -293,9 +293,8 @@ def _search(states: Shafts | Sequence[Shafts], weights: Sequence[float] | None) 
     weights = [1.0] * len(states) if weights is None else weights
     if len({len(state.phases) for state in states}) != 1:
         raise ArgumentValueError("states", "must be drivelines with the same number of joints")
-    if len(weights) != len(states):
-        problem = f"has {len(weights)} values; there are {len(states)} states"
-        raise ArgumentValueError("weights", problem)
+    problem = f"has {len(weights)} values; there are {len(states)} states"
+    require("weights", len(weights) == len(states), problem)
     return _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
 
 

@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 
 Vector = tuple[float, float, float]
 
@@ -223,9 +223,8 @@ def _between(name: str, values: Sequence[float] | None, n_joints: int) -> tuple[
         raise ArgumentValueError("a driveline", "needs at least one joint and two shafts")
     if values is None:
         return (0.0,) * (n_joints - 1)
-    if len(values) != n_joints - 1:
-        problem = f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
-        raise ArgumentValueError(name, problem)
+    problem = f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
+    require(name, len(values) == n_joints - 1, problem)
     return tuple(values)
 
 

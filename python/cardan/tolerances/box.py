@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, together
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements, check_shape
+from cardan.arrays.errors import (
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    check_shape,
+    require,
+)
 from cardan.geometry.as_built import DEVIATIONS
 from cardan.geometry.parameters import PARAMETERS, parameter_shape
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
@@ -189,9 +195,8 @@ def boxes(line: Driveline, sizes: Sizes) -> tuple[tuple[int, ...], Driveline, li
     if sizes.teeth is not None:
         own["teeth"] = own["phases"]
         arrays["teeth"] = _half_tooth(sizes.teeth, own["teeth"])
-    if not arrays:
-        problem = f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
-        raise ArgumentValueError("tolerances", problem)
+    problem = f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
+    require("tolerances", arrays, problem)
     _check_points(line, arrays)
     given = {group: (array, len(own[group])) for group, array in arrays.items()}
     shape, full = together(given, driveline=line.shape)
@@ -252,13 +257,11 @@ def _of_each(name: str, array: FloatArray, own: tuple[int, ...]) -> FloatArray:
 def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:
     if "points" not in arrays:
         return
-    if not line._geometry.lengths.shape[-1]:
-        problem = "have tolerances, but the driveline was not made from points"
-        raise ArgumentValueError("points", problem)
+    problem = "have tolerances, but the driveline was not made from points"
+    require("points", line._geometry.lengths.shape[-1], problem)
     for group in ("bends", "twists"):
-        if group in arrays:
-            problem = "do not go with points: the points determine bends and twists"
-            raise ArgumentValueError(group, problem)
+        problem = "do not go with points: the points determine bends and twists"
+        require(group, group not in arrays, problem)
 
 
 def _positive(group: str, array: FloatArray) -> dict[ParameterPlace, float]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, finite
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape, require
 
 ENDS = ("input", "output")
 
@@ -208,8 +208,7 @@ def firing_harmonics(
     >>> [(own.order, own.cos) for own in cardan.firing_harmonics(one, [1, 3, 2])]
     [(1.5, 150.0), (3.0, 30.0)]
     """
-    if strokes not in (2, 4):
-        raise ArgumentValueError("strokes", f"is {strokes!r}; it must be 2 or 4")
+    require("strokes", strokes in (2, 4), f"is {strokes!r}; it must be 2 or 4")
     count = len(firing_order)
     if not count or sorted(firing_order) != list(range(1, count + 1)):
         problem = f"is {list(firing_order)!r}; it must name each cylinder, from 1 on, once"

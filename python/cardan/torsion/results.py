@@ -242,6 +242,7 @@ class SteadyState(Searched):
                 problem = f"is {name!r}, a motion of rigid shafts; {has}"
                 raise ArgumentValueError("outputs", problem, (i,))
         orbit = system.orbit(self._speed, samples, tolerance=self._tolerance, workers=workers)
+        options: dict[str, Any] = {"workers": workers}
         line, n = system.line, system.line.n_joints
         found = orbit.found[..., np.newaxis]
         error = np.where(found, orbit.angle_error, 0.0)
@@ -249,7 +250,7 @@ class SteadyState(Searched):
         batch = line.reshape(*line.shape, 1) if line.shape else line
         rigid = batch.with_phases(batch.phases + twists)
         angle = orbit.drive_angle + error[0, 1]
-        motion = rigid.evaluate(angle, "speed_ratio", shafts=slice(None), workers=workers)
+        motion = rigid.evaluate(angle, "speed_ratio", shafts=slice(None), **options)
         ratios = np.moveaxis(motion.speed_ratio, 0, -1)
         entering, absorbed = _torques(system, orbit, ratios)
         result = rigid.evaluate(
@@ -260,7 +261,7 @@ class SteadyState(Searched):
             load=absorbing(entering, absorbed, ratios),
             reduce=reduce,
             axes=axes,
-            workers=workers,
+            **options,
         )
         assert result._labels is not None, "an evaluation has labels"
         own = found.shape if orbit.found.ndim else ()

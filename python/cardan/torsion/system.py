@@ -32,6 +32,7 @@ from cardan.arrays.errors import (
     check_elements,
     check_shape,
     exclusive,
+    require,
 )
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
@@ -600,12 +601,10 @@ def _couplings(
     for shaft, own in sorted((couplings or {}).items()):
         if not isinstance(own, Coupling):
             raise ArgumentTypeError("couplings", f"has {own!r}; it must be a Coupling", (shaft,))
-        if not 0 <= shaft < shafts:
-            problem = f"names shaft {shaft}; the last one is {shafts - 1}"
-            raise ArgumentValueError("couplings", problem)
-        if np.any(springs[..., shaft] < np.inf):
-            problem = "is the only compliance of its shaft, whose stiffness must be inf"
-            raise ArgumentValueError("couplings", problem, (shaft,))
+        problem = f"names shaft {shaft}; the last one is {shafts - 1}"
+        require("couplings", 0 <= shaft < shafts, problem)
+        problem = "is the only compliance of its shaft, whose stiffness must be inf"
+        require("couplings", not np.any(springs[..., shaft] < np.inf), problem, (shaft,))
         made[shaft] = own
     if loss_factors is None:
         return made
@@ -641,8 +640,7 @@ def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
 def _checked_tolerance(tolerance: float) -> float:
     """Return the permitted error of an orbit."""
     value = float(as_float64("tolerance", tolerance))
-    if not 1e-12 <= value <= 1e-3:
-        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    require("tolerance", 1e-12 <= value <= 1e-3, f"is {value!r}; it must be from 1e-12 to 1e-3")
     return value
 
 

@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_choice, check_elements
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    require,
+)
 
 if TYPE_CHECKING:
     from cardan.torsion.system import TorsionalSystem
@@ -60,18 +66,16 @@ class Equations:
         drive_inertia: float | None,
     ) -> None:
         """Check the drive and the load."""
-        if system.shape:
-            problem = f"has the batch {system.shape}; a transient is that of one system"
-            raise ArgumentValueError("system", problem)
+        problem = f"has the batch {system.shape}; a transient is that of one system"
+        require("system", not system.shape, problem)
         lossy = [shaft for shaft, own in system.couplings.items() if own.loss_factor > 0.0]
         if lossy:
             problem = "has a loss factor, which is no law in time; give the shaft a damping"
             raise ArgumentValueError("couplings", problem, (lossy[0],))
         if drive_inertia is None:
             drive_inertia = 0.0 if system.drive == "free" else math.inf
-        if not drive_inertia >= 0.0:
-            problem = f"is {drive_inertia!r}; it must not be negative"
-            raise ArgumentValueError("drive_inertia", problem)
+        problem = f"is {drive_inertia!r}; it must not be negative"
+        require("drive_inertia", drive_inertia >= 0.0, problem)
         self.free = math.isfinite(drive_inertia)
         if drive_torque is not None and not self.free:
             problem = "is given, but the speed of a drive of infinite inertia does not follow it"
@@ -173,8 +177,7 @@ def _checked(name: str, value: Any) -> Any:  # noqa: ANN401 - a number or a func
     except (TypeError, ValueError):
         problem = f"is {value!r}; it must be a number or a function"
         raise ArgumentTypeError(name, problem) from None
-    if not math.isfinite(number):
-        raise ArgumentValueError(name, f"is {number!r}; it must be finite")
+    require(name, math.isfinite(number), f"is {number!r}; it must be finite")
     return number
 
 
@@ -182,8 +185,7 @@ def _value(name: str, of: Any, time: float, *speed: float) -> float:  # noqa: AN
     if not callable(of):
         return float(of)
     value = float(of(time, *speed))
-    if not math.isfinite(value):
-        raise ArgumentValueError(name, f"is {value!r} at {time} s; it must be finite")
+    require(name, math.isfinite(value), f"is {value!r} at {time} s; it must be finite")
     return value
 
 
@@ -309,18 +311,15 @@ def _start(
     """Return the state at the beginning."""
     if isinstance(start, Transient):
         before = start._equations
-        if before.compliant != equations.compliant:
-            problem = f"has the compliant shafts {before.compliant}, not {equations.compliant}"
-            raise ArgumentValueError("start", problem)
+        problem = f"has the compliant shafts {before.compliant}, not {equations.compliant}"
+        require("start", before.compliant == equations.compliant, problem)
         last = np.asarray(start._path.t_max)
         state = _states(start._path, last)
         drive = [state[0], float(before.motion(last, state).drive_speed)]
         return np.concatenate([drive[: equations.first], state[before.first :]])
     if start == "steady":
         return equations.steady(time)
-    if start != "rigid":
-        problem = f"is {start!r}; it must be 'rigid', 'steady' or a transient"
-        raise ArgumentValueError("start", problem)
+    require("start", start == "rigid", f"is {start!r}; it must be 'rigid', 'steady' or a transient")
     return equations.rigid(time)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, per_joint, positive
-from cardan.arrays.errors import ArgumentValueError, check_shape, exclusive
+from cardan.arrays.errors import ArgumentValueError, check_shape, exclusive, require
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
 
@@ -99,8 +99,7 @@ def life(
     n = line.n_joints
     rated = per_joint("rating", positive("rating", rating), n)
     turning = np.abs(load.speed) if speed is None else positive("speed", speed)
-    if not np.all(turning > 0.0):
-        raise ArgumentValueError("load", "has no speed; a life in hours needs one")
+    require("load", np.all(turning > 0.0), "has no speed; a life in hours needs one")
     exclusive(shares=shares, angle=angle)
     if angle is not None:
         return _of_run(line, load, rated, turning, as_float64("angle", angle))
@@ -147,8 +146,7 @@ def _of_run(
         check_shape("angle", angle, False, rule)
     ways = np.abs(np.diff(angle))
     turned = float(np.sum(ways))
-    if not 0.0 < turned < np.inf:
-        raise ArgumentValueError("angle", "does not change, or is not finite")
+    require("angle", 0.0 < turned < np.inf, "does not change, or is not finite")
 
     def mean(values: FloatArray) -> FloatArray:
         """Over the angle, by trapezoids."""
