@@ -192,17 +192,21 @@ def gradient(plan: Plan, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLi
     """Return a weighted sum and its derivatives at drive angles, as ``Plan.gradient`` does."""
     samples = DerivativeSamples(plan, angle)
     line, load = plan.line, plan.request.load
-    by = ["value", "bends", "twists", "phases"]
-    if line.has_points and not line.has_deviations:
-        by.append("points")
-    if load is not None:
-        by += [f"{load.end}_torque", "inertias"]
-    if has_lengths(line):
-        by.append("lengths")
-    if line.n_bearings:
-        by.append("positions")
-    if line.has_deviations:
-        by.append("deviations")
+    others = {
+        "points": line.has_points and not line.has_deviations,
+        "lengths": has_lengths(line),
+        "positions": line.n_bearings,
+        "deviations": line.has_deviations,
+    }
+    of_load = [] if load is None else [f"{load.end}_torque", "inertias"]
+    by = [
+        "value",
+        "bends",
+        "twists",
+        "phases",
+        *of_load,
+        *(name for name in others if others[name]),
+    ]
     flat = samples.run(by, [*_planes(samples, weights)])
     columns = [*_columns(by, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)

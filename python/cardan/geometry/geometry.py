@@ -158,14 +158,13 @@ def concatenate(
     along %= len(shape)
     for i, part in enumerate(parts):
         first, own = ((len(s), *s[:along], *s[along + 1 :]) for s in (shape, part.shape))
-        problem = ""
         if own != first:
             problem = f"has shape {part.shape} and lines[0] {shape}; they may differ along axis "
-            problem += f"{along} only"
-        elif part.bearings != bearings:
-            problem = f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
-            problem += "they must be the same"
-        require("lines", not problem, problem, (i,))
+            raise ArgumentValueError("lines", f"{problem}{along} only", (i,))
+        problem = (
+            f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; they must be "
+        )
+        require("lines", part.bearings == bearings, f"{problem}the same", (i,))
     if not all(part.lengths.shape[-1] for part in parts):
         # Lengths that some lack are of no use to all.
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]

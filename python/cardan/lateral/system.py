@@ -229,9 +229,7 @@ class LateralSystem:
             IndexError: a probe on a shaft that does not exist.
             ValueError: no mode asked for, a probe beyond its shaft.
         """
-        number = integer("count", count)
-        if number < 1:
-            raise ArgumentValueError("count", f"is {number}; it must be at least 1")
+        number = integer("count", count, 1)
         places = self._probes(probes)
         frequencies, moved = self._core.modes(number, places)
         displacement = moved.reshape(*self.shape, number, len(places), 3)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -18,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.reference.forces import forces, loads
 from cardan.reference.vectors import (
+    Cross,
+    ShaftMotion,
     Shafts,
     Vector,
     _dot,
@@ -52,12 +55,11 @@ def outputs(
     """
     each = [motion(shafts, angle, i, offset=_offset(shafts, i)) for i in _items(shafts.directions)]
     found: dict[str, Sequence[Any]] = {
-        name: [getattr(one, name) for one in each]
-        for name in ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
+        field.name: [getattr(one, field.name) for one in items]
+        for kind, items in ((ShaftMotion, each), (Cross, crosses(shafts, angle)))
+        for field in fields(kind)
     }
     found["tilt_driving"], found["tilt_driven"] = zip(*tilts(shafts, angle), strict=True)
-    for name in ("driving_pin", "driven_pin", "swing_driving", "swing_driven"):
-        found[name] = [getattr(cross, name) for cross in crosses(shafts, angle)]
     if load is not None:
         at = loads(shafts, angle, **load)
         triads = turning_axes(shafts, angle)
@@ -69,10 +71,7 @@ def outputs(
             return [tuple(_dot(v, x) for x in triads[shaft]) for v, shaft in pairs]  # type: ignore[misc]
 
         driven = _items(shafts.directions)[1:]
-        found |= {
-            name: getattr(at, name)
-            for name in ("torque", "bending_driving", "bending_driven", "pin_moment")
-        }
+        found |= vars(at)
         found["moment"] = turned(at.moment, driven)
         found["support_moment"] = turned(at.support_moment, _items(shafts.directions))
         if lengths:
