@@ -195,7 +195,7 @@ def check(line: Driveline, speed: ArrayLike | None = None, limits: Limiting | No
             Finding("bend_difference", "bend difference", "practice", apart, "deg", difference)
         )
     speeds = None if speed is None else as_float64("speed", speed)
-    common_shape(driveline=line.shape, speed=np.shape(speeds))
+    common_shape(driveline=line.shape, speed=() if speeds is None else speeds.shape)
     ratios = {"torsional_excitation": torsional}
     if line.n_joints > 1:
         ratios["inertia_excitation_driving"] = driving
