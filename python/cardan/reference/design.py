@@ -7,7 +7,6 @@ body at once, and what is round or bends is divided into rings and short beams. 
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -23,13 +22,14 @@ from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
     Vector,
+    _across,
     _cross,
     _dot,
     _joints,
     _lead,
     _plus,
     _scaled,
-    _unit,
+    _turned,
     from_bends,
     from_directions,
     motion,
@@ -116,19 +116,12 @@ def under_torque(
     shift: Vector,
 ) -> list[Vector]:
     """Return points of which some, by number, have turned about an axis of length 1 and moved."""
-    # Two directions across the axis, in whose plane a turn is a complex factor.
-    least = min(range(3), key=lambda i: abs(axis[i]))
-    first = _unit(_cross(axis, (float(least == 0), float(least == 1), float(least == 2))))
-    second = _cross(axis, first)
-    factor = cmath.exp(1j * angle)
     found = []
     for number, place in enumerate(points):
         if number in moved:
             arm = _plus(place, _scaled(-1.0, about))
-            turned = complex(_dot(arm, first), _dot(arm, second)) * factor
             along = _plus(_scaled(_dot(arm, axis), axis), shift)
-            across = _plus(_scaled(turned.real, first), _scaled(turned.imag, second))
-            place = _plus(about, _plus(along, across))
+            place = _plus(about, _plus(along, _turned(_across(arm, axis), axis, angle)))
         found.append(place)
     return found
 

@@ -252,16 +252,15 @@ class System:
         """
         model = _Model(self, probes)
         speeds = np.asarray(speed, dtype=np.float64)
-        solved: dict[str, list[Any]] = {}
-        for omega in speeds.ravel():
-            couples = self._couples(float(omega), load, orders, turns)
-            for order, couple in zip(orders, couples, strict=True):
-                for name, value in model.solved(float(omega), order, couple).items():
-                    solved.setdefault(name, []).append(value)
+        solved = [
+            model.solved(omega, order, couple)
+            for omega in speeds.ravel().tolist()
+            for order, couple in zip(orders, self._couples(omega, load, orders, turns), strict=True)
+        ]
         shape = (*speeds.shape, len(orders))
         arrays = {}
-        for name, values in solved.items():
-            flat = np.array(values)
+        for name in solved[0]:
+            flat = np.array([one[name] for one in solved])
             own = flat.reshape(*shape, *flat.shape[1:])
             each = name not in ("tube_power", "given_power")
             arrays[name] = np.moveaxis(own, len(shape), 0) if each else own
