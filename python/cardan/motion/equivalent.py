@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, numbered, scalar_or_array, threads
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import require
 from cardan.arrays.indices import item_index
+from cardan.geometry.geometry import require_driveline
 from cardan.geometry.parameters import PARAMETERS, Parameters, checked_kind, parameter_shape
 
 if TYPE_CHECKING:
@@ -308,13 +309,15 @@ def steering(
         degrees: whether it is in degrees.
 
     Raises:
+        TypeError: a drawn driveline that is none.
         ValueError: shapes that do not broadcast, several drawn drivelines.
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
     shape, numbers, (angles,) = numbered(line.shape, centre=angle)
-    if drawn is not None and drawn.shape:
-        raise ArgumentValueError("drawn", f"has shape {drawn.shape}; it is one driveline")
+    if drawn is not None:
+        require_driveline("drawn", drawn)
+        require("drawn", not drawn.shape, f"has shape {drawn.shape}; it is one driveline")
     own = None if drawn is None else drawn._lines
     flat = _core.steering(line._lines, numbers, angles, own, threads.at_most(None))
     ratio, slope, offset, quick, *others = flat.reshape(8, *shape)
