@@ -14,27 +14,9 @@ from cardan.arrays import FloatArray, html_table
 from cardan.arrays.libraries import draw
 from cardan.design.check import catalogue_bend, check, fork_signs
 from cardan.evaluation.evaluate import evaluate, harmonics, plan
+from cardan.geometry import constructors, geometry
 from cardan.geometry.as_built import with_deviations, with_play
-from cardan.geometry.constructors import (
-    from_bends,
-    from_directions,
-    from_double_joint,
-    from_points,
-    from_projected_bends,
-    from_readings,
-    from_slopes,
-)
-from cardan.geometry.geometry import (
-    Geometry,
-    approx_equal,
-    concatenate,
-    reshape,
-    reversed,
-    taken,
-    unpickled,
-    with_bearings,
-    with_phases,
-)
+from cardan.geometry.geometry import Geometry
 from cardan.geometry.wound_up import wound_up
 from cardan.motion.equivalent import equivalent, steering, transmission
 from cardan.motion.free_running import free_running
@@ -110,21 +92,21 @@ class Driveline:
         return twin
 
     # Functions of their rooms.
-    from_bends = classmethod(from_bends)
-    from_directions = classmethod(from_directions)
-    from_points = classmethod(from_points)
-    from_slopes = classmethod(from_slopes)
-    from_projected_bends = classmethod(from_projected_bends)
-    from_readings = classmethod(from_readings)
-    from_double_joint = classmethod(from_double_joint)
-    concatenate = classmethod(concatenate)
+    from_bends = classmethod(constructors.from_bends)
+    from_directions = classmethod(constructors.from_directions)
+    from_points = classmethod(constructors.from_points)
+    from_slopes = classmethod(constructors.from_slopes)
+    from_projected_bends = classmethod(constructors.from_projected_bends)
+    from_readings = classmethod(constructors.from_readings)
+    from_double_joint = classmethod(constructors.from_double_joint)
+    concatenate = classmethod(geometry.concatenate)
 
-    with_phases = with_phases
-    with_bearings = with_bearings
+    with_phases = geometry.with_phases
+    with_bearings = geometry.with_bearings
     with_deviations = with_deviations
     with_play = with_play
     wound_up = wound_up
-    reversed = reversed
+    reversed = geometry.reversed
 
     evaluate = evaluate
     plan = plan
@@ -152,9 +134,9 @@ class Driveline:
     lash = lash
     wind_up = wind_up
 
-    reshape = reshape
-    approx_equal = approx_equal
-    __getitem__ = taken
+    reshape = geometry.reshape
+    approx_equal = geometry.approx_equal
+    __getitem__ = geometry.taken
 
     def plot(self, angle: float = 0.0, **options: Any) -> Any:  # noqa: ANN401 - of matplotlib
         """Draw the driveline in space, as ``cardan.plots.plot_driveline`` does.
@@ -186,7 +168,7 @@ class Driveline:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the arrays, with what else the geometry knows."""
         own = self._geometry
-        return (unpickled, (type(self), (own.bearings, own.has_points), *own.arrays))
+        return (geometry.unpickled, (type(self), (own.bearings, own.has_points), *own.arrays))
 
     def __copy__(self) -> Driveline:
         """Return the driveline itself: it never changes."""

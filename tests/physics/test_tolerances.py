@@ -26,9 +26,9 @@ from cardan.tolerances.chain import (
     Deviations,
     Nominal,
     _displacement,
+    amplitude,
+    as_drawn,
     bound_parts,
-    joints_and_turns,
-    q_of,
 )
 from oracle import Fold
 
@@ -210,11 +210,12 @@ def test_q_is_that_of_the_core(joints: int) -> None:
         bends = random.uniform(0.0, 1.3, joints)
         twists, phases = random.uniform(-4, 4, (2, joints - 1))
         line = Driveline.from_bends(bends, twists, phases)
-        found = q_of(*joints_and_turns(Nominal(bends, twists, phases), {}))
+        nominal = Nominal(bends, twists, phases)
+        found = as_drawn("last", nominal, joints)
         assert abs(found - line.transmission().q) < 2e-14
         # Beyond straight a joint bends to the other side.
         moved: Deviations = {("bends", (0,)): np.array([-2.0 * bends[0]])}
-        found = q_of(*joints_and_turns(Nominal(bends, twists, phases), moved))
+        (found,) = amplitude("last", nominal, joints, moved, 1)
         flipped = twists + np.pi * (np.arange(joints - 1) == 0)
         assert abs(found - Driveline.from_bends(bends, flipped, phases).transmission().q) < 2e-14
 
@@ -238,15 +239,14 @@ def test_q_of_points_is_that_of_the_core(straight: tuple[int, ...]) -> None:
     points = np.concatenate([np.zeros((1, 3)), np.cumsum(spans, axis=0)])
     phases = random.uniform(-3, 3, 3)
     line = Driveline.from_points(points, phases)
-    found = q_of(*joints_and_turns(Nominal(line.bends, line.twists, phases, points), {}))
+    nominal = Nominal(line.bends, line.twists, phases, points)
     # It does not turn with the plane of joint 0, from which the drive angle counts.
-    assert abs(found) == pytest.approx(abs(line.transmission().q), abs=2e-14)
+    found = abs(as_drawn("last", nominal, 4))
+    assert found == pytest.approx(abs(line.transmission().q), abs=2e-14)
     # Through the samples as well: the points as drawn, and a bent joint 0.
     deviations: Deviations = {("points", (0, 1)): np.array([0.0, 0.2])}
-    found = np.abs(
-        q_of(*joints_and_turns(Nominal(line.bends, line.twists, phases, points), deviations))
-    )
-    for got, deviation in zip(found, (0.0, 0.2), strict=True):
+    each = np.abs(amplitude("last", nominal, 4, deviations, 2))
+    for got, deviation in zip(each, (0.0, 0.2), strict=True):
         moved = points.copy()
         moved[0, 1] += deviation
         assert got == pytest.approx(Driveline.from_points(moved, phases).equivalent().k, abs=2e-14)

@@ -6,6 +6,7 @@ that break their rule.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from typing import Any, TypeAlias
@@ -155,3 +156,28 @@ def together(
         wanted = (*shape, *array.shape[array.ndim - own :])
         full.append(array if array.shape == wanted else np.broadcast_to(array, wanted))
     return shape, full
+
+
+def numbered(
+    batch: tuple[int, ...], of: str = "driveline", **arrays: FloatArray
+) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
+    """Return the common shape of a batch and arrays, and flat the numbers of its items and arrays.
+
+    Errors call the batch what it is ``of``.
+    """
+    shape = common_shape(**{of: batch}, **{name: array.shape for name, array in arrays.items()})
+    numbers = np.arange(math.prod(batch)).reshape(batch)
+    first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
+    return shape, first, flat
+
+
+def keep(owner: object, **values: Any) -> None:  # noqa: ANN401 - of attributes
+    """Keep values in an object that is frozen, with read-only copies of arrays.
+
+    The caller may change the arrays that it gave.
+    """
+    for name, value in values.items():
+        if isinstance(value, np.ndarray):
+            value = value.copy()
+            value.flags.writeable = False
+        object.__setattr__(owner, name, value)

@@ -105,6 +105,12 @@ def check_shape(argument: str, of: Any, right: bool, rule: str, place: Place = (
         raise ArgumentValueError(argument, f"has shape {of.shape}; {rule}", place)
 
 
+def require(argument: str, right: object, problem: str, place: Place = ()) -> None:
+    """Raise an ``ArgumentValueError`` with a problem unless the argument is right."""
+    if not right:
+        raise ArgumentValueError(argument, problem, place)
+
+
 def exclusive(**given: object) -> None:
     """Raise an error if both of two arguments are given."""
     (one, value), (other, beside) = given.items()

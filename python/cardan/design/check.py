@@ -194,9 +194,8 @@ def check(line: Driveline, speed: ArrayLike | None = None, limits: Limiting | No
         findings.append(
             Finding("bend_difference", "bend difference", "practice", apart, "deg", difference)
         )
-    squared = None if speed is None else as_float64("speed", speed) ** 2
-    if squared is not None and squared.shape:
-        common_shape(driveline=line.shape, speed=squared.shape)
+    speeds = None if speed is None else as_float64("speed", speed)
+    common_shape(driveline=line.shape, speed=() if speeds is None else speeds.shape)
     ratios = {"torsional_excitation": torsional}
     if line.n_joints > 1:
         ratios["inertia_excitation_driving"] = driving
@@ -205,15 +204,11 @@ def check(line: Driveline, speed: ArrayLike | None = None, limits: Limiting | No
         quantity = MOTION_QUANTITIES[figure]
         name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
         limit = allowed.figures.get(quantity.limit)
-        if squared is None and not limit:
-            continue
-        unknown = squared is None
-        value = np.full(line.shape, np.nan) if squared is None else np.asarray(squared * ratio)
-        one = Finding(figure, name, "practice", value, "rad/s²", limit, ratio, unknown)
-        findings.append(one)
-    findings += published(
-        line, None if speed is None else as_float64("speed", speed), allowed.presets
-    )
+        if speeds is not None or limit:
+            value = ratio * np.nan if speeds is None else speeds**2 * ratio
+            given = (np.asarray(value), "rad/s²", limit, ratio, speeds is None)
+            findings.append(Finding(figure, name, "practice", *given))
+    findings += published(line, speeds, allowed.presets)
     return Check(tuple(findings), allowed)
 
 

@@ -250,26 +250,22 @@ class Finding:
             return ["not judged, no limit given"]
         if self.needs_speed:
             return ["not judged, no speed given"]
-        limit, maximum = found.limit, found.maximum
-        worst, side, other = self.worst, *(("above", "below") if self.most else ("below", "above"))
         if self.is_undecided:
             return [f"not judged, {self.why}"]
+        text, limit, maximum, worst = self._text, found.limit, found.maximum, self.worst
         if math.isnan(worst):
             return ["not a number"]
         verdict = VERDICTS[int(np.max(self.ranks))] if np.size(self.value) else "within"
-        sign = 1.0 if self.most else -1.0
-        past, left = (
-            self._text(sign * (worst - limit)),
-            self._text(max(sign * (limit - worst), 0.0)),
-        )
-        below, most = self._text(max(sign * (maximum - worst), 0.0)), self._text(maximum)
+        sign, side, other = (1.0, "above", "below") if self.most else (-1.0, "below", "above")
+        past, left = sign * (worst - limit), sign * (maximum - worst)
         if verdict == "within":
-            return [f"within the {self._text(limit)} limit by {left}"]
+            return [f"within the {text(limit)} limit by {text(max(sign * (limit - worst), 0.0))}"]
         if verdict == "tolerable":
-            above = f"{past} {side} the {self._text(limit)} limit"
-            return [f"tolerable, {above} and {below} {other} the {most} maximum"]
+            above = f"{text(past)} {side} the {text(limit)} limit"
+            below = f"{text(max(left, 0.0))} {other} the {text(maximum)} maximum"
+            return [f"tolerable, {above} and {below}"]
         bound = "maximum" if maximum != limit else "limit"
-        return [f"beyond the {most} {bound} by {self._text(sign * (worst - maximum))}"]
+        return [f"beyond the {text(maximum)} {bound} by {text(-left)}"]
 
     def _speed_words(self) -> list[str]:
         if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):

@@ -10,6 +10,7 @@ from numbers import Real
 from types import MappingProxyType
 from typing import TypeAlias
 
+from cardan.arrays import keep
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.reference.approximations import (
     INERTIA_LIMIT,
@@ -416,8 +417,7 @@ class Limits:
         figures |= {
             key: _own(key, given, source) for key, given in own.items() if given is not None
         }
-        object.__setattr__(self, "presets", presets)
-        object.__setattr__(self, "figures", figures)
+        keep(self, presets=presets, figures=figures)
 
 
 def unknown_preset(name: object) -> str:

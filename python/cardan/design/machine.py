@@ -13,8 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    keep,
+    not_negative,
+    per_joint,
+    positive,
+    threads,
+)
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, require
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
@@ -179,11 +187,9 @@ class Machine:
         parts = {**_NOTHING, "states": _cases(own, load, speed), "limits": given}
         drawing = own[0] if drawn is None else drawn
         require_driveline("drawn", drawing)
-        if drawing.shape:
-            raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
+        require("drawn", not drawing.shape, f"has shape {drawing.shape}; it is one driveline")
         parts["drawn"] = _cases(drawing.reshape(1), None, None)
-        object.__setattr__(self, "states", own)
-        object.__setattr__(self, "_parts", parts)
+        keep(self, states=own, _parts=parts)
 
     def with_duty(self, steps: Driveline, load: Load, shares: ArrayLike) -> Machine:
         """Add a duty cycle, over which lives are judged, and loads beside those of the states.
@@ -389,7 +395,7 @@ class Machine:
 
     def _with(self, **parts: Any) -> Machine:  # noqa: ANN401 - what the core takes
         other = copy.copy(self)
-        object.__setattr__(other, "_parts", {**self._parts, **parts})
+        keep(other, _parts={**self._parts, **parts})
         return other
 
     def _per_joint(self, name: str, array: FloatArray) -> list[float]:
@@ -416,8 +422,7 @@ def _of_cases(
         columns["inertia_shafts"] = [shaft for shaft, _ in inertias]
         columns["inertias"] = [each for _, each in inertias]
     if has_lengths(line):
-        ends = np.cumsum(own.lengths[..., np.newaxis] * own.directions, axis=-2)
-        columns["points"] = np.concatenate([np.zeros_like(ends[..., :1, :]), ends], axis=-2)
+        columns["points"] = own.points
     return {prefix + name: column for name, column in columns.items()}
 
 

@@ -30,13 +30,7 @@ _JOINTS = {"difference_deg": 2, "bend_by_length_deg": 2, "two_piece_deg": 3}
 def published(
     line: Driveline, speed: FloatArray | None, presets: Sequence[str]
 ) -> Iterator[Finding]:
-    """Yield the bends of a driveline beside the limits of some presets.
-
-    Args:
-        line: one driveline or a batch.
-        speed: of the drive in rad/s, which broadcasts against the batch; 0 is not known.
-        presets: their names.
-    """
+    """Yield bends beside the limits of some presets; a speed of 0 is not known."""
     for preset in presets:
         for rule in PRESETS[preset].on_bends:
             yield from _Judge(line, speed, preset, rule).found()

@@ -147,6 +147,11 @@ class OrderQuantity:
         return "rad" if self.of == "angle_error" else "rad/s²"
 
     @property
+    def amplitudes(self) -> tuple[int]:
+        """The order whose amplitude it is a function of."""
+        return (self.order,)
+
+    @property
     def label(self) -> str:
         """What to call it in words: ``order 1 of the acceleration``."""
         return f"order {self.order} of the {self.of.replace('_', ' ')}"

@@ -1,13 +1,8 @@
 """Derivatives of outputs by the parameters of drivelines: those of every sample, or of a sum.
 
-All motion of a shaft depends on the drive angle and on one complex number ``q`` per shaft
-(``cardan.Transmission``), whose derivatives by the parameters are a small matrix per driveline. The
-native module sums ``weight * d output / d q`` and its like over the samples in the pass that
-evaluates, and multiplies by that matrix at the end.
-
-Of reduced samples an extreme changes as the sample at which it is. Mean, root mean square and peak
-change as their formulas say. All of them are sums of samples with weights that depend on the
-outputs, so that the derivatives are those of the samples, weighted and summed.
+The native module sums them over the samples in the pass that evaluates
+(``docs/theory/derivatives.md``). Those of reduced samples are sums of those of the samples with
+weights that depend on the outputs.
 """
 
 from __future__ import annotations
@@ -197,17 +192,21 @@ def gradient(plan: Plan, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLi
     """Return a weighted sum and its derivatives at drive angles, as ``Plan.gradient`` does."""
     samples = DerivativeSamples(plan, angle)
     line, load = plan.line, plan.request.load
-    by = ["value", "bends", "twists", "phases"]
-    if line.has_points and not line.has_deviations:
-        by.append("points")
-    if load is not None:
-        by += [f"{load.end}_torque", "inertias"]
-    if has_lengths(line):
-        by.append("lengths")
-    if line.n_bearings:
-        by.append("positions")
-    if line.has_deviations:
-        by.append("deviations")
+    others = {
+        "points": line.has_points and not line.has_deviations,
+        "lengths": has_lengths(line),
+        "positions": line.n_bearings,
+        "deviations": line.has_deviations,
+    }
+    of_load = [] if load is None else [f"{load.end}_torque", "inertias"]
+    by = [
+        "value",
+        "bends",
+        "twists",
+        "phases",
+        *of_load,
+        *(name for name in others if others[name]),
+    ]
     flat = samples.run(by, [*_planes(samples, weights)])
     columns = [*_columns(by, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)

@@ -117,16 +117,15 @@ def layout_of(
     bearings: int,
 ) -> Layout:
     """Return the layout of outputs of a driveline with ``n`` joints, as ``Plan`` reads them."""
-    names = names if isinstance(names, str) else tuple(names)
+    key = (names if isinstance(names, str) else tuple(names), n, shafts, joints, reduce, bearings)
     # Of plain arguments only those are equal that mean the same; 1.0 is no index.
     one_shaft = shafts is None or type(shafts) is int
     if n <= _LONGEST and one_shaft and (joints is None or type(joints) is int):
         try:
-            key = (names, n, shafts, joints, reduce, bearings)
             return _remembered(*key)  # type: ignore[arg-type]
         except TypeError:
             pass  # What is wrong is said below: here it may be that a name has no hash.
-    return _layout(names, n, shafts, joints, reduce, bearings)
+    return _layout(*key)
 
 
 def _layout(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any, Self, SupportsIndex
 
 import numpy as np
 
 from cardan._core import Sweep as NativeSweep
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, keep
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.arrays.indices import integer
 
@@ -51,7 +52,7 @@ class Sweep:
         given = (*ends, count, True) if degrees else (*ends, count)
         if degrees:
             ends = (math.radians(ends[0]), math.radians(ends[1]))
-        self._of(NativeSweep(ends, count, 0), count, given)
+        keep(self, _core=NativeSweep(ends, count, 0), num=count, _given=given)
 
     @classmethod
     def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
@@ -76,13 +77,9 @@ class Sweep:
             raise ArgumentValueError("turns", f"is {turns} of {per_turn} samples each; {rule}")
         number = _whole("turns times samples", int(count))
         self = object.__new__(cls)
-        self._of(NativeSweep(None, number, per_turn), number, (turns, per_turn))
+        core = NativeSweep(None, number, per_turn)
+        keep(self, _core=core, num=number, _given=(turns, per_turn))
         return self
-
-    def _of(self, core: NativeSweep, count: int, given: tuple[float, ...]) -> None:
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "num", count)
-        object.__setattr__(self, "_given", given)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Refuse: sweeps do not change."""
@@ -126,7 +123,8 @@ class Sweep:
         """Pickle as made."""
         if self.unit == "turn":
             return (Sweep.revolutions, self._given)
-        return (_unpickled, self._given)
+        start, stop, num, *degrees = self._given
+        return (functools.partial(Sweep, degrees=bool(degrees)), (start, stop, num))
 
     def __eq__(self, other: object) -> bool:
         """Compare what the sweeps were made from."""
@@ -142,10 +140,6 @@ class Sweep:
         if self.unit == "turn":
             return f"Sweep.revolutions({given})"
         return f"Sweep({given}, degrees=True)" if self.unit == "deg" else f"Sweep({given})"
-
-
-def _unpickled(start: float, stop: float, num: int, degrees: bool = False) -> Sweep:
-    return Sweep(start, stop, num, degrees=degrees)
 
 
 def _whole(name: str, value: SupportsIndex) -> int:

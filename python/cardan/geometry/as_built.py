@@ -1,14 +1,8 @@
-"""Joints as built: yokes that lean and crosses that are not square.
+"""Joints as built: yokes that lean and crosses that are not square (``docs/theory/as-built.md``).
 
 With unit vectors ``u`` and ``v`` along driving and driven shaft, ``p`` along the driving pin and
-``q`` along the driven one, the deviations of a joint are
-
-* of the driving yoke: ``p . u = sin e1``, so that it leans towards the driven shaft;
-* of the cross: ``p . q = sin e2``;
-* of the driven yoke: ``q . v = sin e3``.
-
-The joint is then a general spherical four-bar linkage. Its motion repeats after a whole turn, and
-the yokes bring odd orders.
+``q`` along the driven one, a driving yoke deviates by ``p . u = sin e1``, so that it leans towards
+the driven shaft, a cross by ``p . q = sin e2`` and a driven yoke by ``q . v = sin e3``.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from cardan.arrays.errors import (
     check_shape,
     exclusive,
 )
-from cardan.geometry.geometry import Geometry, between_joints, place_in
+from cardan.geometry.geometry import Geometry, between_joints, end_to_end, place_in
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -215,7 +215,7 @@ def surveyed(up: FloatArray, lengths: ArrayLike, offsets: ArrayLike | None = Non
             tuple(place) if ends.ndim > 1 else (),
         )
     spans = np.stack([long * np.sqrt(forward), long * rise, apart], axis=-1)
-    return np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
+    return end_to_end(spans)
 
 
 def spread_evenly(samples: int, dimensions: int) -> FloatArray:

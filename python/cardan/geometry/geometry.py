@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, per_shaft
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, Place, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, Place, check_shape, require
 from cardan.arrays.indices import item_index
 
 if TYPE_CHECKING:
@@ -55,6 +55,11 @@ class Geometry(NamedTuple):
     def is_as_built(self) -> bool:
         """Whether the joints deviate from their drawing."""
         return bool(self.deviations.shape[-2])
+
+    @property
+    def points(self) -> FloatArray:
+        """Ends and joint centres from the driving end on, ``(..., n + 2, 3)``, of known lengths."""
+        return end_to_end(self.lengths[..., np.newaxis] * self.directions)
 
     def as_built(self) -> Geometry:
         """Give ideal joints deviations of 0."""
@@ -100,6 +105,11 @@ class Geometry(NamedTuple):
         return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
 
 
+def end_to_end(spans: FloatArray) -> FloatArray:
+    """Return the points between vectors ``(..., m, 3)`` that follow each other from 0 on."""
+    return np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
+
+
 def place_in(own: tuple[int, ...], shape: tuple[int, ...], place: Place) -> Place:
     """Return the place in an array with the batch ``own``, which was spread to another batch."""
     before = len(shape) - len(own)
@@ -140,13 +150,11 @@ def concatenate(
         ValueError: no drivelines, different numbers of joints, shapes that do not fit.
     """
     given = [lines] if isinstance(lines, cls) else list(lines)
-    if not given:
-        raise ArgumentValueError("lines", "is empty; there must be at least one driveline")
+    require("lines", given, "is empty; there must be at least one driveline")
     for i, line in enumerate(given):
         require_driveline("lines", line, (i,))
-        if line.n_joints != given[0].n_joints:
-            problem = f"has {line.n_joints} joints and lines[0] {given[0].n_joints}"
-            raise ArgumentValueError("lines", problem, (i,))
+        problem = f"has {line.n_joints} joints and lines[0] {given[0].n_joints}"
+        require("lines", line.n_joints == given[0].n_joints, problem, (i,))
     parts = [line._geometry if line.shape else line._geometry.reshaped((1,)) for line in given]
     shape, bearings = parts[0].shape, parts[0].bearings
     along = operator.index(axis)
@@ -155,15 +163,13 @@ def concatenate(
     along %= len(shape)
     for i, part in enumerate(parts):
         first, own = ((len(s), *s[:along], *s[along + 1 :]) for s in (shape, part.shape))
-        problem = ""
         if own != first:
             problem = f"has shape {part.shape} and lines[0] {shape}; they may differ along axis "
-            problem += f"{along} only"
-        elif part.bearings != bearings:
-            problem = f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; "
-            problem += "they must be the same"
-        if problem:
-            raise ArgumentValueError("lines", problem, (i,))
+            raise ArgumentValueError("lines", f"{problem}{along} only", (i,))
+        problem = (
+            f"has bearings on shafts {part.bearings} and lines[0] on {bearings}; they must be "
+        )
+        require("lines", part.bearings == bearings, f"{problem}the same", (i,))
     if not all(part.lengths.shape[-1] for part in parts):
         # Lengths that some lack are of no use to all.
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
@@ -283,17 +289,6 @@ def reversed(line: Driveline) -> Driveline:
         own.has_points,
     )
     return line._of(turned)
-
-
-def broadcast(
-    line: Driveline, **arrays: FloatArray
-) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
-    """Return the common shape of batch and arrays, and flat the drivelines' numbers and arrays."""
-    shapes = {name: array.shape for name, array in arrays.items()}
-    shape = common_shape(driveline=line.shape, **shapes)
-    numbers = np.arange(math.prod(line.shape)).reshape(line.shape)
-    first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
-    return shape, first, flat
 
 
 def unpickled(

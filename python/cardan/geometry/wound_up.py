@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, finite, one_number
-from cardan.arrays.errors import ArgumentValueError, check_shape
+from cardan.arrays.errors import check_shape, require
 from cardan.arrays.indices import item_indices
 from cardan.geometry.parameters import has_lengths
 
@@ -55,22 +55,19 @@ def wound_up(
            [ 8.529, 11.394]])
     """
     line._geometry.check_ideal("what follows the torque is")
-    if not has_lengths(line):
-        raise ArgumentValueError("driveline", "has no lengths; make it of points, or with lengths")
+    require("driveline", has_lengths(line), "has no lengths; make it of points, or with lengths")
     size = finite("torque", torque)
     moved = item_indices("points", points, line.n_joints + 2)
     middle, along, move = (
         _vector(name, value) for name, value in (("about", about), ("axis", axis), ("shift", shift))
     )
     rate, length = one_number("turn", turn), float(np.linalg.norm(along))
-    if length == 0.0:
-        raise ArgumentValueError("axis", "is [0, 0, 0]; an axis needs a direction")
+    require("axis", length != 0.0, "is [0, 0, 0]; an axis needs a direction")
     shape = common_shape(torque=size.shape, driveline=line.shape)
     own = line._of(line._geometry.batched(shape))
     if rate == 0.0 and not np.any(move):
         return own
-    spans = own.lengths().each[..., np.newaxis] * own.directions
-    places = np.concatenate([np.zeros_like(spans[..., :1, :]), np.cumsum(spans, axis=-2)], axis=-2)
+    places = own._geometry.points
     by = np.broadcast_to(size, shape)[..., np.newaxis, np.newaxis]
     places[..., moved, :] = (
         turned(places[..., moved, :], middle, along / length, rate * by) + move * by
@@ -105,6 +102,5 @@ def rotation(axis: FloatArray, angle: FloatArray) -> FloatArray:
 def _vector(name: str, value: ArrayLike) -> FloatArray:
     array = as_float64(name, value)
     check_shape(name, array, array.shape == (3,), "it must be (3,)")
-    if not np.all(np.isfinite(array)):
-        raise ArgumentValueError(name, f"is {array.tolist()}; it must be finite")
+    require(name, np.all(np.isfinite(array)), f"is {array.tolist()}; it must be finite")
     return array

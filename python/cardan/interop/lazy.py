@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, check_shape, require
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.evaluate import PlanInDegrees, planned
@@ -88,9 +88,8 @@ class LazyDriveline:
         Errors are as there, for what is known before computing.
         """
         plan = self._stand_in.plan(outputs, **options)
-        if plan.request.angle_of == "driven":
-            problem = "is 'driven'; drivelines of dask arrays take the drive angle"
-            raise ArgumentValueError("angle_of", problem)
+        problem = "is 'driven'; drivelines of dask arrays take the drive angle"
+        require("angle_of", plan.request.angle_of != "driven", problem)
         evaluated = functools.partial(_evaluated, plan, self._make, self._parts, self.shape)
         if not degrees:
             return evaluated(angle, out)
@@ -108,8 +107,7 @@ class LazyDriveline:
         # Lengths that are computed later are checked then.
         known = np.full(self.n_joints + 1, np.finfo(float).max) if lengths is None else lengths
         stand_in = self._stand_in.with_bearings(pairs, known)
-        if stand_in.shape:
-            raise ArgumentValueError("bearings", "must have the same places on all drivelines")
+        require("bearings", not stand_in.shape, "must have the same places on all drivelines")
         make = functools.partial(_with_bearings, self._make, pairs, lengths)
         return LazyDriveline(make, self._parts, stand_in)
 
@@ -341,8 +339,7 @@ def _part(name: str, value: Any, whole: int) -> _Part:  # noqa: ANN401 - an arra
     if array_namespace_of(array) != "dask":
         return _Part(as_float64(name, array), whole)
     as_float64(name, np.empty(0, array.dtype))
-    if any(math.isnan(size) for size in array.shape):
-        problem = "has chunks of unknown size; call its compute_chunk_sizes first"
-        raise ArgumentValueError(name, problem)
+    problem = "has chunks of unknown size; call its compute_chunk_sizes first"
+    require(name, not any(math.isnan(size) for size in array.shape), problem)
     check_shape(name, array, array.ndim >= whole, f"it needs {whole} dimensions or more")
     return _Part(array, whole)

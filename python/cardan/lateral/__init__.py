@@ -1,7 +1,15 @@
 """Lateral vibration of drivelines on elastic bearings."""
 
-from cardan.lateral.elements import ElasticBearing, PointMass, RigidShaft, Unbalance
-from cardan.lateral.results import LateralModes, LateralResonance, LateralResponse, TorqueStiffness
+from cardan.lateral.results import (
+    ElasticBearing,
+    LateralModes,
+    LateralResonance,
+    LateralResponse,
+    PointMass,
+    RigidShaft,
+    TorqueStiffness,
+    Unbalance,
+)
 from cardan.lateral.system import LateralSystem
 
 __all__ = [

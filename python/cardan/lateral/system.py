@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,19 +12,31 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import ComplexArray, FloatArray, as_float64, common_shape, finite, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays import (
+    ComplexArray,
+    FloatArray,
+    as_float64,
+    common_shape,
+    finite,
+    keep,
+    numbered,
+    threads,
+)
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, require
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.geometry import require_driveline
-from cardan.lateral.elements import ElasticBearing, PointMass, RigidShaft, Unbalance
 from cardan.lateral.results import (
     VECTORS,
+    ElasticBearing,
     LateralModes,
     LateralResonance,
     LateralResponse,
+    PointMass,
+    RigidShaft,
     TorqueStiffness,
+    Unbalance,
 )
 from cardan.torsion.results import SteadyState
 from cardan.torsion.tube import Tube
@@ -101,11 +114,9 @@ class LateralSystem:
         line: the driveline.
         shape: of the batch, to which driveline and numbers broadcast.
         lengths: of each shaft in m, ``(..., n + 1)``.
-        shafts: as given.
-        bearings: as given.
-        masses: as given.
-        unbalance: as given.
         sliding: with the default filled in.
+
+    The other arguments are attributes as given.
 
     >>> import cardan
     >>> points = [[0, 0, 0], [0.3, 0, 0], [1.5, 0.06, 0], [3.2, 0.3, 0], [3.5, 0.3, 0]]
@@ -147,9 +158,8 @@ class LateralSystem:
         line._geometry.check_ideal("lateral systems are computed")
         count = line.n_joints + 1
         shafts = tuple(shafts)
-        if len(shafts) != count:
-            problem = f"has {len(shafts)} values; the driveline has {count} shafts"
-            raise ArgumentValueError("shafts", problem)
+        problem = f"has {len(shafts)} values; the driveline has {count} shafts"
+        require("shafts", len(shafts) == count, problem)
         given: dict[str, tuple[Any, ...]] = {
             "bearings": tuple(bearings),
             "masses": tuple(masses),
@@ -169,12 +179,8 @@ class LateralSystem:
             full = np.broadcast_to(array, (*shape, *array.shape[array.ndim - ends :]))
             return np.ascontiguousarray(full).ravel()
 
-        geometry = [
-            flat(line.directions, 2),
-            flat(lengths, 1),
-            flat(line.normals[..., 0, :], 1),
-            flat(line.phases, 1),
-        ]
+        geometry = [flat(line.directions, 2), flat(lengths, 1)]
+        geometry += [flat(line.normals[..., 0, :], 1), flat(line.phases, 1)]
         places = [
             (_shafts_of(name, items, count), flat(numbers[name], 2))
             for name, items in given.items()
@@ -183,19 +189,9 @@ class LateralSystem:
         if sliding is not None:
             slides = [item_index("sliding", x, count, (j,)) for j, x in enumerate(sliding)]
         core = _core.Lateral(shape, geometry, (kinds, flat(own, 2)), places, slides)
-        full = np.broadcast_to(lengths, (*shape, count)).copy()
-        full.flags.writeable = False
-        values = {
-            "line": line,
-            "shape": shape,
-            "lengths": full,
-            "shafts": shafts,
-            **given,
-            "sliding": tuple(core.sliding()),
-            "_core": core,
-        }
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        full = np.broadcast_to(lengths, (*shape, count))
+        keep(self, line=line, shape=shape, lengths=full, shafts=shafts, **given)
+        keep(self, sliding=tuple(core.sliding()), _core=core)
 
     def __repr__(self) -> str:
         """Show the driveline and the number of bearings."""
@@ -204,7 +200,8 @@ class LateralSystem:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parts."""
         names = ("shafts", "bearings", "masses", "unbalance", "sliding")
-        return (_restored, (self.line, {name: getattr(self, name) for name in names}))
+        parts = {name: getattr(self, name) for name in names}
+        return (functools.partial(LateralSystem, **parts), (self.line,))
 
     def natural_frequencies(self, count: SupportsIndex = 6) -> FloatArray:
         """Return the lowest natural frequencies in rad/s, ``(..., count)``.
@@ -232,9 +229,7 @@ class LateralSystem:
             IndexError: a probe on a shaft that does not exist.
             ValueError: no mode asked for, a probe beyond its shaft.
         """
-        number = integer("count", count)
-        if number < 1:
-            raise ArgumentValueError("count", f"is {number}; it must be at least 1")
+        number = integer("count", count, 1)
         places = self._probes(probes)
         frequencies, moved = self._core.modes(number, places)
         displacement = moved.reshape(*self.shape, number, len(places), 3)
@@ -312,16 +307,13 @@ class LateralSystem:
             ValueError: a batch, speeds that are not in order or need more than 100 modes, an order
                 that is not positive.
         """
-        if self.shape:
-            raise ArgumentValueError("system", f"is a batch {self.shape}; it must be one")
+        require("system", not self.shape, f"is a batch {self.shape}; it must be one")
         ends = finite("speeds", speeds)
         check_shape("speeds", ends, ends.shape == (2,), "it must be two speeds")
         low, high = ends.tolist()
         order = np.atleast_1d(finite("orders", orders))
-        if not 0.0 <= low < high:
-            raise ArgumentValueError("speeds", f"are {low} and {high}; they must increase from 0")
-        if np.any(order <= 0.0):
-            raise ArgumentValueError("orders", "must be positive")
+        require("speeds", 0.0 <= low < high, f"are {low} and {high}; they must increase from 0")
+        require("orders", not np.any(order <= 0.0), "must be positive")
         places = self._places()
         highest, count = high * float(order.max()), 8
         while (modes := self.modes(count, places)).frequencies[-1] <= highest:
@@ -330,7 +322,7 @@ class LateralSystem:
                 problem = f"reach beyond {reach:.6g} rad/s, up to which modes are sought"
                 raise ArgumentValueError("speeds", problem)
             count = min(2 * count, _MOST_MODES)
-        found = []
+        found: list[LateralResonance] = []
         for frequency, moved in zip(
             modes.frequencies.tolist(), np.moveaxis(modes.displacement, 0, 1), strict=True
         ):
@@ -339,13 +331,11 @@ class LateralSystem:
             most = int(np.argmax(np.linalg.norm(moved, axis=-1)))
             shaft, position = places[most]
             x, y, z = (float(part) for part in moved[most])
-            for multiple in order.tolist():
-                if low <= frequency / multiple <= high:
-                    found.append(
-                        LateralResonance(
-                            frequency / multiple, multiple, frequency, shaft, position, (x, y, z)
-                        )
-                    )
+            found += [
+                LateralResonance(frequency / k, k, frequency, shaft, position, (x, y, z))
+                for k in order.tolist()
+                if low <= frequency / k <= high
+            ]
         return tuple(sorted(found, key=lambda each: each.speed))
 
     def torque_stiffness(self, torque: ArrayLike) -> TorqueStiffness:
@@ -370,11 +360,8 @@ class LateralSystem:
         joint can move. The shape is that of systems and speeds.
         """
         speeds = finite("speed", speed)
-        shape = common_shape(system=self.shape, speed=speeds.shape)
-        systems = np.arange(math.prod(self.shape)).reshape(self.shape)
-        return self._core.largest_stable_torque(
-            np.broadcast_to(systems, shape).ravel(), np.broadcast_to(speeds, shape).ravel()
-        ).reshape(shape)
+        shape, systems, (flat,) = numbered(self.shape, "system", speed=speeds)
+        return self._core.largest_stable_torque(systems, flat).reshape(shape)
 
     def is_stable(self, speed: ArrayLike, torque: ArrayLike) -> NDArray[np.bool_]:
         """Return whether a speed in rad/s is stable under a torque of the drive in N m.
@@ -415,10 +402,6 @@ class LateralSystem:
                 0.0, self.lengths[shaft], 2 if isinstance(own, RigidShaft) else _PLACES + 1
             )
         ]
-
-
-def _restored(line: Driveline, parts: dict[str, Any]) -> LateralSystem:
-    return LateralSystem(line, **parts)
 
 
 def _shafts_of(name: str, items: Sequence[Any], count: int) -> list[int]:

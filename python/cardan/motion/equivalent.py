@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, scalar_or_array, threads
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays import FloatArray, as_float64, numbered, scalar_or_array, threads
+from cardan.arrays.errors import require
 from cardan.arrays.indices import item_index
-from cardan.geometry.geometry import broadcast, require_driveline
+from cardan.geometry.geometry import require_driveline
 from cardan.geometry.parameters import PARAMETERS, Parameters, checked_kind, parameter_shape
 
 if TYPE_CHECKING:
@@ -228,7 +228,7 @@ class Transmission:
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
         line, _ = self._arguments
-        shape, numbers, (angles,) = broadcast(line, angle=as_float64("angle", angle))
+        shape, numbers, (angles,) = numbered(line.shape, angle=as_float64("angle", angle))
         return Motion(*(column.reshape(shape)[()] for column in of(numbers, angles)))
 
 
@@ -314,11 +314,10 @@ def steering(
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
-    shape, numbers, (angles,) = broadcast(line, centre=angle)
+    shape, numbers, (angles,) = numbered(line.shape, centre=angle)
     if drawn is not None:
         require_driveline("drawn", drawn)
-        if drawn.shape:
-            raise ArgumentValueError("drawn", f"has shape {drawn.shape}; it is one driveline")
+        require("drawn", not drawn.shape, f"has shape {drawn.shape}; it is one driveline")
     own = None if drawn is None else drawn._lines
     flat = _core.steering(line._lines, numbers, angles, own, threads.at_most(None))
     ratio, slope, offset, quick, *others = flat.reshape(8, *shape)

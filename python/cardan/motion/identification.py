@@ -9,17 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.arrays.errors import ArgumentValueError, check_shape
-from cardan.motion.uncertainty import (
-    Z_95,
-    beside_order_2,
-    noise_at,
-    of_steps,
-    size_interval,
-    spectral_noise,
-    step_of,
-    times_of,
-)
+from cardan.arrays.errors import ArgumentValueError, check_shape, require
+from cardan.motion import uncertainty
+from cardan.motion.uncertainty import Z_95
 
 _ORDERS = 8
 _STEPS = 20
@@ -157,7 +149,7 @@ class Identification:
 
         Of few degrees of freedom it is larger, as Student's t is.
         """
-        return _bend(_DETECTED * self.std_q * times_of(self.freedom) / Z_95)
+        return _bend(_DETECTED * self.std_q * uncertainty.times_of(self.freedom) / Z_95)
 
     @property
     def detected(self) -> bool:
@@ -237,9 +229,8 @@ def identify(
     columns = {name: _column(name, x) for name, x in given.items() if x is not None}
     count = columns["drive_angle"].size
     for of, column in columns.items():
-        if column.size != count:
-            problem = f"has {column.size} samples and drive_angle {count}; they must be as many"
-            raise ArgumentValueError(of, problem)
+        problem = f"has {column.size} samples and drive_angle {count}; they must be as many"
+        require(of, column.size == count, problem)
     known = np.all([np.isfinite(column) for column in columns.values()], axis=0)
     drive, measured, *speeds = (column[known] for column in columns.values())
     if degrees:
@@ -253,7 +244,7 @@ def identify(
     _check_spread(drive)
     counter = 0.0
     if angle is not None:
-        counter = step_of(measured)
+        counter = uncertainty.step_of(measured)
         # Whole turns aside, without steps.
         measured = np.unwrap(np.remainder(measured - drive, math.tau))
     return _fitted(
@@ -410,7 +401,7 @@ def _fitted(
             break
     rest, matrix, remaining = fit()
     left = rest - matrix @ remaining
-    noise, inverse = spectral_noise(drive, left, matrix, turns)
+    noise, inverse = uncertainty.spectral_noise(drive, left, matrix, turns)
     # Angles have a slope that is the drift; speed ratios have it in their mean.
     place, scale = (3, turns * math.tau) if of_angle else (2, 1.0)
     drifts = float(remaining[place]) / scale
@@ -419,7 +410,7 @@ def _fitted(
         raise ArgumentValueError(name, _mean_ratio_problem(1.0 + drifts))
     variance = noise.variance
     if counter:
-        by_steps = of_steps(drive, drive + values - left, left, counter) / Z_95
+        by_steps = uncertainty.of_steps(drive, drive + values - left, left, counter) / Z_95
         variance = max(variance, 2.0 * by_steps**2 / float(np.trace(inverse[:2, :2])))
     covariance = variance * inverse[:2, :2]
     # A wrong scale of an encoder would change q as much as the mean.
@@ -480,8 +471,8 @@ def _compared(
     if speed is not None:
         speeds = np.bincount(turn, speed) / samples
         order = np.argsort(speeds, kind="stable")
-    far = beside_order_2(turns, range(count + 1, 3 * count + 7))
-    variance = noise_at(drive, rest, matrix, far).variance
+    far = uncertainty.beside_order_2(turns, range(count + 1, 3 * count + 7))
+    variance = uncertainty.noise_at(drive, rest, matrix, far).variance
     found, changes, weights = [], [], []
     for turns_of_part in np.array_split(order, count):
         chosen = np.isin(turn, turns_of_part)
@@ -548,7 +539,7 @@ def _bend(k: float) -> float:
 
 
 def _interval(k: float, std_k: float, freedom: float) -> tuple[float, float]:
-    low, high = size_interval(k, std_k, freedom)
+    low, high = uncertainty.size_interval(k, std_k, freedom)
     return _bend(low), _bend(high)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, shares_of, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, require
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -144,8 +144,7 @@ def _common_phases(
     else:
         batch, axis = line.shape, _axis(line, states)
     count = batch[axis]
-    if not count:
-        raise ArgumentValueError("states", f"is {states}; that axis of the batch is empty")
+    require("states", count, f"is {states}; that axis of the batch is empty")
     weighing = shares_of(weights, count)
     held = _held(fixed, line.n_joints)
     counts = [] if teeth is None else _teeth(teeth, line.n_joints - 1)
@@ -187,9 +186,8 @@ def _held(fixed: int | Sequence[int] | None, n_joints: int) -> NDArray[np.bool_]
     except TypeError:
         raise ArgumentTypeError("fixed", f"is {fixed!r}; it must list numbers of shafts") from None
     for shaft in shafts:
-        if not 0 < shaft < n_joints:
-            problem = f"is {shaft}; shafts 1 to {n_joints - 1} have yokes at both ends"
-            raise ArgumentValueError("fixed", problem)
+        problem = f"is {shaft}; shafts 1 to {n_joints - 1} have yokes at both ends"
+        require("fixed", 0 < shaft < n_joints, problem)
         held[shaft - 1] = True
     return held
 

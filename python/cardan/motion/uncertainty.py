@@ -38,16 +38,11 @@ def spectral_noise(
 ) -> tuple[Noise, FloatArray]:
     """Return the noise at order 2, and the inverse normal matrix of the fit.
 
-    The residual of the fit at the neighbouring orders gives the noise near order 2. Noise that
-    repeats in every turn lies at whole orders alone: what orders 4 to 28 have beyond the half
-    orders between them is added. A recording of less than two turns cannot tell these apart: its
-    whole orders count. The degrees of freedom are those of Welch and Satterthwaite.
-
-    Args:
-        drive: drive angles in rad, ``(samples,)``.
-        rest: what the fit leaves, ``(samples,)``.
-        fitted: columns of the fit, ``(samples, columns)``.
-        turns: turns of the recording.
+    The residual of the fit, ``rest`` at drive angles ``drive`` beside the columns ``fitted``, gives
+    the noise near order 2 by its neighbouring orders. Noise that repeats in every turn lies at
+    whole orders alone: what orders 4 to 28 have beyond the half orders between them is added. A
+    recording of less than two turns cannot tell these apart: its whole orders count. The degrees of
+    freedom are those of Welch and Satterthwaite.
     """
     if turns < _FEWEST_TURNS:
         (whole,), inverse = _energies(drive, rest, fitted, [_WHOLE])
@@ -135,15 +130,9 @@ def step_of(angles: FloatArray) -> float:
 def of_steps(drive: FloatArray, driven: FloatArray, rest: FloatArray, step: float) -> float:
     """Return the amplitude of angle error that the steps of a counter may leave at order 2.
 
-    The steps are a sawtooth of the driven angle: lines at multiples ``m`` of the counts per turn,
-    of amplitude ``step/(pi m)``. Samples that meet the counter always at the same places turn them
-    into low orders; noise of the angle takes them away.
-
-    Args:
-        drive: drive angles in rad, ``(samples,)``.
-        driven: angles of the driven shaft as fitted, in rad.
-        rest: what the fit leaves, in rad.
-        step: step of the counter in rad.
+    The steps are a sawtooth of the driven angle as fitted: lines at multiples ``m`` of the counts
+    per turn, of amplitude ``step/(pi m)``. Samples that meet the counter always at the same places
+    turn them into low orders; noise of the angle, which is in the rest, takes them away.
     """
     noise = max(0.0, float(np.mean(rest**2)) - step**2 / 12.0)
     waves = np.exp(1j * np.multiply.outer((0.0, 2.0, -2.0, 4.0, -4.0), drive))
@@ -187,11 +176,7 @@ def size_interval(size: float, std: float, freedom: float) -> tuple[float, float
 
     The size found has the distribution of Rice. The interval has all sizes of which it is none of
     the 5 % that are least likely: half of them on each side, and all above sizes within the noise.
-
-    Args:
-        size: the size found.
-        std: standard deviation of each part of the wave.
-        freedom: degrees of freedom of ``std``.
+    ``std`` is that of each part of the wave, from so many degrees of freedom.
     """
     scale = std * times_of(freedom) / Z_95
     if not scale > 1e-300:

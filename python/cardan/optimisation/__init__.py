@@ -17,6 +17,7 @@ from cardan.arrays.errors import (
     check_choice,
     check_elements,
     check_shape,
+    require,
 )
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
@@ -390,12 +391,10 @@ def _checked_bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatA
     rule = f"it must be {wanted}, a pair per variable"
     check_shape("bounds", array, array.shape == wanted, rule)
     for i, (low, high) in enumerate(array):
-        if not low < high:
-            problem = f"is [{low:g}, {high:g}]; the first must be below the second"
-            raise ArgumentValueError("bounds", problem, (i,))
-        if not low <= start[i] <= high:
-            problem = f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]"
-            raise ArgumentValueError("start", problem, (i,))
+        problem = f"is [{low:g}, {high:g}]; the first must be below the second"
+        require("bounds", low < high, problem, (i,))
+        problem = f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]"
+        require("start", low <= start[i] <= high, problem, (i,))
     return array[:, 0].copy(), array[:, 1].copy()
 
 
@@ -404,11 +403,9 @@ def _checked_phases(phases: Sequence[int], count: int) -> list[int]:
     numbers = []
     for i, given in enumerate(phases):
         number = integer("phases", given, place=(i,))
-        if not 0 <= number < count:
-            problem = f"is {number}; there are {count} variables, counted from 0"
-            raise ArgumentValueError("phases", problem, (i,))
-        if number in numbers:
-            raise ArgumentValueError("phases", f"is {number} again; name each once", (i,))
+        problem = f"is {number}; there are {count} variables, counted from 0"
+        require("phases", 0 <= number < count, problem, (i,))
+        require("phases", number not in numbers, f"is {number} again; name each once", (i,))
         numbers.append(number)
     return numbers
 
@@ -418,9 +415,8 @@ def _steps_of(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[
     if teeth is None:
         return {}
     listed: Sequence[Any] = [teeth] * len(phases) if not isinstance(teeth, Sequence) else teeth
-    if len(listed) != len(phases):
-        problem = f"has length {len(listed)}; there are {len(phases)} phases"
-        raise ArgumentValueError("teeth", problem)
+    problem = f"has length {len(listed)}; there are {len(phases)} phases"
+    require("teeth", len(listed) == len(phases), problem)
     for i, count in enumerate(listed):
         integer("teeth", count, 1, (i,) if isinstance(teeth, Sequence) else ())
     return dict(zip(phases, listed, strict=True))
@@ -450,9 +446,8 @@ def parameters_of(
     """Return what each variable changes; nothing if that is not known."""
     if parameters is None:
         return ()
-    if len(parameters) != count:
-        problem = f"has length {len(parameters)}; there are {count} variables"
-        raise ArgumentValueError("parameters", problem)
+    problem = f"has length {len(parameters)}; there are {count} variables"
+    require("parameters", len(parameters) == count, problem)
     found = []
     for i, (kind, place, *factor) in enumerate(parameters):
         try:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, require
 from cardan.design.quantities import (
     MOTION_QUANTITIES,
     Amplitude,
@@ -39,6 +39,10 @@ QuantityLike: TypeAlias = str | Callable[[Driveline], Any]
 _LARGEST_MODULUS = 1.0 - 1e-6
 
 
+def _itself(value: Any) -> Any:  # noqa: ANN401 - a number or an array
+    return value
+
+
 @dataclass(frozen=True, eq=False)
 class Measure:
     """A quantity whose figure grows with the length of a vector that is smooth.
@@ -51,8 +55,8 @@ class Measure:
     name: str
     unit: str  # SI, of its figure; "1" for a ratio, "" if unknown
     vectors: Callable[[Driveline], Vectors]  # (*batch, r), the largest of which counts
-    figure: Callable[[Any], Any]  # from the length of a vector
-    length: Callable[[float], float]  # of a vector, from the figure
+    figure: Callable[[Any], Any] = _itself  # from the length of a vector
+    length: Callable[[float], float] = _itself  # of a vector, from the figure
     derivatives: Callable[[Driveline, Collection[LayoutVariables]], VectorsBy] | None = None
     of_q: bool = False  # whether the vector is ``q`` of the last shaft
     largest: float = math.inf  # what a limit must be below
@@ -181,9 +185,7 @@ def _of_output(name: str, reduced: ReducedQuantity, load: Load | None) -> Measur
         found = reduced.derivatives(line, load, by)
         return {kind: np.expand_dims(own, len(line.shape)) for kind, own in found.items()}
 
-    return Measure(
-        name, reduced.unit, vectors, lambda length: length, lambda value: value, derivatives
-    )
+    return Measure(name, reduced.unit, vectors, derivatives=derivatives)
 
 
 def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure:
@@ -196,7 +198,7 @@ def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure
             raise ArgumentValueError(argument, f"returned shape {values.shape}; {rule}")
         return values[..., np.newaxis]
 
-    return Measure(name, "", vectors, lambda length: length, lambda value: value)
+    return Measure(name, "", vectors)
 
 
 # Steps of central differences, as a share of the scale of a variable: the third root of the
@@ -256,9 +258,8 @@ class Problem:
         if self.jac is not None:
             by_q = np.asarray(self.jac(x))
             wanted = (len(self.weights), len(x))
-            if by_q.shape != wanted:
-                problem = f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
-                raise ArgumentValueError("jac", problem)
+            problem = f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
+            require("jac", by_q.shape == wanted, problem)
             for i, measure in enumerate(self.measures):
                 found[i] = by_q[:, np.newaxis, :] if measure.of_q else None
         if self.parameters:
@@ -322,26 +323,23 @@ class Problem:
         return max(0.0, max(shares, default=0.0) - 1.0)
 
 
-def _no_driveline(found: object) -> ArgumentTypeError:
-    problem = f"returned {type(found).__name__}; it must return a Driveline"
-    return ArgumentTypeError("lines_of", problem)
+def _of_batch(found: object, right: Callable[[tuple[int, ...]], bool], rule: str) -> Driveline:
+    """Return what a function of variables returned, a driveline with a batch that is right."""
+    if not isinstance(found, Driveline):
+        problem = f"returned {type(found).__name__}; it must return a Driveline"
+        raise ArgumentTypeError("lines_of", problem)
+    is_right = right(found.shape) and 0 not in found.shape
+    require("lines_of", is_right, f"returned a batch {found.shape}; {rule}")
+    return found
 
 
 def many_of(lines: object, count: int) -> Driveline:
     """Return drivelines of several sets of variables, ``(count, states)``, or say what they are."""
-    if not isinstance(lines, Driveline):
-        raise _no_driveline(lines)
-    if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
-        problem = f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)"
-        raise ArgumentValueError("lines_of", problem)
-    return lines
+    rule = f"vectorised, it must be ({count}, states)"
+    return _of_batch(lines, lambda shape: len(shape) == 2 and shape[0] == count, rule)
 
 
 def states_of(line: object) -> Driveline:
     """Return a driveline with one batch axis, or say what it is."""
-    if not isinstance(line, Driveline):
-        raise _no_driveline(line)
-    if len(line.shape) > 1 or 0 in line.shape:
-        problem = f"returned a batch {line.shape}; its one axis must be the states"
-        raise ArgumentValueError("lines_of", problem)
-    return line if line.shape else Driveline._of(line._geometry.batched((1,)))
+    found = _of_batch(line, lambda shape: len(shape) <= 1, "its one axis must be the states")
+    return found if found.shape else Driveline._of(found._geometry.batched((1,)))

@@ -164,7 +164,7 @@ NOTHING = 1e-10
 _SHRINKS, _ROUNDS = 0.99, 6
 
 # A goal so much smaller than at the start may be 0; so many steps lead there.
-_NEAR_ZERO, _ZERO_STEPS = 1e-3, 6
+_NEAR_ZERO, _ZERO_STEPS = 1e-3, 30
 
 # So many settings of splines are compared at once, and so many followed with other variables.
 _SETTINGS, _FOLLOWED = 1024, 6
@@ -265,30 +265,35 @@ def _settled(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> Can
 
 
 def _at_zero(problem: Problem, near: Candidate, free: NDArray[np.bool_]) -> Candidate:
-    """The best of some steps of Gauss and Newton towards a goal of 0, within the bounds.
+    """The best near a goal of 0 by least squares within the bounds.
 
     Squared lengths are so flat there that the solver ends before.
     """
-    best = near
-    for _ in range(_ZERO_STEPS):
-        by = problem.derivatives(best.x)[0]
-        rows = by.reshape(-1, by.shape[-1]) * problem.scale
-        values = best.vectors[0].ravel()
-        matrix, missed = (np.concatenate([own.real, own.imag]) for own in (rows, values))
-        x, inside = best.x, free.copy()
-        while np.any(inside):
-            step = np.zeros(len(x))
-            step[inside] = -np.linalg.lstsq(matrix[:, inside], missed, rcond=None)[0]
-            x = np.clip(best.x + step * problem.scale, problem.low, problem.high)
-            stopped = (x == best.x) & (step != 0.0)
-            if not np.any(stopped):
-                break
-            inside &= ~stopped
-        moved = candidates(problem, x[np.newaxis])
-        if not moved or not moved[0].rank < best.rank:
-            return best
-        best = moved[0]
-    return best
+
+    def moved(y: FloatArray) -> FloatArray:
+        x = near.x.copy()
+        x[free] = y * problem.scale[free]
+        return x
+
+    def parts(values: NDArray[Any]) -> FloatArray:
+        return np.concatenate([values.real, values.imag])
+
+    def missed(y: FloatArray) -> FloatArray:
+        return parts(problem.vectors_at(moved(y)[np.newaxis])[0].ravel())
+
+    def slopes(y: FloatArray) -> FloatArray:
+        by = problem.derivatives(moved(y))[0]
+        return parts(by.reshape(-1, by.shape[-1])[:, free] * problem.scale[free])
+
+    ends = [own[free] / problem.scale[free] for own in (near.x, problem.low, problem.high)]
+    least = import_optional("scipy", "optimise").optimize.least_squares
+    exact = dict.fromkeys(("ftol", "xtol", "gtol"), 1e-15)
+    try:
+        found = least(missed, ends[0], slopes, ends[1:], "dogbox", max_nfev=_ZERO_STEPS, **exact)
+    except ArgumentValueError:
+        # A trial step made no driveline.
+        return near
+    return min([near, *candidates(problem, moved(found.x)[np.newaxis])], key=lambda one: one.rank)
 
 
 def _on_teeth(

@@ -7,7 +7,6 @@ body at once, and what is round or bends is divided into rings and short beams. 
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -23,13 +22,14 @@ from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
     Vector,
+    _across,
     _cross,
     _dot,
     _joints,
     _lead,
     _plus,
     _scaled,
-    _unit,
+    _turned,
     from_bends,
     from_directions,
     motion,
@@ -45,14 +45,9 @@ def ranked(
 ) -> int:
     """Return the rank of a figure by exact fractions.
 
-    It is 0 where nothing is judged, 1 within, 2 tolerable and 3 beyond.
-
-    Args:
-        value: the figure.
-        limit: up to which it is within.
-        maximum: up to which it is tolerable.
-        most: whether both are the most that it may be, or the least.
-        size: of what is judged; rounding is a billionth of this or of the limit.
+    It is 0 where nothing is judged, 1 within, 2 tolerable and 3 beyond. Limit and maximum are the
+    most that the figure may be, or the least. Rounding is a billionth of the size of what is judged
+    or of the limit.
     """
     if math.isnan(value) or math.isnan(limit):
         return 0
@@ -71,26 +66,18 @@ def smallest_change(
 ) -> float | None:
     """Return the smallest change of one variable that suffices; ``None`` if none does.
 
-    Args:
-        suffices: whether a change does.
-        reach: how large it may be to either side.
-        steps: of the search to either side, between which nothing is found.
+    It reaches so far to either side; between the steps of the search nothing is found.
     """
     for i in range(1, steps + 1):
-        found = [
-            sign * reach * i / steps for sign in (1.0, -1.0) if suffices(sign * reach * i / steps)
-        ]
+        ends = [sign * reach * i / steps for sign in (1.0, -1.0)]
+        found = [_boundary(suffices, end, 1.0 - 1.0 / i) for end in ends if suffices(end)]
         if found:
-            ends = [(change * (i - 1) / i, change) for change in found]
-            return min((_boundary(suffices, *pair) for pair in ends), key=abs)
+            return min(found, key=abs)
     return None
 
 
-def _boundary(suffices: Callable[[float], bool], short: float, enough: float) -> float:
-    for _ in range(50):
-        middle = 0.5 * (short + enough)
-        short, enough = (short, middle) if suffices(middle) else (middle, enough)
-    return enough
+def _boundary(suffices: Callable[[float], bool], enough: float, share: float) -> float:
+    return enough * falling(lambda part: not suffices(part * enough), share, 1.0)
 
 
 # --- layouts -------------------------------------------------------------------------------------
@@ -99,13 +86,7 @@ def _boundary(suffices: Callable[[float], bool], short: float, enough: float) ->
 def from_slopes(
     vertical: Sequence[float], horizontal: Sequence[float], phases: Sequence[float] | None = None
 ) -> Shafts:
-    """Lay out a driveline from the slope of each shaft in side view and in top view.
-
-    Args:
-        vertical: angle from +x to the shaft as projected on the plane of x and y.
-        horizontal: the same on the plane of x and z.
-        phases: phase of each intermediate shaft; 0 by default.
-    """
+    """Lay out a driveline as ``Driveline.from_slopes`` does, by tangents of the slopes."""
     pairs = zip(vertical, horizontal, strict=True)
     return from_directions([(1.0, math.tan(v), math.tan(h)) for v, h in pairs], phases)
 
@@ -116,14 +97,7 @@ def from_readings(
     offsets: Sequence[float],
     phases: Sequence[float] | None = None,
 ) -> Shafts:
-    """Lay out a driveline from the true inclination of each shaft and its offsets in plan.
-
-    Args:
-        readings: angle of each shaft with the horizontal plane, positive upwards.
-        lengths: of each shaft.
-        offsets: of the ends and joint centres towards +z.
-        phases: phase of each intermediate shaft; 0 by default.
-    """
+    """Lay out a driveline as ``Driveline.from_readings`` does, by the heading of each shaft."""
     along = []
     for up, length, start, end in zip(readings, lengths, offsets, offsets[1:], strict=False):
         # The heading of the shaft in plan, where it has the length L cos r.
@@ -141,29 +115,13 @@ def under_torque(
     axis: Vector,
     shift: Vector,
 ) -> list[Vector]:
-    """Return points of which some have turned about an axis and moved.
-
-    Args:
-        points: ends and joint centres.
-        moved: the numbers of those that turn and move.
-        angle: by which they turn, right-handed about the axis.
-        about: a point of the axis.
-        axis: its direction, of length 1.
-        shift: by which they move.
-    """
-    # Two directions across the axis, in whose plane a turn is a complex factor.
-    least = min(range(3), key=lambda i: abs(axis[i]))
-    first = _unit(_cross(axis, (float(least == 0), float(least == 1), float(least == 2))))
-    second = _cross(axis, first)
-    factor = cmath.exp(1j * angle)
+    """Return points of which some, by number, have turned about an axis of length 1 and moved."""
     found = []
     for number, place in enumerate(points):
         if number in moved:
             arm = _plus(place, _scaled(-1.0, about))
-            turned = complex(_dot(arm, first), _dot(arm, second)) * factor
             along = _plus(_scaled(_dot(arm, axis), axis), shift)
-            across = _plus(_scaled(turned.real, first), _scaled(turned.imag, second))
-            place = _plus(about, _plus(along, across))
+            place = _plus(about, _plus(along, _turned(_across(arm, axis), axis, angle)))
         found.append(place)
     return found
 
@@ -175,13 +133,9 @@ def from_projected_bends(
     *,
     level: int = 1,
 ) -> Shafts:
-    """Lay out a driveline from its bends as they add up in side view and in top view.
+    """Lay out a driveline as ``Driveline.from_projected_bends`` does.
 
-    Args:
-        vertical: bend of each joint in side view, by which the next shaft slopes more.
-        horizontal: the same in top view.
-        phases: phase of each intermediate shaft; 0 by default.
-        level: the shaft along x, from which the drawing measures.
+    ``level`` is the shaft along x, from which the drawing measures.
     """
 
     def view(bends: Sequence[float]) -> list[float]:
@@ -194,10 +148,7 @@ def from_projected_bends(
 def from_double_joint(total: float, length: float, pivot: float) -> Shafts:
     """Lay out a centred double joint: the link turns until its end is on the driven shaft.
 
-    Args:
-        total: bend between the driving and the driven shaft.
-        length: distance between the two joints.
-        pivot: distance of the pivot from joint 0, along the driving shaft.
+    Arguments are as of ``Driveline.from_double_joint``.
     """
 
     def short(first: float) -> float:
@@ -229,10 +180,8 @@ def lengths(points: Sequence[Sequence[float]]) -> list[float]:
 def steering(shafts: Shafts, centre: float) -> tuple[float, float, float, float]:
     """Return what a steering column does straight ahead: its speed ratio and the slope of that.
 
-    Behind them come the least turns of the drive to where the ratio is largest and smallest.
-
-    Args:
-        centre: drive angle straight ahead.
+    Behind them come the least turns of the drive to where the ratio is largest and smallest. The
+    centre is the drive angle straight ahead, as in the next function.
     """
 
     ratio = _ratio(shafts)
@@ -243,11 +192,7 @@ def steering(shafts: Shafts, centre: float) -> tuple[float, float, float, float]
 
 
 def left_and_right(shafts: Shafts, centre: float) -> float:
-    """Return the largest difference of the ratio after equal turns to the left and to the right.
-
-    Args:
-        centre: drive angle straight ahead.
-    """
+    """Return the largest difference of the ratio after equal turns to the left and to the right."""
 
     ratio = _ratio(shafts)
     return largest(lambda turn: abs(ratio(centre + turn) - ratio(centre - turn)))[1]
@@ -367,12 +312,9 @@ def spline(
     Each of these has two bearings, which give forces across it, and a thrust. The friction pulls
     the halves towards each other. All forces and moments of all bodies are solved at once.
 
-    Args:
-        points: of the driveline [m].
-        shaft: with the spline, counted from 0.
-        axial: friction in the spline, its coefficient times the torque over its radius [N].
-        bearings: shaft of each, and its distance from the upstream end of the shaft [m]; without
-            them the next shafts have two anywhere.
+    Points are in m, and the friction in the spline is its coefficient times the torque over its
+    radius [N]. Bearings have a shaft and a distance from its upstream end [m]; without them the
+    next shafts have two anywhere.
     """
     corners = np.array(points, float)
     steps = np.diff(corners, axis=0)
@@ -428,9 +370,7 @@ def tube(
 ) -> dict[str, float]:
     """Return the figures of a round shaft that is divided into rings and into pieces of its length.
 
-    They are its torsional stiffness [N m/rad], inertia about its axis [kg m²], mass [kg], critical
-    speed [rad/s], largest shear stress over the torque [1/m³], bending stiffness [N m²], mass per
-    length [kg/m], shear stiffness [N] and rotary inertia [kg m]. Arguments are in m, Pa and kg/m³.
+    They are those of ``cardan.tube`` by name, and the largest shear stress over the torque [1/m³].
 
     Source: the shear coefficient is ``2 (1 + nu) I / (nu (I - I) / 2 - (A / I) integral of
     x (chi + x y²))`` of G. R. Cowper 1966, with the function ``chi`` of A. E. H. Love for the

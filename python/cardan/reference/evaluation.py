@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -18,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.reference.forces import forces, loads
 from cardan.reference.vectors import (
+    Cross,
+    ShaftMotion,
     Shafts,
     Vector,
     _dot,
@@ -52,12 +55,11 @@ def outputs(
     """
     each = [motion(shafts, angle, i, offset=_offset(shafts, i)) for i in _items(shafts.directions)]
     found: dict[str, Sequence[Any]] = {
-        name: [getattr(one, name) for one in each]
-        for name in ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
+        field.name: [getattr(one, field.name) for one in items]
+        for kind, items in ((ShaftMotion, each), (Cross, crosses(shafts, angle)))
+        for field in fields(kind)
     }
     found["tilt_driving"], found["tilt_driven"] = zip(*tilts(shafts, angle), strict=True)
-    for name in ("driving_pin", "driven_pin", "swing_driving", "swing_driven"):
-        found[name] = [getattr(cross, name) for cross in crosses(shafts, angle)]
     if load is not None:
         at = loads(shafts, angle, **load)
         triads = turning_axes(shafts, angle)
@@ -69,10 +71,7 @@ def outputs(
             return [tuple(_dot(v, x) for x in triads[shaft]) for v, shaft in pairs]  # type: ignore[misc]
 
         driven = _items(shafts.directions)[1:]
-        found |= {
-            name: getattr(at, name)
-            for name in ("torque", "bending_driving", "bending_driven", "pin_moment")
-        }
+        found |= vars(at)
         found["moment"] = turned(at.moment, driven)
         found["support_moment"] = turned(at.support_moment, _items(shafts.directions))
         if lengths:
@@ -111,11 +110,7 @@ def falling(value: Callable[[float], float], low: float, high: float) -> float:
 def reduced(values: ArrayLike, reduction: str, *, vector: bool = False) -> NDArray[np.float64]:
     """Return what the samples on the last axis are reduced to; of vectors, on the axis before.
 
-    Args:
-        values: samples.
-        reduction: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` (root of the mean square), or
-            ``"peak"``, the largest magnitude, which of vectors is the largest length.
-        vector: whether the last axis holds components.
+    Reductions are those of ``Driveline.evaluate``; the last axis of a vector holds its components.
     """
     array, axis = np.asarray(values, float), -2 if vector else -1
     if reduction == "rms":
@@ -132,11 +127,8 @@ def harmonics(
 ) -> list[NDArray[np.complex128]]:
     """Return complex amplitudes by plain Fourier sums; that of order 0 is the mean.
 
-    Args:
-        of: a smooth quantity by drive angle; a kink leaves an error of the order of the square of
-            the step.
-        orders: in periods per turn of the drive.
-        steps: of a turn.
+    Orders count periods per turn of the drive. A kink of the quantity ``of`` the drive angle leaves
+    an error of the order of the square of the step.
     """
     angles = [math.tau * i / steps for i in range(steps)]
     values = [np.asarray(of(angle), float) for angle in angles]
@@ -152,12 +144,8 @@ def largest(
 ) -> tuple[float, float]:
     """Return a drive angle at which a value is largest over a period, and the value.
 
-    The best of many angles is refined by thirds of what is around it.
-
-    Args:
-        of: a value by drive angle.
-        period: after which it repeats.
-        steps: of the period; a narrower peak may be missed.
+    The best of many angles is refined by thirds of what is around it. A peak that is narrower than
+    a step of the period may be missed.
     """
     step = period / steps
     best = max(range(steps), key=lambda i: of(i * step)) * step
@@ -171,12 +159,9 @@ def largest(
 def slopes(
     of: Callable[[list[float]], ArrayLike], at: Sequence[float], *, step: float = 1e-3
 ) -> list[NDArray[Any]]:
-    """Return the derivatives of a quantity by each of its numbers, by differences of fourth order.
+    """Return the derivatives of a quantity ``of`` some numbers by each, by differences.
 
-    Args:
-        of: the quantity by its numbers, such as bends, an angle or a torque.
-        at: where to differentiate.
-        step: of the numbers; the error grows with its fourth power.
+    They may be bends, an angle or a torque; the error grows with the fourth power of the step.
     """
     found = []
     for i, x in enumerate(at):
@@ -191,11 +176,8 @@ def integrated(
 ) -> list[NDArray[Any]]:
     """Return the states after each step of the classical method of Runge and Kutta.
 
-    Args:
-        of: the slopes of the state, by the variable, which begins with 0, and the state.
-        state: numbers, or columns of numbers that are integrated side by side.
-        step: of the variable; the error falls with its fourth power.
-        count: number of steps.
+    The slopes are a function ``of`` the variable, which begins with 0, and the state. Columns of a
+    state are integrated side by side. The error falls with the fourth power of the step.
     """
     found = []
     for i in range(count):

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.vectors import (
     Shafts,
     Vector,
@@ -77,12 +77,7 @@ def loads(
     """Return the moments in the driveline when the drive stands at ``angle``.
 
     Args:
-        angle: drive angle, as for ``reference.motion``.
-        drive_torque: torque put into shaft 0 [N m]; excludes ``output_torque``.
-        output_torque: torque delivered by the last shaft [N m]; 0 if neither is given.
-        speed: of the drive [rad/s].
-        acceleration: of the drive [rad/s^2].
-        inertias: of each shaft about its axis [kg m^2]; none by default.
+        angle: drive angle, as for ``reference.motion``; the others are as of ``cardan.Load``.
 
     Errors: at most ``2 * 2**-52 / c`` per joint, of the largest moment; and with inertias what the
     errors of ``reference.motion`` make of the torque that they take.
@@ -98,9 +93,8 @@ def loads(
         raise ArgumentValueError("drive_torque", problem)
     count = len(shafts.directions)
     inertias = (0.0,) * count if inertias is None else inertias
-    if len(inertias) != count:
-        problem = f"has {len(inertias)} values; there are {count} shafts"
-        raise ArgumentValueError("inertias", problem)
+    problem = f"has {len(inertias)} values; there are {count} shafts"
+    require("inertias", len(inertias) == count, problem)
     joints = _joints(shafts, angle)
     moving = zip(inertias, _rates(joints), strict=True)
     kept = [

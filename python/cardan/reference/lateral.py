@@ -27,7 +27,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.forces import loads
 from cardan.reference.vectors import (
     Shafts,
@@ -39,6 +39,7 @@ from cardan.reference.vectors import (
     _plus,
     _scaled,
     _unit,
+    enough,
     from_directions,
 )
 
@@ -52,14 +53,7 @@ driving shaft as a function of the drive angle [N m]."""
 
 @dataclass(frozen=True)
 class RigidShaft:
-    """A shaft that does not bend.
-
-    Attributes:
-        mass: in kg.
-        centre: distance of the centre of mass from the upstream end [m].
-        across: moment of inertia about an axis across the shaft through the centre [kg m²].
-        along: moment of inertia about the shaft's axis [kg m²].
-    """
+    """A shaft that does not bend, with the attributes of ``cardan.RigidShaft``."""
 
     mass: float
     centre: float
@@ -106,13 +100,7 @@ class Tube:
 class ElasticBearing:
     """A bearing of stiffness ``k (1 + i loss_factor sign(w)) + i w damping`` at ``w`` in rad/s.
 
-    Attributes:
-        shaft: that it holds.
-        position: distance from the upstream end of the shaft [m].
-        stiffness: along the part of ``axis`` across the shaft, and along ``u x`` that [N/m].
-        axis: any vector not along the shaft; needed if the two directions differ.
-        loss_factor: of both directions, or of each.
-        damping: of both directions, or of each [N s/m].
+    Attributes are as of ``cardan.ElasticBearing``, the stiffness always of two directions.
     """
 
     shaft: int
@@ -125,15 +113,7 @@ class ElasticBearing:
 
 @dataclass(frozen=True)
 class PointMass:
-    """A yoke, flange or disc on a shaft.
-
-    Attributes:
-        shaft: that carries it.
-        position: distance from the upstream end of the shaft [m].
-        mass: in kg.
-        across: moment of inertia about an axis across the shaft [kg m²].
-        along: moment of inertia about the shaft's axis [kg m²].
-    """
+    """A yoke, flange or disc on a shaft, with the attributes of ``cardan.PointMass``."""
 
     shaft: int
     position: float
@@ -144,15 +124,7 @@ class PointMass:
 
 @dataclass(frozen=True)
 class Unbalance:
-    """A force ``mass_arm * speed**2`` that turns with the drive, of order 1.
-
-    Attributes:
-        shaft: on which it acts.
-        position: distance from the upstream end of the shaft [m].
-        mass_arm: mass times distance from the axis [kg m].
-        direction: any vector whose part across the shaft is where the force points at the drive
-            angle 0.
-    """
+    """A force that turns with the drive, with the attributes of ``cardan.Unbalance``."""
 
     shaft: int
     position: float
@@ -162,19 +134,7 @@ class Unbalance:
 
 @dataclass(frozen=True)
 class Response:
-    """What a system does, as complex vectors ``(items, *speeds, orders, 3)``.
-
-    Attributes:
-        orders: multiples of the drive speed.
-        bearing_force: of each bearing on its shaft [N].
-        bearing_displacement: of each shaft in its bearing [m].
-        joint_force: of each joint on its driven shaft, across the sliding shaft [N].
-        joint_displacement: of the end that slides [m].
-        displacement: at the probes [m].
-        bearing_power: mean power lost in each bearing, ``(bearings, *speeds, orders)`` [W].
-        tube_power: mean power lost in all tubes, ``(*speeds, orders)`` [W].
-        given_power: mean power of all excitations, likewise [W].
-    """
+    """What a system does, with the attributes of ``cardan.lateral.LateralResponse``."""
 
     orders: tuple[float, ...]
     bearing_force: Complex
@@ -191,12 +151,7 @@ class Response:
 class TorqueStiffness:
     """How the moments of the joints change where a steady torque displaces points of the driveline.
 
-    The points are ends of shafts that can move, each with two components across its shaft. Their
-    forces are ``(mean + Re(turning exp(2 i angle))) d`` for displacements ``d``.
-
-    Attributes:
-        mean: in N/m; an antisymmetric part is circulatory.
-        turning: complex amplitude of order 2 [N/m].
+    Points and attributes are as of ``cardan.lateral.TorqueStiffness``, of one system.
     """
 
     mean: Array
@@ -210,18 +165,9 @@ class TorqueStiffness:
 
 @dataclass(frozen=True)
 class System:
-    """A driveline on elastic bearings.
+    """A driveline on elastic bearings, with the attributes of ``cardan.LateralSystem``.
 
-    Attributes:
-        line: its shafts at rest.
-        lengths: of each shaft [m].
-        shafts: each rigid, a tube, or None if it is part of a machine and does not move.
-        bearings: elastic bearings.
-        masses: point masses.
-        unbalance: unbalances.
-        sliding: for each joint the one of its two shafts that slides along its own axis. By default
-            the one that the joint must support, and where that is neither, the driven one.
-        step: greatest length of an element [m].
+    ``lengths`` are given [m], and elements are no longer than ``step`` [m].
 
     Raises:
         ValueError: a position beyond its shaft; a joint between two machines; a sliding shaft that
@@ -247,8 +193,7 @@ class System:
                 raise ArgumentValueError(name, f"must have one value for each of {count} shafts")
         for name in ("bearings", "masses", "unbalance"):
             for i, item in enumerate(getattr(self, name)):
-                if not 0 <= item.shaft < count:
-                    raise ArgumentValueError(name, f"has shaft {item.shaft} of {count}", (i,))
+                require(name, 0 <= item.shaft < count, f"has shaft {item.shaft} of {count}", (i,))
                 self.place(item.shaft, item.position)
         for i, bearing in enumerate(self.bearings):
             pairs = (bearing.stiffness, _pair(bearing.loss_factor), _pair(bearing.damping))
@@ -258,8 +203,7 @@ class System:
             if pair == (None, None):
                 raise ValueError(f"joint {j} joins two machines that do not move")
         for j, shaft in enumerate(self.sliding or ()):
-            if shaft not in (j, j + 1):
-                raise ArgumentValueError("sliding", f"is shaft {shaft}, not one of joint {j}", (j,))
+            require("sliding", shaft in (j, j + 1), f"is shaft {shaft}, not one of joint {j}", (j,))
         object.__setattr__(self, "slides", tuple(self.sliding or _slides(self)))
 
     def place(self, shaft: int, position: float) -> tuple[int, float]:
@@ -268,9 +212,8 @@ class System:
         for end in (0.0, length):
             if abs(position - end) <= 1e-9 * length:
                 return shaft, end
-        if not 0.0 < position < length:
-            problem = f"is {position}; shaft {shaft} is {length} m long"
-            raise ArgumentValueError("position", problem)
+        problem = f"is {position}; shaft {shaft} is {length} m long"
+        require("position", 0.0 < position < length, problem)
         return shaft, position
 
     def natural_frequencies(self, count: int = 6) -> Array:
@@ -297,12 +240,8 @@ class System:
     ) -> Response:
         """Return the vibration at steady speeds.
 
-        Args:
-            speed: of the drive, in rad/s, of any shape.
-            load: what the joints transmit.
-            orders: multiples of the drive speed.
-            probes: shaft and position of each place whose displacement is asked for.
-            turns: turns of the drive after which a load that is a function repeats.
+        Arguments are as of ``LateralSystem.response``, and the turns of the drive after which a
+        load that is a function repeats.
 
         Errors: those of rounding for rigid shafts. For tubes of 0.08 m and frequencies up to the
         third bending mode, 3e-8 with a step of 0.2 m and 3e-9 with one of 0.1 m; shorter steps lose
@@ -313,16 +252,15 @@ class System:
         """
         model = _Model(self, probes)
         speeds = np.asarray(speed, dtype=np.float64)
-        solved: dict[str, list[Any]] = {}
-        for omega in speeds.ravel():
-            couples = self._couples(float(omega), load, orders, turns)
-            for order, couple in zip(orders, couples, strict=True):
-                for name, value in model.solved(float(omega), order, couple).items():
-                    solved.setdefault(name, []).append(value)
+        solved = [
+            model.solved(omega, order, couple)
+            for omega in speeds.ravel().tolist()
+            for order, couple in zip(orders, self._couples(omega, load, orders, turns), strict=True)
+        ]
         shape = (*speeds.shape, len(orders))
         arrays = {}
-        for name, values in solved.items():
-            flat = np.array(values)
+        for name in solved[0]:
+            flat = np.array([one[name] for one in solved])
             own = flat.reshape(*shape, *flat.shape[1:])
             each = name not in ("tube_power", "given_power")
             arrays[name] = np.moveaxis(own, len(shape), 0) if each else own
@@ -502,9 +440,8 @@ def _slides(system: System) -> list[int]:
 
 
 def _samples(line: Shafts) -> int:
-    """Return how many drive angles of a turn show all that joints do, as for ``mean_offset``."""
-    cosines = math.prod(_dot(u, v) for u, v in pairwise(line.directions))
-    return 2 * (16 + math.ceil(20.0 / cosines))
+    """Return how many drive angles of a turn show all that joints do."""
+    return 2 * enough(math.prod(_dot(u, v) for u, v in pairwise(line.directions)))
 
 
 def _moments(line: Shafts, angle: float, speed: float, load: Load) -> Sequence[Vector]:
@@ -676,8 +613,8 @@ class _Model:
         self.system, self.probes = system, [system.place(*probe) for probe in probes]
         line, lengths = system.line, system.lengths
         self.pairs = [_pair_across(u) for u in line.directions]
-        groups: Any = (system.bearings, system.masses, system.unbalance)
-        attached = [self._place(item) for group in groups for item in group]
+        items: Any = (*system.bearings, *system.masses, *system.unbalance)
+        attached = [self._place(item) for item in items]
         self.planes: list[_Plane | None] = []
         for shaft, own in enumerate(system.shafts):
             if isinstance(own, Tube):

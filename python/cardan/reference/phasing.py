@@ -22,9 +22,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 from cardan.reference.evaluation import falling, slopes
-from cardan.reference.vectors import ShaftMotion, Shafts, _index, _joints, _lead, from_bends, motion
+from cardan.reference.vectors import (
+    ShaftMotion,
+    Shafts,
+    _index,
+    _joints,
+    _lead,
+    enough,
+    from_bends,
+    motion,
+)
 
 # Angles of half a turn among which the fastest and the slowest are looked for.
 _LOOKS = 64
@@ -54,17 +63,7 @@ _STEPS = 40
 
 @dataclass(frozen=True)
 class EquivalentJoint:
-    """The one joint as whose driven shaft a shaft turns.
-
-    Attributes:
-        bend: its bend.
-        angle_offset: what to add to the drive angle to get its input angle, within a quarter turn.
-        max_angle_error: largest angle error.
-        max_angle_error_at: drive angle at which the shaft leads by it, within [0, pi).
-        min_speed_ratio: smallest speed ratio.
-        max_speed_ratio: largest speed ratio.
-        max_acceleration_ratio: largest magnitude of the acceleration ratio.
-    """
+    """The one joint as whose driven shaft a shaft turns, as ``cardan.EquivalentJoint`` has it."""
 
     bend: float
     angle_offset: float
@@ -185,17 +184,15 @@ def transmission(shafts: Shafts, shaft: int = -1) -> Transmission:
     Errors: those of the angle error.
     """
     stop = _index(shafts, shaft)
-    return Transmission(_q(shafts, stop, _enough(equivalent(shafts, stop).min_speed_ratio)))
+    return Transmission(_q(shafts, stop, enough(equivalent(shafts, stop).min_speed_ratio)))
 
 
 def dq(
     laid_out: Callable[[list[float]], Shafts], parameters: Sequence[float], shaft: int = -1
 ) -> tuple[complex, ...]:
-    """Return the derivatives of ``q`` by parameters of a driveline.
+    """Return the derivatives of ``q`` by parameters of a driveline, such as its bends.
 
-    Args:
-        laid_out: the driveline of given parameters, such as its bends.
-        parameters: where to differentiate; at least 0.002 inside the range of each.
+    The parameters are at least 0.002 inside the range of each.
 
     Errors: 1e-11, relative to the smallest speed ratio.
     """
@@ -203,7 +200,7 @@ def dq(
     stop = _index(laid_out(at), shaft)
     least = equivalent(laid_out(at), stop).min_speed_ratio
 
-    found = slopes(lambda x: _q(laid_out(x), stop, _enough(least)), at, step=1e-3 * least)
+    found = slopes(lambda x: _q(laid_out(x), stop, enough(least)), at, step=1e-3 * least)
     return tuple(map(complex, found))
 
 
@@ -217,12 +214,7 @@ def _q(shafts: Shafts, stop: int, count: int) -> complex:
 
 def _q_of_one(joint: Shafts) -> complex:
     """Return ``q`` of one joint, which is slowest with its driving pin across its plane."""
-    return _q(joint, 1, _enough(motion(joint, math.pi / 2, offset=0.0).speed_ratio))
-
-
-def _enough(least_ratio: float) -> int:
-    """Return how many angles leave less than 1e-17 of ``q``, as for ``reference.mean_offset``."""
-    return 16 + math.ceil(20.0 / least_ratio)
+    return _q(joint, 1, enough(motion(joint, math.pi / 2, offset=0.0).speed_ratio))
 
 
 # --- phases -------------------------------------------------------------------------------------
@@ -237,12 +229,9 @@ def optimal_phases(
 
     They minimise the weighted mean of ``abs(q)**2`` over the states of a driveline. Of settings
     that are as good they are those to which the yokes turn least from their present phases (least
-    sum of squares, a yoke being the same after half a turn).
-
-    Args:
-        states: a driveline, or one per state; all have the phases of the first.
-        weights: how much each state counts; by default all alike.
-        starts: settings to search from; by default the best of a grid.
+    sum of squares, a yoke being the same after half a turn). All states have the phases of the
+    first and count alike by default. Starts are settings to search from, by default the best of a
+    grid.
 
     Errors: some 1e-7, as ``abs(q)`` grows with the square of a turn; where constant velocity is
     reached it grows with the turn, which then has the errors of the angle error over ``abs(q)`` of
@@ -271,8 +260,8 @@ def optimal_phases(
     for setting, size in zip(settings, rough, strict=True):
         if size <= min(rough) + 0.1 * worst:
             least = min(equivalent(state).min_speed_ratio for state in search.set_to(setting))
-            best = search.refined(setting, _enough(least), 0.0)
-            sizes[best] = search.size(best, _enough(least))
+            best = search.refined(setting, enough(least), 0.0)
+            sizes[best] = search.size(best, enough(least))
     good = [best for best, size in sizes.items() if size <= min(sizes.values()) + _AS_GOOD * worst]
     return min(good, key=lambda best: math.dist(best, search.present))
 
@@ -282,18 +271,14 @@ def best_teeth(
 ) -> tuple[int, ...]:
     """Return by how many teeth to turn the output-side yokes from their present phases.
 
-    Every combination is tried. Of those that are as good the yokes turn least. States, weights and
-    exceptions are as for ``optimal_phases``.
-
-    Args:
-        states: a driveline, or one per state.
-        teeth: of the spline of each shaft between two joints.
-        weights: of the states.
+    Every combination is tried. Of those that are as good the yokes turn least. Arguments and
+    exceptions are as for ``optimal_phases``; ``teeth`` are those of the spline of each shaft
+    between two joints.
 
     Errors: those of the angle error, by which combinations are compared.
     """
     search = _search(states, weights)
-    count = _enough(min(math.prod(map(math.cos, state.bends)) for state in search.states))
+    count = enough(min(math.prod(map(math.cos, state.bends)) for state in search.states))
     sizes, turned = {}, {}
     for turns in product(*(range(-of // 2, of // 2 + 1) for of in teeth)):
         angles = [2.0 * math.pi * turn / of for turn, of in zip(turns, teeth, strict=True)]
@@ -308,9 +293,8 @@ def _search(states: Shafts | Sequence[Shafts], weights: Sequence[float] | None) 
     weights = [1.0] * len(states) if weights is None else weights
     if len({len(state.phases) for state in states}) != 1:
         raise ArgumentValueError("states", "must be drivelines with the same number of joints")
-    if len(weights) != len(states):
-        problem = f"has {len(weights)} values; there are {len(states)} states"
-        raise ArgumentValueError("weights", problem)
+    problem = f"has {len(weights)} values; there are {len(states)} states"
+    require("weights", len(weights) == len(states), problem)
     return _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
 
 
@@ -364,20 +348,13 @@ class _Search:
 
 def _valleys(grid: dict[tuple[float, ...], float]) -> list[tuple[float, ...]]:
     """Return the settings of a grid that are as good as their neighbours in each phase."""
-    settings, sizes = list(grid), list(grid.values())
+    settings, axes = list(grid), range(len(next(iter(grid))))
     tried = len({setting[0] for setting in settings})
-    strides = [tried**phase for phase in range(len(settings[0]))]
-
-    def beside(place: int) -> list[float]:
-        # One step of one phase, from the last value to the first.
-        around = [place // stride % tried for stride in strides]
-        return [
-            sizes[place + ((at + step) % tried - at) * stride]
-            for stride, at in zip(strides, around, strict=True)
-            for step in (-1, 1)
-        ]
-
-    return [settings[i] for i, size in enumerate(sizes) if size <= min(beside(i))]
+    sizes = np.array(list(grid.values())).reshape([tried] * len(axes))
+    # One step of one phase, from the last value to the first.
+    beside = [np.roll(sizes, step, axis) for axis in axes for step in (-1, 1)]
+    lowest = np.all(sizes <= beside, axis=0).ravel()
+    return [setting for setting, is_lowest in zip(settings, lowest, strict=True) if is_lowest]
 
 
 def _least(residuals: Callable[[list[float]], list[float]], start: Sequence[float]) -> list[float]:

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,12 +40,7 @@ Value: TypeAlias = Any
 class TorqueHarmonic:
     """A torque ``cos * cos(order * angle) + sin * sin(order * angle)`` that drives a shaft end.
 
-    Attributes:
-        shaft: the shaft.
-        end: "input" or "output".
-        order: multiple of the angle of its shaft.
-        cos: in N m.
-        sin: in N m.
+    Attributes are as of ``cardan.TorqueHarmonic``.
     """
 
     shaft: int
@@ -57,18 +52,7 @@ class TorqueHarmonic:
 
 @dataclass(frozen=True)
 class Coupling:
-    """The spring of a shaft, by one of three laws.
-
-    Attributes:
-        stiffness: in N m/rad, beyond the play.
-        twist: points of a table that is odd if it begins at 0, and straight beyond its ends [rad].
-        torque: at these points [N m].
-        play: free angle from one flank to the other [rad].
-        contact_damping: the damper acts in the share of the slope in the largest one.
-        loss_factor: a vibration of any frequency meets ``1 + i loss_factor`` times the stiffness.
-        mean_torque: points of the stiffness by the size of the mean torque [N m].
-        stiffness_by_mean: stiffness at these points, constant beyond them.
-    """
+    """The spring of a shaft, by one of three laws, with the attributes of ``cardan.Coupling``."""
 
     stiffness: float | None = None
     twist: Sequence[float] | None = None
@@ -118,20 +102,10 @@ class _Law:
 
 @dataclass(frozen=True)
 class System:
-    """A driveline with compliant shafts.
+    """A driveline of ideal joints with compliant shafts.
 
-    Attributes:
-        shafts: the driveline, of ideal joints.
-        inertias: of each shaft at its input end and at its output end [kg m²].
-        stiffnesses: of each shaft [N m/rad], infinite of a rigid one and of one with a coupling.
-        dampings: of each shaft [N m s/rad].
-        load_torque: that brakes the last shaft [N m].
-        load_damping: of the load [N m s/rad].
-        drive: "held" at its speed, or "free" with a torque that keeps the mean speed.
-        drive_slope: by how much the torque of a free drive falls with its speed [N m s/rad].
-        harmonics: torques that drive shaft ends.
-        couplings: springs of shafts.
-        loss_factors: of each shaft's stiffness.
+    Attributes are as of ``cardan.TorsionalSystem``; inertias are pairs, and the stiffness of a
+    shaft with a coupling is infinite.
     """
 
     shafts: Shafts
@@ -192,15 +166,10 @@ class System:
 
 @dataclass(frozen=True)
 class Motion:
-    """What a system does at drive angles, of each end or compliant shaft; states come last.
+    """What a system does at drive angles; states come last.
 
-    Attributes:
-        angle_error: of each shaft end ahead of the drive, ``(n + 1, 2, ...)``; of rigid shafts its
-            mean is 0.
-        speed: in rad/s, likewise.
-        acceleration: in rad/s², likewise, while a held drive keeps its speed.
-        torque: of each compliant shaft in N m.
-        drive_torque: of the drive with the harmonics at its end.
+    Attributes are as of ``cardan.torsion.Orbit``, the torque of the drive with the harmonics at its
+    end, and the acceleration while a held drive keeps its speed.
     """
 
     angle_error: Array
@@ -210,8 +179,7 @@ class Motion:
     drive_torque: Array
 
 
-@dataclass(frozen=True)
-class _End:
+class _End(NamedTuple):
     """A shaft end that turns with another one: its angle, and two derivatives by that one's."""
 
     shaft: int
@@ -264,20 +232,12 @@ def _behind(system: System, angles: Sequence[Value] | Array) -> list[list[_End]]
     return [_carried(system, *at, angle) for at, angle in zip(places, angles, strict=True)]
 
 
-@dataclass(frozen=True)
-class _Balance:
-    """What acts in states: by springs, and by the drive and the springs as those who turn.
+class _Balance(NamedTuple):
+    """What acts in states: by springs, and by the drive and the springs as those who turn."""
 
-    Attributes:
-        groups: ends that turn with each of the latter.
-        torques: of the springs.
-        accelerations: of those who turn.
-        drive_torque: of the drive.
-    """
-
-    groups: list[list[_End]]
-    torques: list[Value]
-    accelerations: list[Value]
+    groups: list[list[_End]]  # ends that turn with each of the latter
+    torques: list[Value]  # of the springs
+    accelerations: list[Value]  # of those who turn
     drive_torque: Value
 
 
@@ -289,15 +249,10 @@ def _balance(
     pieces: Sequence[Value] | None = None,
     losses: Sequence[Value] | None = None,
 ) -> _Balance:
-    """Return what acts in states.
+    """Return what acts in states, which are angles and speeds.
 
-    Args:
-        system: whose.
-        speed: mean speed of the drive, which counts if its torque falls with the speed.
-        mean_torque: of a free drive at this speed.
-        state: angles, and speeds.
-        pieces: of the springs' laws; those of the twists by default.
-        losses: torques of the springs beside those of the laws.
+    The torque is the mean one of a free drive at this speed. Pieces are those of the springs' laws,
+    by default of the twists, and losses are torques of the springs beside their laws.
     """
     angles, speeds = np.split(state, 2)
     groups = _behind(system, angles)
@@ -352,11 +307,18 @@ def _driving(system: System, end: _End) -> Value:
 
 
 def _rates(
-    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None
+    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None = None
 ) -> Array:
     """Return the derivatives of states by time."""
     accelerations = _balance(system, speed, torque, state, pieces).accelerations
     return np.concatenate([np.split(state, 2)[1], accelerations])
+
+
+def _step(
+    system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value], width: float
+) -> Array:
+    """Return the states after a step of time on some pieces of the springs' laws."""
+    return integrated(lambda _, now: _rates(system, speed, torque, now, pieces), state, width, 1)[0]
 
 
 def _motion(
@@ -369,15 +331,14 @@ def _motion(
 ) -> Motion:
     """Return what a system does in states, ahead of the mean angles of the drive."""
     own = _balance(system, speed, torque, state, losses=losses)
+    speeds = np.split(state, 2)[1]
     each = {
         (end.shaft, end.side): (
             end.angle - mean_angle - zero_of(system, end.shaft),
             end.ratio * w,
             end.ratio * acceleration + end.slope * w**2,
         )
-        for group, w, acceleration in zip(
-            own.groups, np.split(state, 2)[1], own.accelerations, strict=True
-        )
+        for group, w, acceleration in zip(own.groups, speeds, own.accelerations, strict=True)
         for end in group
     }
     shape = np.shape(mean_angle)
@@ -413,10 +374,7 @@ def _crossed(
     """Return the state after a step in which springs come to kinks: from one to the next."""
 
     def after(time: float) -> Array:
-        def rates(_: float, now: Array) -> Array:
-            return _rates(system, speed, torque, now, pieces)
-
-        return integrated(rates, state, time, 1)[0]
+        return _step(system, speed, torque, state, pieces, time)
 
     def beyond(spring: int, side: int, now: Array) -> float:
         """Return how far a spring has left its piece."""
@@ -457,14 +415,10 @@ def period(
 ) -> list[Array]:
     """Return the states after each step of a period, from the drive angle 0.
 
-    A spring that passes a kink and comes back within one step is taken to stay.
-
-    Args:
-        system: whose stiffnesses depend on no mean torque, and have no loss factor.
-        speed: mean speed of the drive [rad/s].
-        state: a state, or columns of states.
-        steps: of the period.
-        torque: mean torque of a free drive [N m], of each state.
+    A spring that passes a kink and comes back within one step is taken to stay. Stiffnesses of the
+    system depend on no mean torque, and it has no loss factor. The speed is the mean one of the
+    drive [rad/s], as in all functions. With columns of states, each may have its own mean torque of
+    a free drive [N m].
     """
     width = system.period_turns * math.tau / speed / steps
     kinked = any(len(law.kinks) for law in system.laws)
@@ -478,11 +432,7 @@ def period(
     states = []
     for _ in range(steps):
         pieces = pieces_of(state)
-
-        def rates(_: float, now: Array, own: list[Value] = pieces) -> Array:
-            return _rates(system, speed, torque, now, own)
-
-        after = integrated(rates, state, width, 1)[0]
+        after = _step(system, speed, torque, state, pieces, width)
         left = [a != b for a, b in zip(pieces, pieces_of(after), strict=True)]
         for place in np.argwhere(np.any(left, axis=0)) if left else ():
             column = tuple(place)
@@ -615,13 +565,9 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
     The start is moved until a period brings the state back. Motions from nearby starts show how the
     end depends on the start. The eigenvalues of this dependence are the multipliers by which
     deviations grow. Other starts may lead to other periodic motions. A free drive begins at the
-    angle 0, and its mean torque is sought in place of its angle.
-
-    Args:
-        system: without loss factors.
-        speed: mean speed of the drive [rad/s].
-        start: a state at the drive angle 0; by default that of rigid shafts.
-        steps: of half a turn; the error falls with their fourth power.
+    angle 0, and its mean torque is sought in place of its angle. The start is a state at the drive
+    angle 0, by default that of rigid shafts. The error falls with the fourth power of the steps of
+    half a turn.
 
     Raises:
         ArithmeticError: no periodic motion is found.
@@ -652,7 +598,7 @@ def orbit(system: System, speed: float, start: Array | None = None, *, steps: in
         if np.max(np.abs(missed)) < 1e-10:
             shift = math.nan
             if system.free:
-                rates = (_rates(system, speed, at[-1], at[:-1], None) / scale[:-1])[:, np.newaxis]
+                rates = (_rates(system, speed, at[-1], at[:-1]) / scale[:-1])[:, np.newaxis]
                 shift = float(np.max(np.abs(own @ rates - rates)) / np.max(np.abs(rates)))
                 aside = np.linalg.qr(rates, mode="complete")[0][:, 1:]
                 own = aside.T @ own @ aside
@@ -674,13 +620,8 @@ def collocated(
 
     The angles at equal times of a period are moved until the equations of motion hold there, with
     the derivatives of the Fourier series through the angles. A loss factor turns each order of the
-    twist by a quarter. The error falls faster than any power of the samples if no spring has kinks.
-
-    Args:
-        system: any.
-        speed: mean speed of the drive [rad/s].
-        start: a state at the drive angle 0, of which the wind-up counts.
-        samples: of half a turn.
+    twist by a quarter. The error falls faster than any power of the samples of half a turn if no
+    spring has kinks. Of a start, a state at the drive angle 0, the wind-up counts.
 
     Raises:
         ArithmeticError: no periodic motion is found.
@@ -751,10 +692,7 @@ def drive_torque_slope(
 ) -> float:
     """Return by how much the mean torque of the drive grows with its speed [N m s/rad].
 
-    Args:
-        system: whose.
-        speed: mean speed of the drive [rad/s].
-        find: finds its periodic motions.
+    ``find`` finds the periodic motions.
     """
     h = 1e-4 * speed
     above, below = (find(system, at).drive_torque_mean for at in (speed + h, speed - h))
@@ -764,21 +702,16 @@ def drive_torque_slope(
 def transient(
     system: System, speed: Callable[[float], float], start: Array, end: float, *, steps: int
 ) -> Motion:
-    """Return the motion of a held drive in time from a start, after each step.
+    """Return the motion of a held drive in time from a state, after each of the steps to the end.
 
-    Args:
-        system: whose springs have no kinks.
-        speed: of the drive by time [rad/s].
-        start: a state.
-        end: time of the last step [s].
-        steps: until then.
+    The springs of the system have no kinks. Times are in s.
     """
     drive = len(start) // 2
 
     def slopes(time: float, now: Array) -> Array:
         now = now.copy()
         now[drive] = speed(time)
-        return _rates(system, speed(time), 0.0, now, None)
+        return _rates(system, speed(time), 0.0, now)
 
     width = end / steps
     states = np.array(integrated(slopes, start, width, steps)).T

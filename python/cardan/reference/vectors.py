@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, require
 
 Vector = tuple[float, float, float]
 
@@ -147,12 +147,8 @@ def from_bends(
 
     Shaft 0 points along +x and the first bend plane has the normal +z, so shaft 1 points along
     ``(cos b, sin b, 0)``. Each twist turns the normal about the common shaft, whether or not the
-    joints beside it are bent. Error about 2e-16 per joint.
-
-    Args:
-        bends: bend of each joint.
-        twists: twist of each intermediate shaft, one fewer; 0 by default.
-        phases: phase of each intermediate shaft, likewise.
+    joints beside it are bent. Twists and phases, one for each intermediate shaft, are 0 by default.
+    Error about 2e-16 per joint.
 
     Raises:
         ValueError: a bend outside [0, pi/2), no bend, or a wrong number of twists or phases.
@@ -180,11 +176,8 @@ def from_directions(
 
     A straight joint (``|u x v| <= 4 * 2**-52``) takes the bend-plane normal of the previous joint;
     with no bent joint before it that of the next bent one; and in a driveline that is straight
-    throughout the perpendicular nearest to +z, or nearest to +x for shafts along z.
-
-    Args:
-        directions: a vector along each shaft, in the direction of power flow.
-        phases: phase of each intermediate shaft; 0 by default.
+    throughout the perpendicular nearest to +z, or nearest to +x for shafts along z. Phases are as
+    for :func:`from_bends`.
 
     Raises:
         ValueError: fewer than two directions, one without length or without three finite
@@ -230,9 +223,8 @@ def _between(name: str, values: Sequence[float] | None, n_joints: int) -> tuple[
         raise ArgumentValueError("a driveline", "needs at least one joint and two shafts")
     if values is None:
         return (0.0,) * (n_joints - 1)
-    if len(values) != n_joints - 1:
-        problem = f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
-        raise ArgumentValueError(name, problem)
+    problem = f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
+    require(name, len(values) == n_joints - 1, problem)
     return tuple(values)
 
 
@@ -343,15 +335,22 @@ def _index(shafts: Shafts, shaft: int) -> int:
     return shaft % count
 
 
+def enough(least_ratio: float) -> int:
+    """Return how many angles of half a turn leave less than 1e-17 of its mean or its ``q``.
+
+    The speed ratio stays between ``c`` and ``1/c``, so harmonic ``n`` of the half turn falls at
+    least like ``((1 - c)/(1 + c))**n < exp(-2 c n)``. There are 36 when straight, 246 for one joint
+    bent by 85 degrees, and from there on like ``1/c``.
+    """
+    return 16 + math.ceil(20.0 / least_ratio)
+
+
 def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     """Return the constant angle that :func:`motion` takes off the raw turn of a shaft.
 
     It is the mean of the raw turn over half a revolution, after which everything repeats (over a
     whole one with joints as built), by the trapezoid rule, which converges geometrically for a
-    smooth periodic function. The speed ratio stays between ``c`` and ``1/c``, so harmonic ``n`` of
-    the half turn falls at least like ``((1 - c)/(1 + c))**n < exp(-2 c n)``, and ``16 + 20/c``
-    points leave less than 1e-17: 36 points when straight, 246 for one joint bent by 85 degrees, and
-    from there on like ``1/c``.
+    smooth periodic function (``enough``).
 
     Raises:
         ValueError: ``c < 2e-4`` (one joint beyond 89.988 degrees), too many points.
@@ -360,7 +359,7 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     c = math.prod(_dot(u, v) for u, v in pairwise(shafts.directions[: stop + 1]))
     if c < 2e-4:
         raise ValueError(f"the cosines of the bends multiply to {c}; the mean needs at least 2e-4")
-    count = 16 + math.ceil(20.0 / c)
+    count = enough(c)
     angles = [math.pi * i / count for i in range(2 * count if shafts.deviations else count)]
     return math.fsum(_lead(_joints(shafts, angle)[:stop]) for angle in angles) / len(angles)
 

@@ -60,14 +60,8 @@ def losses(
     """Return the share of the drive's work that each joint takes over a turn.
 
     The cross turns in a yoke about the pin of that yoke, by which it tilts against the shaft of the
-    yoke; so the way in either yoke is the difference of the tilt against its shaft.
-
-    Args:
-        friction: coefficient of the pins' bearings.
-        pin_radius: of the pins, in m.
-        arm: distance of the pins' bearings from the centre of the joint, in m.
-        seal_torque: constant torque of friction in N m.
-        steps: of half a turn; the error is of the order of its square.
+    yoke; so the way in either yoke is the difference of the tilt against its shaft. Arguments are
+    as of ``Driveline.losses``; the error is of the order of the square of the steps of half a turn.
     """
     work = [0.0] * len(shafts.bends)
     drive = 0.0
@@ -88,11 +82,8 @@ def life(
 ) -> tuple[tuple[float, float], ...]:
     """Return the life of each joint in h by the load of its pins, and by the catalogue's law.
 
-    Args:
-        rating: torque in N m that gives 5000 h at 3 degrees and 100 rpm.
-        speed: of the drive in rad/s.
-        steps: of half a turn; the error is of the order of its square.
-        load: as for ``reference.loads``, which has the same speed.
+    Arguments are as of ``Driveline.life``, the speed also that of the load; the error is of the
+    order of the square of the steps of half a turn.
     """
     whole = list(_turn(shafts, steps, speed=speed, **load))
     rpm = speed * 60.0 / math.tau
@@ -117,11 +108,7 @@ def free_running(
     """Return the least and the largest speed of a drive that no torque holds, over its mean.
 
     Newton's law gives the acceleration with which the drive needs no torque; the mean is that over
-    time. The steps are those of Runge and Kutta.
-
-    Args:
-        inertias: of each shaft about its axis, in kg m².
-        steps: of half a turn.
+    time. The steps of half a turn are those of Runge and Kutta.
     """
 
     def slopes(angle: float, state: NDArray[Any]) -> NDArray[Any]:

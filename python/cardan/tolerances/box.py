@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -13,9 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, together
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_elements, check_shape
+from cardan.arrays.errors import (
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    check_shape,
+    require,
+)
 from cardan.geometry.as_built import DEVIATIONS
-from cardan.geometry.geometry import Geometry
 from cardan.geometry.parameters import PARAMETERS, parameter_shape
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
@@ -190,9 +195,8 @@ def boxes(line: Driveline, sizes: Sizes) -> tuple[tuple[int, ...], Driveline, li
     if sizes.teeth is not None:
         own["teeth"] = own["phases"]
         arrays["teeth"] = _half_tooth(sizes.teeth, own["teeth"])
-    if not arrays:
-        problem = f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
-        raise ArgumentValueError("tolerances", problem)
+    problem = f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
+    require("tolerances", arrays, problem)
     _check_points(line, arrays)
     given = {group: (array, len(own[group])) for group, array in arrays.items()}
     shape, full = together(given, driveline=line.shape)
@@ -200,19 +204,21 @@ def boxes(line: Driveline, sizes: Sizes) -> tuple[tuple[int, ...], Driveline, li
     spread = {
         group: array.reshape(count, *own[group]) for group, array in zip(arrays, full, strict=True)
     }
-    geometry = line._geometry.batched(shape)
-    nominals = _nominals(geometry, "points" in arrays)
+    geometry = line._geometry.batched(shape).reshaped((count,))
+    none = [None] * count
+    points = geometry.points if "points" in arrays else none
+    deviations = geometry.deviations if geometry.is_as_built else none
     each = []
-    for i, nominal in enumerate(nominals):
+    for i, drawn in enumerate(zip(*geometry[:3], points, deviations, strict=True)):
         tooth = _positive("phases", spread["teeth"][i]) if "teeth" in spread else {}
         halves: dict[ParameterPlace, float] = {}
         for group in GROUPS:
             halves |= _positive(group, spread[group][i]) if group in spread else {}
         halves |= {place: halves.get(place, 0.0) + half for place, half in tooth.items()}
-        box = Box(nominal, halves, tooth, sizes.distribution == "normal")
+        box = Box(Nominal(*drawn), halves, tooth, sizes.distribution == "normal")
         box.check()
         each.append(box)
-    return shape, line._of(geometry.reshaped((count,))), each
+    return shape, line._of(geometry), each
 
 
 def _shapes(n: int) -> dict[str, tuple[int, ...]]:
@@ -251,32 +257,11 @@ def _of_each(name: str, array: FloatArray, own: tuple[int, ...]) -> FloatArray:
 def _check_points(line: Driveline, arrays: Mapping[str, Any]) -> None:
     if "points" not in arrays:
         return
-    if not line._geometry.lengths.shape[-1]:
-        problem = "have tolerances, but the driveline was not made from points"
-        raise ArgumentValueError("points", problem)
+    problem = "have tolerances, but the driveline was not made from points"
+    require("points", line._geometry.lengths.shape[-1], problem)
     for group in ("bends", "twists"):
-        if group in arrays:
-            problem = "do not go with points: the points determine bends and twists"
-            raise ArgumentValueError(group, problem)
-
-
-def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:
-    n = geometry.n_joints
-    count = math.prod(geometry.shape)
-    flat = [array.reshape(count, array.shape[-1]) for array in geometry.arrays[:3]]
-    spans = (
-        (geometry.directions * geometry.lengths[..., np.newaxis]).reshape(count, n + 1, 3)
-        if by_points
-        else None
-    )
-    deviations: Sequence[FloatArray | None] = [None] * count
-    if geometry.is_as_built:
-        deviations = [*geometry.deviations.reshape(count, n, 3)]
-    for i, (bends, twists, phases) in enumerate(zip(*flat, strict=True)):
-        points = None
-        if spans is not None:
-            points = np.concatenate([np.zeros((1, 3)), np.cumsum(spans[i], axis=0)])
-        yield Nominal(bends, twists, phases, points, deviations[i])
+        problem = "do not go with points: the points determine bends and twists"
+        require(group, group not in arrays, problem)
 
 
 def _positive(group: str, array: FloatArray) -> dict[ParameterPlace, float]:

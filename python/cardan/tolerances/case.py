@@ -24,7 +24,7 @@ from cardan.design.quantities import (
 from cardan.evaluation.load import Load
 from cardan.geometry.parameters import PARAMETERS, LayoutVariables
 from cardan.tolerances.box import JOINT_GROUPS, Box
-from cardan.tolerances.chain import Deviations, Nominal, amplitude, largest_modulus
+from cardan.tolerances.chain import Deviations, Nominal, amplitude, deviated, largest_modulus
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -76,22 +76,15 @@ class Case:
         Each amplitude is found once.
         """
         by_place, samples = self.box.deviations(deviations), deviations.shape[1]
-        moduli: dict[str, FloatArray] = {}
-        orders: dict[int, FloatArray] = {}
+        moduli: dict[Amplitude | int, FloatArray] = {}
         found = {}
         for name, quantity in quantities.items():
             if isinstance(quantity, ReducedQuantity):
                 found[name] = self._outputs(quantity, by_place, samples)
                 continue
-            if isinstance(quantity, OrderQuantity):
-                if quantity.order not in orders:
-                    orders[quantity.order] = np.abs(self._order(quantity, by_place, samples))
-                found[name] = np.asarray(quantity.at(orders[quantity.order], self.speed))
-                continue
             for kind in quantity.amplitudes:
                 if kind not in moduli:
-                    q = amplitude(kind, self.box.nominal, by_place, self.shaft)
-                    moduli[kind] = np.broadcast_to(np.abs(q), samples)
+                    moduli[kind] = np.abs(self._amplitude(kind, by_place, samples))
             largest = np.max([moduli[kind] for kind in quantity.amplitudes], axis=0)
             found[name] = np.asarray(quantity.at(largest, self.speed))
         return found
@@ -103,27 +96,31 @@ class Case:
         of = partial(quantity.of, load=self.load, workers=self.workers)
         return _in_blocks(of, self.line, self.box.nominal, deviations, samples)
 
-    def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
-        """The complex amplitude of an order of each sample, with drive angles as drawn.
+    def _amplitude(
+        self, kind: Amplitude | int, deviations: Deviations, samples: int
+    ) -> ComplexArray:
+        """A complex number of each sample: ``q`` or a sum, or the amplitude of an order.
 
-        They count from the plane of joint 0. Where deviations turn that plane, the amplitude is
-        referred to the plane as drawn, so that it changes evenly with them.
+        Drive angles of an order count from the plane of joint 0. Where deviations turn that plane,
+        the amplitude is referred to the plane as drawn, so that it changes evenly with them.
         """
-        line, nominal, order = self.line, self.box.nominal, quantity.order
+        line, nominal = self.line, self.box.nominal
+        if isinstance(kind, str):
+            return amplitude(kind, nominal, self.shaft, deviations, samples)
 
         def of(made: Driveline) -> ComplexArray:
-            amplitudes = order_amplitude(made, order, self.shaft)
+            amplitudes = order_amplitude(made, kind, self.shaft)
             if nominal.points is None:
                 return amplitudes
             normal, axis = line.normals[0], line.directions[0]
             turned = np.arctan2(
                 np.cross(normal, made.normals[:, 0]) @ axis, made.normals[:, 0] @ normal
             )
-            return np.asarray(amplitudes * np.exp(-1j * order * turned))
+            return np.asarray(amplitudes * np.exp(-1j * kind * turned))
 
         found = _in_blocks(of, line, nominal, deviations, samples, np.complex128)
         bend = deviations.get(("bends", (0,)))
-        if bend is not None and order % 2:
+        if bend is not None and kind % 2:
             # Beyond straight the plane has turned by half a turn.
             found[nominal.bends[0] + bend < 0.0] *= -1.0
         return found
@@ -153,9 +150,6 @@ class Case:
         if isinstance(quantity, ReducedQuantity):
             changes = self._slopes_of_output(quantity) * self.box.sizes
             return self.nominal(quantity) + float(np.sum(np.abs(changes)))
-        if isinstance(quantity, OrderQuantity):
-            modulus = zonotope_radius(*self._order_vectors(quantity))
-            return float(quantity.at(modulus, self.speed))
         largest = max(map(self._linear_modulus, quantity.amplitudes))
         return float(quantity.at(largest, self.speed))
 
@@ -171,27 +165,19 @@ class Case:
         """
         if isinstance(quantity, ReducedQuantity):
             changes = np.abs(self._slopes_of_output(quantity) * self.box.sizes)
-        elif isinstance(quantity, OrderQuantity):
-            changes = np.abs(self._order_vectors(quantity)[1])
         else:
             changes = np.abs(self._vectors(max(quantity.amplitudes, key=self._linear_modulus)))
         parts = np.square(changes * (self.box.sigmas / self.box.sizes))
         total = np.sum(parts)
         return np.asarray(parts / total if total > 0.0 else parts)
 
-    def _vectors(self, kind: Amplitude) -> ComplexArray:
+    def _drawn(self, kind: Amplitude | int) -> complex:
+        """An amplitude as drawn."""
+        return complex(self._amplitude(kind, {}, 1)[0])
+
+    def _vectors(self, kind: Amplitude | int) -> ComplexArray:
         """What each tolerance adds to an amplitude, to first order."""
-
-        def of(by_place: Deviations, samples: int) -> ComplexArray:
-            found = amplitude(kind, self.box.nominal, by_place, self.shaft)
-            return np.broadcast_to(found, samples)
-
-        return np.asarray(self._differences(of))
-
-    def _order_vectors(self, quantity: OrderQuantity) -> tuple[complex, ComplexArray]:
-        """The amplitude as drawn, and what each tolerance adds to first order."""
-        middle = complex(self._order(quantity, {}, 1)[0])
-        return middle, np.asarray(self._differences(partial(self._order, quantity)))
+        return np.asarray(self._differences(partial(self._amplitude, kind)))
 
     def _differences(self, of: Callable[[Deviations, int], Any]) -> Any:  # noqa: ANN401
         """What each tolerance adds to first order to what a function finds of many samples."""
@@ -221,10 +207,9 @@ class Case:
             by |= dict(zip(JOINT_GROUPS, by["deviations"].T, strict=True))
         return np.array([by[group][place] for group, place in self.box.places])
 
-    def _linear_modulus(self, kind: Amplitude) -> float:
+    def _linear_modulus(self, kind: Amplitude | int) -> float:
         """The largest magnitude of an amplitude to first order."""
-        centre = complex(amplitude(kind, self.box.nominal, {}, self.shaft))
-        modulus = zonotope_radius(centre, self._vectors(kind))
+        modulus = zonotope_radius(self._drawn(kind), self._vectors(kind))
         # Large tolerances leave the linear range; a joint has |q| < 1.
         return min(modulus, float(np.nextafter(1.0, 0.0))) if kind == "last" else modulus
 
@@ -249,11 +234,7 @@ class Case:
     def _search(self, quantity: Quantity) -> tuple[float, FloatArray]:
         """The worst driveline: its figure, and the acting deviations in units of the tolerances."""
         # Figures of the same amplitudes have their maximum in one place.
-        key: Any = quantity
-        if isinstance(quantity, MotionQuantity):
-            key = quantity.amplitudes
-        elif isinstance(quantity, OrderQuantity):
-            key = quantity.order
+        key: Any = quantity if isinstance(quantity, ReducedQuantity) else quantity.amplitudes
         if key not in self._searches:
             self._searches[key] = self._found(quantity)
         at = self._searches[key]
@@ -276,13 +257,9 @@ class Case:
         """The corners of the acting parameters that are worst to first order, as columns."""
         if isinstance(quantity, ReducedQuantity):
             signs = [np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)]
-        elif isinstance(quantity, OrderQuantity):
-            signs = [farthest_signs(*self._order_vectors(quantity))]
         else:
             signs = [
-                farthest_signs(
-                    complex(amplitude(kind, self.box.nominal, {}, self.shaft)), self._vectors(kind)
-                )
+                farthest_signs(self._drawn(kind), self._vectors(kind))
                 for kind in quantity.amplitudes
             ]
         return np.array(signs).T[self._acting(quantity)]
@@ -323,19 +300,15 @@ def _deviating(
 ) -> Driveline:
     """The drivelines of the samples, with the bearings of the one as drawn."""
 
-    def deviated(group: str, array: FloatArray) -> FloatArray:
-        values = np.repeat(array[np.newaxis], samples, axis=0)
-        for (name, place), deviation in deviations.items():
-            if name == group:
-                np.moveaxis(values, 0, -1)[place] += deviation
-        return values
+    def of(group: str, array: FloatArray) -> FloatArray:
+        return deviated(group, array, deviations, samples)
 
-    own, phases = line._geometry, deviated("phases", nominal.phases)
+    own, phases = line._geometry, of("phases", nominal.phases)
     if nominal.points is not None:
-        made = line.from_points(deviated("points", nominal.points), phases)._geometry
+        made = line.from_points(of("points", nominal.points), phases)._geometry
         lengths = made.lengths
     else:
-        bends, twists = deviated("bends", nominal.bends), deviated("twists", nominal.twists)
+        bends, twists = of("bends", nominal.bends), of("twists", nominal.twists)
         # Beyond straight a joint bends to the other side: its plane has turned by half a turn.
         flipped = bends < 0.0
         twists += np.pi * (flipped[:, 1:].astype(float) - flipped[:, :-1])

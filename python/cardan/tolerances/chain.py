@@ -1,52 +1,19 @@
 """The complex number ``q`` of a chain whose parameters deviate, and how far it can move at most.
 
-A chain takes the pin's direction ``w = exp(i a)`` to ``A w + B conj(w)``; all motion depends on ``q
-= B/A``. As maps of the unit disc, a joint is ``x -> (x + k)/(1 + k x)`` with ``k = tan(b/2)**2``
-and a shaft ``x -> exp(-2 i p) x`` with ``p = phase - twist + 90°``. Applied to 0 from the last
-joint to the first they give ``-q`` (derived here from Thoma 4).
-
-The core computes one driveline with error terms. Here a rounding error of 1e-15 in ``q`` suffices,
-and NumPy's loops over whole chunks are ten times as fast.
-
-Upper bounds that no driveline within its tolerances exceeds follow from another picture of ``q``.
-With ``L = ln sec(bend)`` a chain is a polygon in the hyperbolic plane: a joint is a side of length
-``L_j``, a shaft a corner, and ``q`` the end of the polygon at the distance ``L_E`` from its start
-(the Poincaré disc, ``|q| = tanh(L_E/2)``). If one element changes, the end moves by at most
-
-* ``2 asinh(sinh(c/2) cosh(s))`` for a side that becomes longer or shorter by up to ``c = L(b + t) -
-  L(b)``, the shift of a point at the distance ``s`` from the axis of a translation by ``c``, and
-* ``2 asinh(sinh(s) |sin d|)`` for a corner turned by ``2 d``,
-
-with ``s`` the distance from the element to the end; if only the distance of start and end matters,
-to the nearer of the two. ``s`` is at most the sum of the sides between. By the triangle inequality
-the changes add up, in any order (derived here). The corners are turned first, while the sides are
-as drawn, then the sides change, with all others at their longest.
-
-The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It is
-no bound: two long sides on the same side of a third move apart by more than that becomes
-longer. It is larger in nearly all cases, and the larger of both is the bound.
-
-Points change the direction of each shaft by up to a cone ``e``. Write a joint as ``z = tan(b/2)
-exp(i phi)``, the stereographic picture of the next direction in a frame of its shaft. The side ends
-at ``z**2``, and a step ``ds`` on the sphere moves it by ``tan(b) ds`` in the hyperbolic plane. So
-two cones together move it by at most ``c = L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever
-the bend plane does; this holds through a straight joint. What turns in addition are the frame of
-the next shaft, by the area of the spherical quadrilateral of the old and new directions, and the
-plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two
-sides ``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
-tanh(r/2))`` in the hyperbolic plane. A turn of a frame counts twice, since a side is ``z**2``.
+The core finds ``q``. Upper bounds that no driveline within its tolerances exceeds follow from its
+picture in the hyperbolic plane, a polygon with sides ``L = ln sec(bend)``: page Tolerances of the
+theory (``docs/theory/tolerances.md``).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from cardan import _core
 from cardan.arrays import ComplexArray, FloatArray
 from cardan.design.quantities import Amplitude
 
@@ -55,9 +22,6 @@ if TYPE_CHECKING:
 
 ParameterPlace: TypeAlias = tuple[str, tuple[int, ...]]
 """One parameter: its group, such as ``"bends"``, and its place there."""
-
-# A number for all samples, or one for each.
-_Values: TypeAlias = Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,137 +49,55 @@ Deviations: TypeAlias = Mapping[ParameterPlace, FloatArray]
 """By how much parameters deviate in each sample, ``(samples,)``; those left out do not."""
 
 
-def reversed_deviations(nominal: Nominal, deviations: Deviations) -> Deviations:
-    """Return the deviations of the layout of the driveline driven from its other end."""
-    n = nominal.n_joints
-    last = {"bends": n - 1, "twists": n - 2, "phases": n - 2, "points": n + 1}
-    return {
-        (group, (last[group] - place[0], *place[1:])): values
-        for (group, place), values in deviations.items()
-        if group in last
-    }
-
-
-def joints_and_turns(
-    nominal: Nominal, deviations: Deviations
-) -> tuple[list[_Values], list[_Values]]:
-    """Return ``k`` of each joint and ``exp(-2 i p)`` of the shaft before it.
-
-    Each is a number or an array over the samples. Of shaft 0 it is the turn of the plane of joint
-    0, which points can change. Without that turn ``q`` would rotate with the plane, which a small
-    deviation can turn far where joint 0 is nearly straight.
-    """
-
-    def at(group: str, array: FloatArray, *place: int) -> _Values:
-        own = float(array[place])
-        deviation = deviations.get((group, place))
-        return own if deviation is None else own + deviation
-
-    n = nominal.n_joints
-    phases = [at("phases", nominal.phases, i) for i in range(n - 1)]
-    if nominal.points is not None:
-        points = [
-            [at("points", nominal.points, i, axis) for axis in range(3)] for i in range(n + 2)
-        ]
-        joints, twisted = _from_spans(
-            [_difference(b, a) for a, b in pairwise(points)], nominal.points[1] - nominal.points[0]
-        )
-        turned = [
-            -turn * _turn(-2.0 * phase) for turn, phase in zip(twisted[1:], phases, strict=True)
-        ]
-        return joints, [twisted[0], *turned]
-    bends = [at("bends", nominal.bends, j) for j in range(n)]
-    twists = [at("twists", nominal.twists, i) for i in range(n - 1)]
-    joints = [np.square(np.tan(0.5 * bend)) for bend in bends]
-    return joints, [1.0, *(-_turn(2.0 * (t - p)) for t, p in zip(twists, phases, strict=True))]
-
-
-def q_of(joints: Sequence[_Values], turns: Sequence[_Values]) -> ComplexArray:
-    """Return ``q`` behind the last of these joints, each with the turn before it."""
-    x: _Values = turns[-1] * (joints[-1] + 0j)
-    for k, turn in zip(reversed(joints[:-1]), reversed(turns[:-1]), strict=True):
-        x = turn * ((x + k) / (1.0 + k * x))
-    return np.asarray(-x)
+def deviated(group: str, own: FloatArray, deviations: Deviations, samples: int) -> FloatArray:
+    """Return the parameters of one group, as drawn and deviating, for each sample."""
+    values = np.repeat(own[np.newaxis], samples, axis=0)
+    for (name, place), deviation in deviations.items():
+        if name == group:
+            np.moveaxis(values, 0, -1)[place] += deviation
+    return values
 
 
 def amplitude(
-    kind: Amplitude, nominal: Nominal, deviations: Deviations, shaft: int
+    kind: Amplitude, nominal: Nominal, shaft: int, deviations: Deviations, samples: int
 ) -> ComplexArray:
-    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names."""
-    if kind == "coasting":
-        deviations, nominal = reversed_deviations(nominal, deviations), nominal.reversed()
-    joints, turns = joints_and_turns(nominal, deviations)
-    if kind == "last":
-        return q_of(joints[:shaft], turns[:shaft])
-    total: Any = 0j
-    for behind in range(1, nominal.n_joints):
-        total = total + q_of(joints[:behind], turns[:behind])
-    return np.asarray(total)
+    """Return one of the complex numbers that ``MotionQuantity.amplitudes`` names, ``(samples,)``.
 
-
-def _turn(angle: _Values) -> _Values:
-    """``exp(i angle)``."""
-    if isinstance(angle, float):
-        return complex(math.cos(angle), math.sin(angle))
-    turn = np.empty(angle.shape, dtype=np.complex128)
-    np.cos(angle, out=turn.real)
-    np.sin(angle, out=turn.imag)
-    return turn
-
-
-_Vector: TypeAlias = list[_Values]
-
-
-def _from_spans(spans: list[_Vector], first: FloatArray) -> tuple[list[_Values], list[_Values]]:
-    """``k`` of each joint and ``exp(2 i twist)`` of the shaft before it, from the shafts.
-
-    With the cross product ``c`` of two shafts ``a`` and ``b``, ``k = (|c|/(|a| |b| + a·b))**2``. A
-    joint that is straight to the last bit takes the normal of the previous one. The turn of joint
-    0 is that from a vector across shaft 0 as drawn, to first order without rotation about the
-    shaft; a straight joint 0 has that vector as its normal.
+    The drive angle counts from the plane of joint 0. Points can turn that plane, far where the
+    joint is nearly straight; with them it counts from a vector across shaft 0 as drawn.
     """
-    lengths = [np.sqrt(_dot(span, span)) for span in spans]
-    joints, twists = [], []
-    normal = _across(_perpendicular(first), spans[0], lengths[0])
-    for j, (a, b) in enumerate(pairwise(spans)):
-        cross = _cross(a, b)
-        square = _dot(cross, cross)
-        product = lengths[j] * lengths[j + 1]
-        joints.append(square / np.square(product + _dot(a, b)))
-        # The limit of the core, below which the direction of the cross product is rounding.
-        straight = square <= (4.0 * np.finfo(float).eps * product) ** 2
-        if np.any(straight):
-            kept = _across(normal, a, lengths[j])
-            cross = [np.where(straight, old, new) for old, new in zip(kept, cross, strict=True)]
-        turn = _dot(normal, cross) + 1j * (_dot(_cross(normal, cross), a) / lengths[j])
-        squared = turn * turn
-        twists.append(squared / np.abs(squared))
-        normal = cross
-    return joints, twists
+    n = nominal.n_joints
+    if kind == "coasting":
+        last = {"bends": n - 1, "twists": n - 2, "phases": n - 2, "points": n + 1}
+        deviations = {
+            (group, (last[group] - place[0], *place[1:])): values
+            for (group, place), values in deviations.items()
+            if group in last
+        }
+        nominal = nominal.reversed()
+    phases = deviated("phases", nominal.phases, deviations, samples).ravel()
+    turned: Any = 0.0
+    if nominal.points is None:
+        # ``q`` is even in each bend.
+        bends = np.abs(deviated("bends", nominal.bends, deviations, samples)).ravel()
+        twists = deviated("twists", nominal.twists, deviations, samples).ravel()
+    else:
+        points = deviated("points", nominal.points, deviations, samples).ravel()
+        bends, twists, along, across, _ = _core.from_points(n, [samples], points, phases)
+        first = nominal.points[1] - nominal.points[0]
+        zero = np.cross(first, np.eye(3)[np.argmin(np.abs(first))])
+        axis, normal = along.reshape(samples, -1)[:, :3], across.reshape(samples, -1)[:, :3]
+        turned = np.arctan2(np.sum(np.cross(zero, normal) * axis, axis=-1), normal @ zero)
+    total: Any = 0.0
+    for behind in [shaft] if kind == "last" else range(1, n):
+        _, offset, k, *_ = _core.equivalent(n, behind, bends, twists, phases)
+        total = total - k * np.exp(2j * (turned - offset))
+    return np.broadcast_to(np.asarray(total, np.complex128), samples)
 
 
-def _difference(b: _Vector, a: _Vector) -> _Vector:
-    return [x - y for x, y in zip(b, a, strict=True)]
-
-
-def _dot(a: _Vector, b: _Vector) -> _Values:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: _Vector, b: _Vector) -> _Vector:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _perpendicular(shaft: FloatArray) -> _Vector:
-    """A vector across a shaft."""
-    across: _Vector = np.cross(shaft, np.eye(3)[np.argmin(np.abs(shaft))]).tolist()
-    return across
-
-
-def _across(vector: _Vector, a: _Vector, length: _Values) -> _Vector:
-    """The part of a vector across a shaft."""
-    along = _dot(vector, a) / np.square(length)
-    return [x - along * y for x, y in zip(vector, a, strict=True)]
+def as_drawn(kind: Amplitude, nominal: Nominal, shaft: int) -> complex:
+    """Return that number of the driveline as drawn."""
+    return complex(amplitude(kind, nominal, shaft, {}, 1)[0])
 
 
 # --- upper bounds ---------------------------------------------------------------------------------
@@ -225,7 +107,7 @@ def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
     """Return a bound of the magnitude of an amplitude over the box."""
     grown, changes, corners, turned = bound_parts(box)
     if kind == "last":
-        k = float(np.abs(amplitude(kind, box.nominal, {}, shaft)))
+        k = abs(as_drawn(kind, box.nominal, shaft))
         # The distance of start and end: each corner may be seen from the nearer of them.
         moved = _moved(grown[:shaft], changes, corners, turned, nearer=True)
         return float(np.tanh(0.5 * min(2.0 * np.arctanh(k) + moved, np.sum(grown[:shaft]))))
@@ -235,7 +117,7 @@ def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
     total = sum(
         _displacement(nominal, s, grown, changes, corners, turned) for s in _between(nominal)
     )
-    own = float(np.abs(amplitude("driving", nominal, {}, shaft)))
+    own = abs(as_drawn("driving", nominal, shaft))
     most = sum(float(np.tanh(0.5 * np.sum(grown[:s]))) for s in _between(nominal))
     return min(own + total, most)
 
@@ -247,7 +129,7 @@ def _between(nominal: Nominal) -> range:
 def _displacement(nominal: Nominal, shaft: int, *parts: FloatArray) -> float:
     """By how much ``q`` of a shaft can move in the disc."""
     grown, changes, corners, turned = parts
-    q = float(np.abs(amplitude("last", nominal, {}, shaft)))
+    q = abs(as_drawn("last", nominal, shaft))
     r = float(np.tanh(0.5 * _moved(grown[:shaft], changes, corners, turned, nearer=False)))
     # A disc about q of hyperbolic radius artanh(r) reaches so far.
     return r * (1.0 - q * q) / (1.0 - q * r)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import ComplexArray, FloatArray, not_negative
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
+from cardan.arrays.errors import check_choice, check_shape, require
 from cardan.arrays.indices import integer, item_index
 from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.evaluation.sweep import Sweep
@@ -78,8 +78,7 @@ class OrderTolerances:
         Raises:
             ValueError: a probability outside (0, 1).
         """
-        if not 0.0 < probability < 1.0:
-            raise ArgumentValueError("probability", f"is {probability}; it must lie in (0, 1)")
+        require("probability", 0.0 < probability < 1.0, f"is {probability}; it must lie in (0, 1)")
         random, vectors = np.random.default_rng(seed), self.contributions.ravel()
         shape = (int(samples), len(vectors))
         if self.normal:

@@ -18,6 +18,7 @@ from cardan.arrays.errors import (
     check_elements,
     check_shape,
     nearest,
+    require,
 )
 from cardan.arrays.indices import Items, integer, item_index
 from cardan.design.limits import MAX_EQUIVALENT_BEND
@@ -192,8 +193,7 @@ def toleranced(line: Driveline, sizes: Sizes, figures: Figures, drawn: Drawn) ->
     """Check what ``tolerances`` is asked and return its result."""
     names, several = _names(figures.of)
     index = item_index("shaft", figures.shaft, line.n_joints + 1)
-    if index == 0:
-        raise ArgumentValueError("shaft", "is 0; the drive shaft turns without errors")
+    require("shaft", index != 0, "is 0; the drive shaft turns without errors")
     batch, lines, each = boxes(line, sizes)
     quantities = {name: _quantity(name, i, line, figures) for i, name in enumerate(names)}
     joints = [group for group in JOINT_GROUPS if sizes.each[group] is not None]
@@ -245,8 +245,7 @@ def _designs(
     """The shape of the batch without the states, its drivelines, and the number of states."""
     if states is None:
         return shape, [Design((case,)) for case in cases], None
-    if not line.shape:
-        raise ArgumentValueError("states", "is given, but the driveline has no batch axis")
+    require("states", line.shape, "is given, but the driveline has no batch axis")
     # Tolerances may put more axes in front.
     axis = item_index("states", states, len(line.shape)) - len(line.shape)
     order = np.moveaxis(np.arange(len(cases)).reshape(shape), axis, -1)
@@ -254,17 +253,15 @@ def _designs(
     for numbers in order.reshape(-1, shape[axis]):
         design = Design(tuple(cases[i] for i in numbers))
         sizes = [(case.box.halves, case.box.teeth) for case in design.cases]
-        if any(one != sizes[0] for one in sizes):
-            problem = "have different tolerances; they are positions of one driveline"
-            raise ArgumentValueError("states", problem)
+        problem = "have different tolerances; they are positions of one driveline"
+        require("states", not any(one != sizes[0] for one in sizes), problem)
         designs.append(design)
     return order.shape[:-1], designs, shape[axis]
 
 
 def _names(of: str | Iterable[str]) -> tuple[tuple[str, ...], bool]:
     names = (of,) if isinstance(of, str) else tuple(of)
-    if not names:
-        raise ArgumentValueError("of", "is empty; name at least one figure")
+    require("of", names, "is empty; name at least one figure")
     for i, name in enumerate(names):
         if not isinstance(name, str):
             raise ArgumentTypeError("of", f"is {name!r}; a figure is asked for by its name", (i,))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array, threads
-from cardan.arrays.errors import ArgumentValueError, check_choice
+from cardan.arrays.errors import ArgumentValueError, check_choice, require
 from cardan.arrays.indices import item_index
 from cardan.design.quantities import MOTION_QUANTITIES, MotionQuantity
 from cardan.tolerances.box import Box
@@ -262,8 +262,7 @@ class Tolerances:
             ValueError: a share outside [0, 1].
         """
         p = as_float64("share", share)
-        if not np.all((p >= 0.0) & (p <= 1.0)):
-            raise ArgumentValueError("share", f"is {share!r}; it must lie in [0, 1]")
+        require("share", np.all((p >= 0.0) & (p <= 1.0)), f"is {share!r}; it must lie in [0, 1]")
         place = p * (self.samples - 1)
         below = np.floor(place).astype(np.intp)
         above = np.ceil(place).astype(np.intp)
@@ -301,8 +300,7 @@ class Tolerances:
         }
         if self._several:
             return found
-        if not found:
-            raise ArgumentValueError("limit", f"is missing; {self.of[0]!r} has no default limit")
+        require("limit", found, f"is missing; {self.of[0]!r} has no default limit")
         return found[self.of[0]]
 
     @property
@@ -343,8 +341,7 @@ class Tolerances:
             raise ValueError("permitted tolerances are found for one driveline and one figure")
         design, name = self._designs[0], self.of[0]
         quantity = self._quantities[name]
-        if name not in self._limits:
-            raise ArgumentValueError("limit", f"is missing; {name!r} has no default limit")
+        require("limit", name in self._limits, f"is missing; {name!r} has no default limit")
         if not any(place[0] == group for place in design.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
         check_choice("bound", bound, ("worst", "linear", "guaranteed"))
@@ -388,9 +385,8 @@ class Tolerances:
 
     def _degrees(self, values: Any) -> Any:  # noqa: ANN401
         for name in self.of:
-            if self.unit(name) != "rad":
-                problem = f"has {name!r} in {self.unit(name)}; only angles have degrees"
-                raise ArgumentValueError("of", problem)
+            problem = f"has {name!r} in {self.unit(name)}; only angles have degrees"
+            require("of", self.unit(name) == "rad", problem)
         if self._several:
             return {name: np.degrees(value)[()] for name, value in values.items()}
         return np.degrees(values)[()]

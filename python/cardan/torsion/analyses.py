@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
@@ -124,25 +123,21 @@ def modes(self: TorsionalSystem) -> tuple[Mode, ...]:
     [0.444, 0.556]
     """
     check_single(self)
-    return tuple(_modes(self))
-
-
-def _modes(system: TorsionalSystem) -> Iterator[Mode]:
-    compliant = list(system.compliant)
-    ratio, loss = (
-        system.dampings[compliant] / system.stiffnesses[compliant],
-        np.zeros(len(compliant)),
-    )
-    for shaft, coupling in system.couplings.items():
+    compliant = list(self.compliant)
+    ratio = self.dampings[compliant] / self.stiffnesses[compliant]
+    loss = np.zeros(len(compliant))
+    for shaft, coupling in self.couplings.items():
         loss[compliant.index(shaft)] = coupling.loss_factor
-    for frequency, ends, shares, shaft in system._core.modes():
-        yield Mode(
+    return tuple(
+        Mode(
             frequency,
             tuple(shares),
             shaft,
             float(0.5 * (np.array(shares) @ (frequency * ratio + loss))),
             tuple(zip(ends[::2], ends[1::2], strict=True)),
         )
+        for frequency, ends, shares, shaft in self._core.modes()
+    )
 
 
 def harmonic_orders(system: TorsionalSystem) -> tuple[float, ...]:
@@ -257,14 +252,12 @@ def unstable_ranges(
     if refined and self.free:
         critical = self.critical_speeds(_excited(self, _JOINT_ORDERS))
         speeds = _with_resonances(self, speeds, critical)
-    found = self.stability(speeds)
-    of = self if refined else None
-    vibrating = _ranges(of, speeds, found, _vibrates)
+    found, halvings = self.stability(speeds), _HALVINGS if refined else 0
     unstable = [
         UnstableRange(start, stop, float(np.nanmax(growth(found)[places])))
-        for start, stop, places in vibrating
+        for start, stop, places in _ranges(self, speeds, found, _vibrates, halvings)
     ]
-    for start, stop, places in _ranges(of, speeds, found, _runs_away):
+    for start, stop, places in _ranges(self, speeds, found, _runs_away, halvings):
         multiplier = float(np.nanmax(found.speed_multiplier[places]))
         slope = float(np.nanmax(found.needed_slope[places]))
         unstable.append(UnstableRange(start, stop, multiplier, slope))
@@ -290,25 +283,27 @@ def _runs_away(found: Stability) -> NDArray[np.bool_]:
 
 
 def _ranges(
-    system: TorsionalSystem | None,
+    system: TorsionalSystem,
     speed: FloatArray,
     found: Stability,
     grows: Callable[[Stability], NDArray[np.bool_]],
+    halvings: int,
 ) -> Iterator[tuple[float, float, slice]]:
     """Ends of each range in which something grows, and the places of its speeds.
 
-    Without a system the ends are speeds of those that are known.
+    The intervals from an unstable speed to a stable one are halved so often.
     """
-    which = grows(found)
-    runs, edges = list(ranges(which)), []
+    runs, edges = list(ranges(grows(found))), []
     for first, last in runs:
         for inner, outer in ((first, first - 1), (last, last + 1)):
             known = 0 <= outer < len(speed) and bool(found.found[outer])
             edges.append((speed[inner], speed[outer] if known else speed[inner]))
-    ends = np.array(edges).reshape(-1, 2)[:, 0].reshape(-1, 2)
-    if system:
-        ends = _edges(system, np.array(edges).reshape(-1, 2), grows).reshape(-1, 2)
-    for (first, last), (start, stop) in zip(runs, ends, strict=True):
+    inside, outside = np.array(edges).reshape(-1, 2).T
+    for _ in range(halvings if edges else 0):
+        middle = 0.5 * (inside + outside)
+        unstable = grows(system.stability(middle))
+        inside, outside = np.where(unstable, middle, inside), np.where(unstable, outside, middle)
+    for (first, last), (start, stop) in zip(runs, inside.reshape(-1, 2), strict=True):
         yield float(start), float(stop), slice(first, last + 1)
 
 
@@ -332,21 +327,13 @@ def _with_candidates(system: TorsionalSystem, speed: FloatArray) -> FloatArray:
         around.append(
             np.outer(sums / order, 1.0 + (width if is_of_joints else 0.01) * near).ravel()
         )
+    return _inside(speed, around)
+
+
+def _inside(speed: FloatArray, around: list[FloatArray]) -> FloatArray:
+    """The speeds of some lists that lie within a range of speeds."""
     speeds = np.unique(np.concatenate(around))
-    inside = (speeds >= speed[0]) & (speeds <= speed[-1])
-    return np.asarray(speeds[inside], dtype=np.float64)
-
-
-def _edges(
-    system: TorsionalSystem, edges: FloatArray, grows: Callable[[Stability], NDArray[np.bool_]]
-) -> FloatArray:
-    """Halve the intervals from an unstable speed to a stable one; return the unstable ends."""
-    inner, outer = edges[:, 0].copy(), edges[:, 1].copy()
-    for _ in range(_HALVINGS if len(inner) else 0):
-        middle = 0.5 * (inner + outer)
-        unstable = grows(system.stability(middle))
-        inner, outer = np.where(unstable, middle, inner), np.where(unstable, outer, middle)
-    return np.asarray(inner)
+    return np.asarray(speeds[(speeds >= speed[0]) & (speeds <= speed[-1])], dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -457,20 +444,20 @@ def side_by_side(self: TorsionalSystem, speed: ArrayLike) -> tuple[SideBySide, .
     sizes = np.fmax(np.abs(found.torque_min), np.abs(found.torque_max))
     motions = []
     for place, each in enumerate(searched):
-        shafts = np.nan_to_num(sizes[:, place]).max(axis=-1)
-        chosen = int(shafts.argmax())
-        known = sizes[chosen, place][: int(found.count[place])]
-        stables = found.stable[place][: len(known)]
+        count = int(found.count[place])
+        chosen = int(np.nan_to_num(sizes[:, place]).max(axis=-1).argmax())
+        known = sizes[chosen, place][:count].tolist()
+        stables = found.stable[place].tolist()
         motions.append(
             SideBySide(
                 each,
-                int(found.count[place]),
-                int(np.count_nonzero(found.stable[place])),
+                count,
+                stables.count(True),
                 self.compliant[chosen],
-                float(known.min()) if known.size else math.nan,
-                float(known.max()) if known.size else math.nan,
-                tuple(known.tolist()),
-                tuple(stables.tolist()),
+                min(known, default=math.nan),
+                max(known, default=math.nan),
+                tuple(known),
+                tuple(stables[:count]),
             )
         )
     return tuple(motions)
@@ -538,8 +525,7 @@ def speed_response(
         refined: whether speeds are added and searched between the others.
 
     Raises:
-        TypeError: speeds or orders that are not real numbers.
-        ValueError: a batch of systems, speeds that do not rise, an order out of range.
+        ValueError: speeds that do not rise, an order out of range.
 
     >>> import cardan
     >>> system = cardan.TorsionalSystem(
@@ -572,8 +558,7 @@ def _with_resonances(
         least = min(max(0.25 * mode.damping_ratio, 1e-4), 0.5 * _REACH)
         away = np.geomspace(least, _REACH, _AROUND)[:: _every(system)]
         around += [centre * (1.0 + np.concatenate([-away, [0.0], away])) for centre in centres]
-    speeds = np.unique(np.concatenate(around))
-    return np.asarray(speeds[(speeds >= speed[0]) & (speeds <= speed[-1])], dtype=np.float64)
+    return _inside(speed, around)
 
 
 def _largest(
@@ -593,7 +578,10 @@ def _largest(
         if unlimited.size:
             yield LargestTorque(shaft, unlimited[0], -math.inf, math.inf, math.nan, reversals)
         elif np.any(steady.found):
-            value = partial(_sizes_at, place)
+
+            def value(_: FloatArray, found: SteadyState, of: int = place) -> FloatArray:
+                return _sizes(found, of)
+
             at, found, best = located(system, speed, steady, value, rounds)
             ends = (found.torque_min, found.torque_max, found.torque_mean)
             least, most, mean = (float(end[place, best]) for end in ends)
@@ -630,10 +618,6 @@ def located(
 
 def _sizes(found: SteadyState, place: int) -> FloatArray:
     return np.asarray(np.maximum(np.abs(found.torque_min), np.abs(found.torque_max))[place])
-
-
-def _sizes_at(place: int, _: FloatArray, found: SteadyState) -> FloatArray:
-    return _sizes(found, place)
 
 
 def _reversals(speed: FloatArray, steady: SteadyState, place: int) -> Iterator[tuple[float, float]]:
@@ -694,9 +678,7 @@ def running_speeds(
         torque: its torque in N m at these speeds, ``(m,)``.
 
     Raises:
-        TypeError: speeds or torques that are not real numbers.
-        ValueError: a batch of systems, a held drive, speeds that do not rise, as many torques as
-            speeds.
+        ValueError: a held drive, speeds that do not rise, as many torques as speeds.
 
     >>> import cardan
     >>> system = cardan.TorsionalSystem(

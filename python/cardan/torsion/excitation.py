@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, finite
-from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
+from cardan.arrays import FloatArray, as_float64, finite, keep
+from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape, require
 
 ENDS = ("input", "output")
 
@@ -105,22 +105,19 @@ class Coupling:
                     is_curve = points.ndim == 1 and (points.size > 1 or one != "twist")
                     rule = "it must be one list of numbers, of a curve two at least"
                     check_shape(name, points, is_curve, rule)
-                    object.__setattr__(self, name, tuple(points.tolist()))
+                    keep(self, **{name: tuple(points.tolist())})
                 if len(getattr(self, one)) != len(getattr(self, other)):
                     problem = f"has {len(getattr(self, other))} values; {one} has {len(x)}"
                     raise ArgumentValueError(other, problem)
-        laws = [
-            name
-            for name in ("stiffness", "twist", "mean_torque")
-            if getattr(self, name) is not None
-        ]
+        every = ("stiffness", "twist", "mean_torque")
+        laws = [name for name in every if getattr(self, name) is not None]
         if len(laws) != 1:
             given = " and ".join(laws) or "nothing"
             problem = f"is given with {given}; give one of a stiffness, twist and mean_torque"
             raise ArgumentValueError("stiffness", problem)
         for name in ("stiffness", "play", "loss_factor"):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, float(finite(name, getattr(self, name))))
+                keep(self, **{name: float(finite(name, getattr(self, name)))})
 
     def torque_at(self, twist: ArrayLike) -> FloatArray:
         """Return the torque in N m without damping at twists in rad, of the same shape."""
@@ -151,11 +148,9 @@ class Coupling:
 
     def scaled(self, factor: float) -> Coupling:
         """Return the coupling with so many times the stiffness and the torques at every twist."""
-        given = {name: getattr(self, name) for name in ("stiffness", "torque", "stiffness_by_mean")}
-        changed = {
-            name: np.multiply(factor, value) for name, value in given.items() if value is not None
-        }
-        return replace(self, **changed)
+        names = ("stiffness", "torque", "stiffness_by_mean")
+        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        return replace(self, **{name: np.multiply(factor, x) for name, x in given.items()})
 
     def _table(self) -> tuple[FloatArray, FloatArray]:
         x, y = np.array(self.twist), np.array(self.torque)
@@ -208,8 +203,7 @@ def firing_harmonics(
     >>> [(own.order, own.cos) for own in cardan.firing_harmonics(one, [1, 3, 2])]
     [(1.5, 150.0), (3.0, 30.0)]
     """
-    if strokes not in (2, 4):
-        raise ArgumentValueError("strokes", f"is {strokes!r}; it must be 2 or 4")
+    require("strokes", strokes in (2, 4), f"is {strokes!r}; it must be 2 or 4")
     count = len(firing_order)
     if not count or sorted(firing_order) != list(range(1, count + 1)):
         problem = f"is {list(firing_order)!r}; it must name each cylinder, from 1 on, once"

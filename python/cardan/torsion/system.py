@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,9 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     finite,
+    keep,
     not_negative,
+    numbered,
     per_shaft,
     threads,
     together,
@@ -29,19 +32,12 @@ from cardan.arrays.errors import (
     check_elements,
     check_shape,
     exclusive,
+    require,
 )
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
 from cardan.geometry.geometry import require_driveline
-from cardan.torsion.analyses import (
-    bend_rules,
-    modes,
-    running_speeds,
-    side_by_side,
-    speed_response,
-    stability_map,
-    unstable_ranges,
-)
+from cardan.torsion import analyses
 from cardan.torsion.excitation import ENDS, Coupling, TorqueHarmonic
 from cardan.torsion.results import Coexisting, Orbit, Stability, SteadyState
 from cardan.torsion.transient import (
@@ -115,14 +111,10 @@ class TorsionalSystem:
         shape: of the batch, to which driveline and parameters are broadcast.
         compliant: indices of the compliant shafts in order, the first axis of their torques.
         inertias: of input end and output end of each shaft in kg m², ``(..., n + 1, 2)``.
-        stiffnesses: as given, in the shape of the batch like what follows.
         dampings: as given, or by the damping ratios.
-        load_torque: as given.
-        load_damping: as given.
-        drive: ``"held"`` or ``"free"``.
-        drive_slope: as given.
-        harmonics: as given.
         couplings: as given; loss factors of other shafts are couplings as well.
+
+    The other arguments are attributes as given, arrays in the shape of the batch.
 
     >>> import cardan
     >>> line = cardan.Driveline.from_bends([20], degrees=True)
@@ -221,12 +213,8 @@ class TorsionalSystem:
             self._keep(dampings=np.asarray(2.0 * ratios * finite_springs / lowest))
 
     def _keep(self, **values: Any) -> None:  # noqa: ANN401 - of attributes
-        """Keep values, with read-only copies of arrays: the caller may change them."""
-        for name, value in values.items():
-            if isinstance(value, np.ndarray):
-                value = value.copy()
-                value.flags.writeable = False
-            object.__setattr__(self, name, value)
+        """Keep values, and what the native module makes of them."""
+        keep(self, **values)
         lines = np.arange(math.prod(self.line.shape)).reshape(self.line.shape)
         lines = np.broadcast_to(lines, self.shape).ravel()
         own = [getattr(self, name).ravel() for name in _PARAMETERS]
@@ -238,8 +226,9 @@ class TorsionalSystem:
             ],
             [own._fields(shaft) for shaft, own in self.couplings.items()],
         )
-        core = _core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:], engine)
-        object.__setattr__(self, "_core", core)
+        keep(
+            self, _core=_core.Torsion(self.line._lines, self.shape, lines, own[:3], own[3:], engine)
+        )
 
     def __repr__(self) -> str:
         """Show the driveline and the compliant shafts."""
@@ -247,7 +236,7 @@ class TorsionalSystem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as driveline and parameters."""
-        return (_restored, (self.line, self._given()))
+        return (functools.partial(TorsionalSystem, **self._given()), (self.line,))
 
     def _given(self) -> dict[str, Any]:
         """The arguments that make this system."""
@@ -256,13 +245,13 @@ class TorsionalSystem:
         springs[..., list(self.couplings)] = np.inf
         return given | {"stiffnesses": springs, "couplings": dict(self.couplings)}
 
-    modes = modes
-    bend_rules = bend_rules
-    unstable_ranges = unstable_ranges
-    stability_map = stability_map
-    side_by_side = side_by_side
-    speed_response = speed_response
-    running_speeds = running_speeds
+    modes = analyses.modes
+    bend_rules = analyses.bend_rules
+    unstable_ranges = analyses.unstable_ranges
+    stability_map = analyses.stability_map
+    side_by_side = analyses.side_by_side
+    speed_response = analyses.speed_response
+    running_speeds = analyses.running_speeds
 
     def changed(
         self,
@@ -382,20 +371,22 @@ class TorsionalSystem:
         m, ends, count = len(self.compliant), self.line.n_joints + 1, len(wanted)
         of, each = (self._core.steady, wanted.tolist()), 3 * m + 3 + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(of, each, speed, tolerance, workers)
-        sizes = np.cumsum([m, m, m, 3, 2 * m * count])
-        mean, least, most, of_drive, torques, angles = np.split(records, sizes, axis=-1)
-        angle_orders = _moved(_complex(angles).reshape(*shape, ends, 2, count), 2, len(shape))
+        torques, orders = (m,), (m, count, 2)
+        mean, least, most, needed, slowest, fastest, torque_orders, angles = _parts(
+            records, torques, torques, torques, (), (), (), orders, (ends, 2, count, 2)
+        )
+        angle_orders = _moved(_complex(angles), 2, len(shape))
         rates = 1j * wanted * np.where(failures == 0, speeds, np.nan)[..., np.newaxis]
         return SteadyState(
-            found=failures == 0,
-            _failures=failures,
-            torque_mean=_moved(mean, 1, len(shape)),
-            torque_min=_moved(least, 1, len(shape)),
-            torque_max=_moved(most, 1, len(shape)),
-            drive_torque_mean=of_drive[..., 0],
-            drive_speed_min=of_drive[..., 1],
-            drive_speed_max=of_drive[..., 2],
-            torque_orders=_moved(_complex(torques).reshape(*shape, m, count), 1, len(shape)),
+            failures == 0,
+            failures,
+            _moved(mean, 1, len(shape)),
+            _moved(least, 1, len(shape)),
+            _moved(most, 1, len(shape)),
+            needed,
+            slowest,
+            fastest,
+            torque_orders=_moved(_complex(torque_orders), 1, len(shape)),
             angle_orders=angle_orders,
             speed_orders=rates * angle_orders,
             orders=wanted,
@@ -423,21 +414,20 @@ class TorsionalSystem:
         m, ends = len(self.compliant), self.line.n_joints + 1
         of, each = (self._core.orbits, count), count * (6 * ends + m + 1)
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        *motion, torques, of_drive = np.split(
-            records, np.cumsum([*3 * [2 * ends * count], m * count]), axis=-1
+        of_ends = (ends, 2, count)
+        *motion, torques, of_drive = _parts(
+            records, of_ends, of_ends, of_ends, (m, count), (count,)
         )
-        angles, speeds, accelerations = (
-            _moved(record.reshape(*shape, ends, 2, count), 2, len(shape)) for record in motion
-        )
+        angles, speeds, accelerations = (_moved(record, 2, len(shape)) for record in motion)
         return Orbit(
-            found=failures == 0,
-            _failures=failures,
+            failures == 0,
+            failures,
             drive_angle=np.asarray(np.arange(count) * (2.0 * np.pi * self.period_turns / count)),
             angle_error=angles,
             speed=speeds,
             acceleration=accelerations,
             drive_torque=of_drive,
-            torque=_moved(torques.reshape(*shape, m, count), 1, len(shape)),
+            torque=_moved(torques, 1, len(shape)),
             compliant=self.compliant,
         )
 
@@ -463,15 +453,9 @@ class TorsionalSystem:
         """
         of, each = (self._core.multipliers,), 2 * self._multipliers + 2
         _, _, records, failures = self._run(of, each, speed, tolerance, workers)
-        return Stability(
-            failures == 0,
-            failures,
-            multipliers=_complex(records[..., :-2]),
-            drive_torque_slope=records[..., -2],
-            speed_multiplier=records[..., -1],
-            drive_slope=self.drive_slope,
-            period_turns=self.period_turns,
-        )
+        multipliers, slope, of_speed = _parts(records, (self._multipliers, 2), (), ())
+        found = (failures == 0, failures, _complex(multipliers), slope, of_speed)
+        return Stability(*found, self.drive_slope, self.period_turns)
 
     @property
     def _multipliers(self) -> int:
@@ -502,15 +486,17 @@ class TorsionalSystem:
         of, each = (self._core.coexisting, orbits), 1 + one * orbits
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         of_orbits = records[..., 1:].reshape(*shape, orbits, one)
-        mean, least, largest, multipliers = np.split(of_orbits, [m, 2 * m, 3 * m], axis=-1)
+        mean, least, largest, multipliers = _parts(
+            of_orbits, (m,), (m,), (m,), (self._multipliers, 2)
+        )
         return Coexisting(
-            found=failures == 0,
-            _failures=failures,
-            count=np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
-            torque_mean=np.moveaxis(mean, -1, 0),
-            torque_min=np.moveaxis(least, -1, 0),
-            torque_max=np.moveaxis(largest, -1, 0),
-            multipliers=_complex(multipliers),
+            failures == 0,
+            failures,
+            np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
+            np.moveaxis(mean, -1, 0),
+            np.moveaxis(least, -1, 0),
+            np.moveaxis(largest, -1, 0),
+            _complex(multipliers),
         )
 
     def transient(
@@ -594,15 +580,9 @@ class TorsionalSystem:
         """
         options = (*of[1:], _checked_tolerance(tolerance), threads.at_most(workers))
         speeds = as_float64("speed", speed)
-        shape = common_shape(system=self.shape, speed=speeds.shape)
-        numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
-        systems, full = np.broadcast_to(numbers, shape).ravel(), np.broadcast_to(speeds, shape)
-        records, failures = of[0](systems, full.ravel(), *options)
-        return shape, full, records.reshape(*shape, each), failures.reshape(shape)
-
-
-def _restored(line: Driveline, given: dict[str, Any]) -> TorsionalSystem:
-    return TorsionalSystem(line, **given)
+        shape, systems, (flat,) = numbered(self.shape, "system", speed=speeds)
+        records, failures = of[0](systems, flat, *options)
+        return shape, flat.reshape(shape), records.reshape(*shape, each), failures.reshape(shape)
 
 
 def _orders(orders: ArrayLike) -> FloatArray:
@@ -631,12 +611,10 @@ def _couplings(
     for shaft, own in sorted((couplings or {}).items()):
         if not isinstance(own, Coupling):
             raise ArgumentTypeError("couplings", f"has {own!r}; it must be a Coupling", (shaft,))
-        if not 0 <= shaft < shafts:
-            problem = f"names shaft {shaft}; the last one is {shafts - 1}"
-            raise ArgumentValueError("couplings", problem)
-        if np.any(springs[..., shaft] < np.inf):
-            problem = "is the only compliance of its shaft, whose stiffness must be inf"
-            raise ArgumentValueError("couplings", problem, (shaft,))
+        problem = f"names shaft {shaft}; the last one is {shafts - 1}"
+        require("couplings", 0 <= shaft < shafts, problem)
+        problem = "is the only compliance of its shaft, whose stiffness must be inf"
+        require("couplings", not np.any(springs[..., shaft] < np.inf), problem, (shaft,))
         made[shaft] = own
     if loss_factors is None:
         return made
@@ -652,8 +630,16 @@ def _couplings(
     return made
 
 
+def _parts(records: FloatArray, *shapes: tuple[int, ...]) -> list[FloatArray]:
+    """Part records along their last axis into arrays of some shapes."""
+    parts = np.split(records, np.cumsum([math.prod(shape) for shape in shapes])[:-1], axis=-1)
+    batch = records.shape[:-1]
+    return [part.reshape((*batch, *shape)) for part, shape in zip(parts, shapes, strict=True)]
+
+
 def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
-    return np.ascontiguousarray(pairs).view(np.complex128)
+    """Join pairs on the last axis."""
+    return np.ascontiguousarray(pairs).view(np.complex128)[..., 0]
 
 
 def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
@@ -664,8 +650,7 @@ def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
 def _checked_tolerance(tolerance: float) -> float:
     """Return the permitted error of an orbit."""
     value = float(as_float64("tolerance", tolerance))
-    if not 1e-12 <= value <= 1e-3:
-        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    require("tolerance", 1e-12 <= value <= 1e-3, f"is {value!r}; it must be from 1e-12 to 1e-3")
     return value
 
 

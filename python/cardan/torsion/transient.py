@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_choice, check_elements
+from cardan.arrays.errors import (
+    ArgumentTypeError,
+    ArgumentValueError,
+    check_choice,
+    check_elements,
+    require,
+)
 
 if TYPE_CHECKING:
     from cardan.torsion.system import TorsionalSystem
@@ -60,18 +66,16 @@ class Equations:
         drive_inertia: float | None,
     ) -> None:
         """Check the drive and the load."""
-        if system.shape:
-            problem = f"has the batch {system.shape}; a transient is that of one system"
-            raise ArgumentValueError("system", problem)
+        problem = f"has the batch {system.shape}; a transient is that of one system"
+        require("system", not system.shape, problem)
         lossy = [shaft for shaft, own in system.couplings.items() if own.loss_factor > 0.0]
         if lossy:
             problem = "has a loss factor, which is no law in time; give the shaft a damping"
             raise ArgumentValueError("couplings", problem, (lossy[0],))
         if drive_inertia is None:
             drive_inertia = 0.0 if system.drive == "free" else math.inf
-        if not drive_inertia >= 0.0:
-            problem = f"is {drive_inertia!r}; it must not be negative"
-            raise ArgumentValueError("drive_inertia", problem)
+        problem = f"is {drive_inertia!r}; it must not be negative"
+        require("drive_inertia", drive_inertia >= 0.0, problem)
         self.free = math.isfinite(drive_inertia)
         if drive_torque is not None and not self.free:
             problem = "is given, but the speed of a drive of infinite inertia does not follow it"
@@ -173,8 +177,7 @@ def _checked(name: str, value: Any) -> Any:  # noqa: ANN401 - a number or a func
     except (TypeError, ValueError):
         problem = f"is {value!r}; it must be a number or a function"
         raise ArgumentTypeError(name, problem) from None
-    if not math.isfinite(number):
-        raise ArgumentValueError(name, f"is {number!r}; it must be finite")
+    require(name, math.isfinite(number), f"is {number!r}; it must be finite")
     return number
 
 
@@ -182,8 +185,7 @@ def _value(name: str, of: Any, time: float, *speed: float) -> float:  # noqa: AN
     if not callable(of):
         return float(of)
     value = float(of(time, *speed))
-    if not math.isfinite(value):
-        raise ArgumentValueError(name, f"is {value!r} at {time} s; it must be finite")
+    require(name, math.isfinite(value), f"is {value!r} at {time} s; it must be finite")
     return value
 
 
@@ -210,7 +212,7 @@ class Transient(TorsionalMotion):
     event_times: tuple[FloatArray, ...]
     stopped: bool
     _equations: Equations = field(repr=False)
-    _path: _Path = field(repr=False)
+    _path: Any = field(repr=False)  # the states over time
 
     def at(self, time: ArrayLike) -> TorsionalMotion:
         """Return the motion at any times between the first and the last one.
@@ -221,35 +223,16 @@ class Transient(TorsionalMotion):
             time: in s, any shape, within the integrated span.
         """
         times = as_float64("time", time)
-        first, last = self._path.span
+        first, last = self._path.t_min, self._path.t_max
         right = (times >= first) & (times <= last)
         check_elements("time", times, right, f"; it must be from {first} to {last}")
-        return self._equations.motion(times, self._path(times))
+        return self._equations.motion(times, _states(self._path, times))
 
 
-@dataclass(frozen=True, eq=False)
-class _Path:
-    """The states over time: one interpolation for each span between two breaks."""
-
-    solutions: tuple[Any, ...]
-    size: int
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """First and last time."""
-        return self.solutions[0].t_min, self.solutions[-1].t_max
-
-    def __call__(self, times: FloatArray) -> FloatArray:
-        """Return the states ``(variables, ...)`` at times within the span."""
-        flat = times.ravel()
-        ends = [solution.t_max for solution in self.solutions[:-1]]
-        numbers = np.searchsorted(ends, flat)
-        found = np.empty((self.size, flat.size))
-        for number, solution in enumerate(self.solutions):
-            here = numbers == number
-            if here.any():
-                found[:, here] = solution(flat[here])
-        return found.reshape(self.size, *times.shape)
+def _states(path: Any, times: FloatArray) -> FloatArray:  # noqa: ANN401 - an ``OdeSolution``
+    """Return the states ``(variables, ...)`` at times."""
+    found: FloatArray = path(times.ravel())
+    return found.reshape(len(found), *times.shape)
 
 
 def integrated(
@@ -266,7 +249,7 @@ def integrated(
     check_choice("method", method, METHODS)
     listed = [events] if callable(events) else events
     watched = [_Watched(equations, event, i) for i, event in enumerate(listed)]
-    solve = import_optional("scipy.integrate", "optimise").solve_ivp
+    scipy = import_optional("scipy.integrate", "optimise")
     state = _start(equations, start, times[0])
     natural = float(equations.system.natural_frequencies()[0])
     m = len(equations.compliant)
@@ -274,11 +257,11 @@ def integrated(
     inner = np.unique(as_float64("breaks", breaks).ravel())
     inner = inner[(inner > times[0]) & (inner < times[-1])]
     ends = [*inner, times[-1]]
-    solutions: list[Any] = []
+    steps, pieces = [times[0]], []
     zeros: list[list[float]] = [[] for _ in watched]
     stopped = False
     for first, last in zip([times[0], *inner], ends, strict=True):
-        found = solve(
+        found = scipy.solve_ivp(
             equations,
             (first, last),
             state,
@@ -290,16 +273,17 @@ def integrated(
         )
         if found.status < 0:
             raise RuntimeError(f"the integration ends at {found.t[-1]} s: {found.message}")
-        solutions.append(found.sol)
+        steps += [*found.sol.ts[1:]]
+        pieces += found.sol.interpolants
         for of_event, here in zip(zeros, found.t_events or (), strict=True):
             of_event.extend(here)
         state, stopped = found.y[:, -1], found.status == 1
         if stopped:
             break
-    path = _Path(tuple(solutions), equations.size)
-    kept = times[times <= path.span[1]]
+    path = scipy.OdeSolution(steps, pieces)
+    kept = times[times <= path.t_max]
     return Transient(
-        **vars(equations.motion(kept, path(kept))),
+        **vars(equations.motion(kept, _states(path, kept))),
         event_times=tuple(np.array(of_event) for of_event in zeros),
         stopped=stopped,
         _equations=equations,
@@ -327,18 +311,15 @@ def _start(
     """Return the state at the beginning."""
     if isinstance(start, Transient):
         before = start._equations
-        if before.compliant != equations.compliant:
-            problem = f"has the compliant shafts {before.compliant}, not {equations.compliant}"
-            raise ArgumentValueError("start", problem)
-        last = np.asarray(start._path.span[1])
-        state = start._path(last)
+        problem = f"has the compliant shafts {before.compliant}, not {equations.compliant}"
+        require("start", before.compliant == equations.compliant, problem)
+        last = np.asarray(start._path.t_max)
+        state = _states(start._path, last)
         drive = [state[0], float(before.motion(last, state).drive_speed)]
         return np.concatenate([drive[: equations.first], state[before.first :]])
     if start == "steady":
         return equations.steady(time)
-    if start != "rigid":
-        problem = f"is {start!r}; it must be 'rigid', 'steady' or a transient"
-        raise ArgumentValueError("start", problem)
+    require("start", start == "rigid", f"is {start!r}; it must be 'rigid', 'steady' or a transient")
     return equations.rigid(time)
 
 

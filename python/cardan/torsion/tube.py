@@ -122,25 +122,22 @@ def tube(
     if shear_coefficient is not None and not rotary:
         problem = "is given without rotary=True; without it shear has no effect"
         raise ArgumentValueError("shear_coefficient", problem)
-    loss = not_negative("loss_factor", loss_factor)
-    shape, full = together(
-        {name: (positive(name, x), 0) for name, x in given.items()} | {"loss_factor": (loss, 0)}
-    )
+    checked = {name: (positive(name, value), 0) for name, value in given.items()}
+    loss = (not_negative("loss_factor", loss_factor), 0)
+    shape, (*sizes, own_loss) = together(checked | {"loss_factor": loss})
+    outer, thickness, own_length, shear, elastic, weight = sizes
     rule = " m; a wall is at most half the outer diameter"
-    check_elements("wall", full[1], full[1] <= 0.5 * full[0], rule)
-    flat = _core.tubes([array.ravel() for array in full[:6]])
+    check_elements("wall", thickness, thickness <= 0.5 * outer, rule)
+    flat = _core.tubes([array.ravel() for array in sizes])
     stiffness, inertia, mass, speed, shear_per_torque, bending, cowper = flat.reshape(7, *shape)
-    _, _, own_length, shear, elastic, weight, own_loss = full
     line_mass = mass / own_length
+    by_shear, by_turning = np.full(shape, np.inf), np.zeros(shape)
     if rotary:
-        given_one = (
-            None if shear_coefficient is None else positive("shear_coefficient", shear_coefficient)
-        )
-        coefficient = cowper if given_one is None else given_one
+        coefficient = cowper
+        if shear_coefficient is not None:
+            coefficient = positive("shear_coefficient", shear_coefficient)
         by_shear = np.asarray(coefficient * shear * line_mass / weight)
         by_turning = np.asarray(weight * bending / elastic)
-    else:
-        by_shear, by_turning = np.full(shape, np.inf), np.zeros(shape)
     by_shear, by_turning, own_loss = map(scalar_or_array, (by_shear, by_turning, own_loss))
     return Tube(
         *(stiffness, inertia, mass, speed, bending, line_mass, by_shear, by_turning, own_loss),

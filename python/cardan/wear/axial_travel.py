@@ -1,14 +1,7 @@
 """Shafts whose axes do not meet: how far pins and shafts slide over the turn.
 
-With the shafts along ``u`` and ``v``, the driving pin along ``p`` and the driven pin along ``q``,
-the loop of a joint closes if
-
-    s_2 p + s_3 q + s_4 v = -(g_1 u x p + h p x q + g_3 q x v + d unit(v x u))
-
-where ``g_1`` is the distance from the axis of the driving shaft to that of its pin, ``h`` that from
-one pin to the other, ``g_3`` that from the driven pin to the axis of its shaft, and ``d`` that from
-there back to the axis of the driving shaft. The offsets change no angle as long as the slides
-``s_2`` and ``s_3`` of the pins and ``s_4`` of the driven shaft are free (derived here).
+The loop from the driving shaft over both pins to the driven shaft closes by the slides, as long as
+these are free; no angle changes (``docs/theory/offsets.md``).
 """
 
 from __future__ import annotations

@@ -1,15 +1,7 @@
 """The life of joints: by the catalogue's law, and by the exact load of the pins over the turn.
 
-The catalogue's law is ``L = 1.5e6/(b n) (T_c/T)**(10/3)`` in hours, with the bend ``b`` in degrees
-and the speed ``n`` in rpm. The rating ``T_c`` is the torque that gives 5000 hours at 3 degrees and
-100 rpm. Bends below 3 degrees count as 3, because the law does not hold there. The life is that
-which 90 % of the joints reach (``L10``).
-
-The law takes the torque for the load of all pins. Over a turn the load of a pin is the joint's
-moment, which is larger than the torque, and what counts is the way over which it acts. The
-equivalent moment of the pins in one yoke is therefore the mean of ``|M|**(10/3)`` over the way that
-they turn in their bearings, to the power of 3/10. The lives of both yokes combine by the Weibull
-slope 9/8 of roller bearings under line contact (derived here).
+Page Wear of the theory (``docs/theory/wear.md``) has the law, and how the loads and lives of the
+pins in both yokes combine. Lives are those which 90 % of the joints reach (``L10``).
 """
 
 from __future__ import annotations
@@ -23,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, per_joint, positive
-from cardan.arrays.errors import ArgumentValueError, check_shape, exclusive
+from cardan.arrays.errors import ArgumentValueError, check_shape, exclusive, require
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, means_over_turn, pins_at
 
@@ -107,8 +99,7 @@ def life(
     n = line.n_joints
     rated = per_joint("rating", positive("rating", rating), n)
     turning = np.abs(load.speed) if speed is None else positive("speed", speed)
-    if not np.all(turning > 0.0):
-        raise ArgumentValueError("load", "has no speed; a life in hours needs one")
+    require("load", np.all(turning > 0.0), "has no speed; a life in hours needs one")
     exclusive(shares=shares, angle=angle)
     if angle is not None:
         return _of_run(line, load, rated, turning, as_float64("angle", angle))
@@ -155,8 +146,7 @@ def _of_run(
         check_shape("angle", angle, False, rule)
     ways = np.abs(np.diff(angle))
     turned = float(np.sum(ways))
-    if not 0.0 < turned < np.inf:
-        raise ArgumentValueError("angle", "does not change, or is not finite")
+    require("angle", 0.0 < turned < np.inf, "does not change, or is not finite")
 
     def mean(values: FloatArray) -> FloatArray:
         """Over the angle, by trapezoids."""

@@ -1,12 +1,7 @@
 """Friction in the joints: the power that the pins take, at an angle and over a turn.
 
-The pins turn in their bearings at the rates ``swing_driving`` and ``swing_driven`` per radian of
-the drive. The moment ``M`` of the joint presses each of two pins on its bearing with ``M/(2 R)`` at
-the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
-times the rate. A seal or a preload adds a moment that does not depend on the load.
-
 Everything is exact to first order in the friction: the loss of one joint is not subtracted from the
-torque of the next.
+torque of the next (``docs/theory/wear.md``).
 """
 
 from __future__ import annotations
@@ -18,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, not_negative, per_joint, positive, scalar_or_array, together
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import require
 from cardan.evaluation.load import Load, require_load
 from cardan.wear.pin_loads import PinLoads, cross_axes, dot, means_over_turn, pins_at
 
@@ -44,9 +39,8 @@ class Losses:
         Raises:
             ValueError: the load has no torque over the mean of a turn.
         """
-        if not np.all(np.abs(self._drive) > 0.0):
-            problem = "has no torque over the mean of a turn; no power goes through the driveline"
-            raise ArgumentValueError("load", problem)
+        problem = "has no torque over the mean of a turn; no power goes through the driveline"
+        require("load", np.all(np.abs(self._drive) > 0.0), problem)
         return self._mean / np.abs(self._drive)
 
     @property
@@ -58,8 +52,7 @@ class Losses:
     def power(self) -> FloatArray:
         """Heat of each joint in W, the mean over a turn, ``(n, ...)``; needs a speed."""
         speed = np.abs(self._load.speed)
-        if not np.all(speed > 0.0):
-            raise ArgumentValueError("load", "has no speed; the power lost needs one")
+        require("load", np.all(speed > 0.0), "has no speed; the power lost needs one")
         return self._mean * speed
 
     def torque(self, angle: ArrayLike) -> FloatArray:

@@ -1,15 +1,7 @@
 """Shafts that change their length: travel of a spline, what is left of it, and its axial force.
 
-A spline that carries a torque ``T`` at the pitch radius ``r`` presses with ``T/r`` on its flanks.
-It therefore slides only under the axial force ``F = mu T/r``. While shaft ``i`` becomes longer, it
-pulls like a rod in tension: with ``F u_i`` on what holds it upstream and with ``-F u_i`` on what
-holds it downstream. While it becomes shorter, it pushes. The joints transmit this force to the next
-shafts, which are inclined by the bends: ``F cos(bend)`` acts along such a shaft and ``F sin(bend)``
-across it, in the plane of the bend.
-
-D. Thoma (1920) assumes that a joint transmits moments and no force. He names the conditions:
-accurate parts, and a shaft that can slide along its axis and has no axial force to bear. A loaded
-spline fulfils only the first half of the second condition.
+Under a torque a spline slides only under an axial force, which the joints transmit to the next
+shafts: ``docs/theory/moments.md``.
 """
 
 from __future__ import annotations
@@ -26,12 +18,12 @@ from cardan.arrays import (
     as_float64,
     common_shape,
     not_negative,
+    numbered,
     positive,
     scalar_or_array,
     threads,
 )
 from cardan.arrays.indices import item_index
-from cardan.geometry.geometry import broadcast
 
 if TYPE_CHECKING:
     from cardan.driveline import Driveline
@@ -179,7 +171,7 @@ def spline_force(
     index = item_index("shaft", shaft, line.n_joints + 1)
     load = as_float64("torque", torque)
     mu, arm = not_negative("friction", friction), positive("radius", radius)
-    shape, numbers, loads = broadcast(line, torque=load, friction=mu, radius=arm)
+    shape, numbers, loads = numbered(line.shape, torque=load, friction=mu, radius=arm)
     flat, undetermined = _core.spline_forces(
         line._lines, index, numbers, loads, threads.at_most(None)
     )
