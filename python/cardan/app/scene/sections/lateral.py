@@ -10,13 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.scene.language.rules import (
-    INDEX,
-    NOT_NEGATIVE,
-    POSITIVE,
-    ListOf,
-    Number,
-)
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, POSITIVE, ListOf, Number
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.sections.bearing import BEARING, STIFFNESS, check_across
@@ -251,10 +245,7 @@ def _check_place(key: str, value: float, length: float, shaft: int) -> None:
 
 
 def _attached(
-    section: Section[Any],
-    tables: list[dict[str, Any]],
-    moving: set[int],
-    scene: Reading,
+    section: Section[Any], tables: list[dict[str, Any]], moving: set[int], scene: Reading
 ) -> Iterator[Attached]:
     lengths = np.asarray(scene.line.lengths().each)
     for i, given in enumerate(tables):

@@ -333,8 +333,7 @@ def _couplings(tables: list[dict[str, Any]], shafts: int, scene: Reading) -> dic
                     check_count(other, values[other], len(values[one]), f"as many as {one}")
             with COUPLING.named(COUPLING.keys):
                 made[shaft] = Coupling(
-                    **COUPLING.arguments(values),
-                    contact_damping=values.get("damper") == "contact",
+                    **COUPLING.arguments(values), contact_damping=values.get("damper") == "contact"
                 )
     lossy = [shaft for shaft, own in made.items() if own.loss_factor > 0.0]
     kinked = [shaft for shaft, own in made.items() if own.play > 0.0 or own.twist is not None]

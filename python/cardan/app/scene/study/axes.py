@@ -16,19 +16,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import (
-    COUNT,
-    INDEX,
-    SPREAD,
-    ListOf,
-    Number,
-    Rule,
-    Schema,
-    Table,
-    shown,
-)
-from cardan.app.scene.language.units import Unit, alike, si_key, size_of, us_keys
+from cardan.app.scene.language import errors, rules, units
 from cardan.app.scene.sections.bearing import POSITIONS
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import LOAD
@@ -70,29 +58,30 @@ class Turned(NamedTuple):
 Varied: TypeAlias = Mapping[str, Mapping[str, Steps | Added | Turned]]
 """What varies by key and place, as a section has it."""
 
-_SPREAD = Table(
-    {"from": Number(), "to": Number(), "steps": COUNT}, f"{SPREAD} or a list of numbers"
+_SPREAD = rules.Table(
+    {"from": rules.Number(), "to": rules.Number(), "steps": rules.COUNT},
+    f"{rules.SPREAD} or a list of numbers",
 )
-_LISTED = ListOf(Number(), "numbers")
-_VECTOR = ListOf(Number(), "three numbers", count=3)
+_LISTED = rules.ListOf(rules.Number(), "numbers")
+_VECTOR = rules.ListOf(rules.Number(), "three numbers", count=3)
 _ADD = "add"
 _TURN, _AXIS = "turn_deg", "axis"
-_ABOUT = tuple(key for si in ("about_mm", "about_m") for key in (si, *us_keys(si)))
+_ABOUT = tuple(key for si in ("about_mm", "about_m") for key in (si, *units.us_keys(si)))
 _OF_TURN = (_TURN, *_ABOUT, _AXIS)
 _AXES = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
 
 
 @dataclass(frozen=True)
-class Direction(Rule):
+class Direction(rules.Rule):
     """The direction of an axis: its name or a vector of any length."""
 
     name = "axis"
 
-    def read(self, where: Location, value: object) -> list[float]:
+    def read(self, where: errors.Location, value: object) -> list[float]:
         """Return the vector."""
         if isinstance(value, str):
             if value not in _AXES:
-                raise where.error(f'is {shown(value)}; it is "x", "y", "z" or three numbers')
+                raise where.error(f'is {rules.shown(value)}; it is "x", "y", "z" or three numbers')
             return _AXES[value]
         axis = _VECTOR.read(where, value)
         if not any(axis):
@@ -100,7 +89,7 @@ class Direction(Rule):
         return axis
 
     @property
-    def schema(self) -> Schema:
+    def schema(self) -> rules.Schema:
         """A name or three numbers."""
         return {"oneOf": [{"enum": list(_AXES)}, _VECTOR.schema]}
 
@@ -109,22 +98,22 @@ DIRECTION = Direction()
 
 
 @dataclass(frozen=True)
-class AxisValues(Rule):
+class AxisValues(rules.Rule):
     """What varies a number: values under no place, listed or evenly spread."""
 
     name = "values"
 
-    def of_us_key(self, unit: Unit) -> Rule:
+    def of_us_key(self, unit: units.Unit) -> rules.Rule:
         """Return the same rule: what varies stays in the unit of its key."""
         del unit
         return self
 
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Steps | Added]:
         """Return the values by their place, which is empty."""
         return {"": _values(where, value)}
 
     @property
-    def schema(self) -> Schema:
+    def schema(self) -> rules.Schema:
         """A reference to the definition."""
         return _VALUES
 
@@ -152,21 +141,21 @@ DEFINITIONS = {
 """JSON Schemas of the values of an axis, for the schema to define once."""
 
 
-def _changed(where: Location, value: object) -> Steps | Added:
+def _changed(where: errors.Location, value: object) -> Steps | Added:
     """Values, or with ``add`` changes."""
     if isinstance(value, dict) and _ADD in value:
         for key in value:
             if key != _ADD:
-                raise where.error(f"has an unknown key {shown(key)}; {_ADD} stands alone")
+                raise where.error(f"has an unknown key {rules.shown(key)}; {_ADD} stands alone")
         return Added(_values(where.at(_ADD), value[_ADD]))
     return _values(where, value)
 
 
-def _turned(where: Location, value: Mapping[str, object]) -> Turned:
+def _turned(where: errors.Location, value: Mapping[str, object]) -> Turned:
     """By what points turn, about which point and axis."""
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
-        points = " or ".join(alike(where.key, _ABOUT))
+        points = " or ".join(units.alike(where.key, _ABOUT))
         raise where.error(f"must have {_TURN}, {points}, and {_AXIS}")
     axis = DIRECTION.read(where.at(_AXIS), value[_AXIS])
     steps = _values(where.at(_TURN), value[_TURN])
@@ -174,7 +163,7 @@ def _turned(where: Location, value: Mapping[str, object]) -> Turned:
     return Turned(steps, point, axis, about[0].rpartition("_")[2])
 
 
-def _values(where: Location, value: object) -> Steps:
+def _values(where: errors.Location, value: object) -> Steps:
     if isinstance(value, list):
         if not value:
             raise where.error("is []; a study needs at least one value")
@@ -187,7 +176,7 @@ def _values(where: Location, value: object) -> Steps:
     return spread
 
 
-def _tables(pattern: str, entry: Schema) -> Schema:
+def _tables(pattern: str, entry: rules.Schema) -> rules.Schema:
     return {
         "type": "object",
         "patternProperties": {pattern: entry},
@@ -205,7 +194,7 @@ _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
 class ListAxes(AxisValues):
     """What varies a list of numbers: values for all entries, or for some by their place."""
 
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Steps | Added]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
         if not _is_table(value) or value.keys() & {*_SPREAD.keys, _ADD}:
             return {"": _changed(where, value)}
@@ -215,13 +204,13 @@ class ListAxes(AxisValues):
         return {index: _changed(where.at(index), entry) for index, entry in value.items()}
 
     @property
-    def schema(self) -> Schema:
+    def schema(self) -> rules.Schema:
         """The values, or an object of them."""
         return {"anyOf": [_CHANGED, _tables(f"^{ENTRIES}$", _CHANGED)]}
 
 
 @dataclass(frozen=True)
-class NestedAxes(Rule):
+class NestedAxes(rules.Rule):
     """What varies a part of an entry, as a component of a vector: values by entry and part.
 
     ``what`` is entry and part in words with an example; ``no_entry`` says what names no entry.
@@ -235,16 +224,16 @@ class NestedAxes(Rule):
     changes: bool = False
     name = "values"
 
-    def of_us_key(self, unit: Unit) -> Rule:
+    def of_us_key(self, unit: units.Unit) -> rules.Rule:
         """Return the same rule: what varies stays in the unit of its key."""
         del unit
         return self
 
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added | Turned]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Steps | Added | Turned]:
         """Return the values by entry and part: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
         if not _is_table(value) or not all(map(_is_table, value.values())):
             words, example = self.what
-            raise where.error(f"is {shown(value)}; name {words}, as in {where}.{example}")
+            raise where.error(f"is {rules.shown(value)}; name {words}, as in {where}.{example}")
         axes: dict[str, Steps | Added | Turned] = {}
         read = _changed if self.changes else _values
         for index, parts in value.items():
@@ -255,7 +244,9 @@ class NestedAxes(Rule):
             known = (*self.parts, *(_OF_TURN if self.changes else ()))
             for part, entry in parts.items():
                 if part not in known:
-                    raise at.error(f"has no {shown(part)}; {nearest(part, alike(part, known))}")
+                    raise at.error(
+                        f"has no {rules.shown(part)}; {nearest(part, units.alike(part, known))}"
+                    )
                 if part not in turn:
                     axes[f"{index}.{part}"] = read(at.at(part), entry)
             if turn:
@@ -263,7 +254,7 @@ class NestedAxes(Rule):
         return axes
 
     @property
-    def schema(self) -> Schema:
+    def schema(self) -> rules.Schema:
         """An object of objects."""
         values = dict.fromkeys(self.parts, _CHANGED if self.changes else _VALUES)
         parts: dict[str, Any] = {"type": "object", "additionalProperties": False}
@@ -291,22 +282,22 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 
 @dataclass(frozen=True)
-class Entry(Rule):
+class Entry(rules.Rule):
     """Which entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
 
     name = "text"
 
-    def read(self, where: Location, value: object) -> str:
+    def read(self, where: errors.Location, value: object) -> str:
         """Return it as text."""
         index = str(value) if isinstance(value, int) and not isinstance(value, bool) else value
         if not isinstance(index, str) or not re.search(f"^{ENTRIES}$", index):
-            raise where.error(f'is {shown(value)}; it must be as 2 or "2-3", counted from 0')
+            raise where.error(f'is {rules.shown(value)}; it must be as 2 or "2-3", counted from 0')
         return index
 
     @property
-    def schema(self) -> Schema:
+    def schema(self) -> rules.Schema:
         """A number or such a string."""
-        return {"anyOf": [INDEX.schema, {"type": "string", "pattern": f"^{ENTRIES}$"}]}
+        return {"anyOf": [rules.INDEX.schema, {"type": "string", "pattern": f"^{ENTRIES}$"}]}
 
 
 ENTRY = Entry()
@@ -317,7 +308,7 @@ BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
     "does not exist; write 0 for the first bearing",
-    tuple(key for si in POSITIONS for key in (si, *us_keys(si))),
+    tuple(key for si in POSITIONS for key in (si, *units.us_keys(si))),
 )
 
 
@@ -361,7 +352,7 @@ class Axis:
     size: float = 1.0
 
     @property
-    def location(self) -> Location:
+    def location(self) -> errors.Location:
         """Where the file gives the values, for errors."""
         return _location(*self.key.partition(".")[::2])
 
@@ -409,8 +400,8 @@ def grid_of(
     }
     rows = math.prod(sizes.values())
     if rows > MOST_ROWS:
-        product = " x ".join(map(shown, sizes.values()))
-        count = f"{product} = {shown(rows)}" if len(sizes) > 1 else shown(rows)
+        product = " x ".join(map(rules.shown, sizes.values()))
+        count = f"{product} = {rules.shown(rows)}" if len(sizes) > 1 else rules.shown(rows)
         largest = max(sizes, key=lambda key: sizes[key])
         raise largest.error(
             f"makes the study {count} rows; it takes at most {MOST_ROWS}: "
@@ -434,7 +425,7 @@ def axes_of(
             continue
         section = "driveline" if name in DRIVELINE.keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section, varying)
-        own, size = si_key(name), size_of(name)
+        own, size = units.si_key(name), units.size_of(name)
         for place, values in places.items():
             index, _, component = place.partition(".")
             entries = _entries(_location(name, place), index, base)
@@ -476,7 +467,7 @@ def _rotation(name: str, place: str, values: Turned) -> Rotation:
         raise location.error(f"turns; only points can turn, and {name} are none")
     if name != f"points_{values.unit}":
         raise location.error(f"has about_{values.unit}; the point is in the unit of {name}")
-    return Rotation(size_of(name) * np.array(values.about), unit_vector(values.axis))
+    return Rotation(units.size_of(name) * np.array(values.about), unit_vector(values.axis))
 
 
 def unit_vector(direction: list[float]) -> FloatArray:
@@ -489,16 +480,16 @@ def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]
     location, number = _location("bearing", place), int(index)
     if number >= len(bearings):
         raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
-    name = si_key(key)
+    name = units.si_key(key)
     if name not in bearings[number]:
         used = next(name for name in bearings[number] if name != "shaft")
         raise location.error(f"does not go with {used} of that bearing; vary that")
-    entries, size = slice(number, number + 1), size_of(key)
+    entries, size = slice(number, number + 1), units.size_of(key)
     return Axis(str(location), "bearing", name, entries, None, _listed(values), size=size)
 
 
-def _location(name: str, place: str) -> Location:
-    return Location(name, tuple(place.split(".")) if place else ())
+def _location(name: str, place: str) -> errors.Location:
+    return errors.Location(name, tuple(place.split(".")) if place else ())
 
 
 def _base(
@@ -507,7 +498,7 @@ def _base(
     """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
     if values is None:
         raise ArgumentValueError(name, f"needs a section [{section}]")
-    own = si_key(name)
+    own = units.si_key(name)
     if own in values:
         entries: Sequence[Any] | None = values[own] if isinstance(values[own], list) else None
         if entries == []:
@@ -525,13 +516,13 @@ def _base(
     raise ArgumentValueError(name, f"is not in [{section}]; {varying} can vary {there}")
 
 
-def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:
+def _entries(key: errors.Location, index: str, base: Sequence[Any] | None) -> slice | None:
     if base is None:
         return None
     return entries_of(key, index, len(base)) if index else slice(None)
 
 
-def entries_of(key: Location, index: str, count: int) -> slice:
+def entries_of(key: errors.Location, index: str, count: int) -> slice:
     """Return which of so many entries ``"2"`` or ``"2-3"`` names."""
     ends = [int(end) for end in index.split("-")]
     first, last = ends[0], ends[-1]
