@@ -45,8 +45,8 @@ from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
 from cardan.app.scene.sections.tubes import TUBES, Tubes
 from cardan.app.scene.sections.wind_up import WIND_UP, WindUp
-from cardan.app.scene.study.states import SceneLayout, States, states_result
-from cardan.app.scene.study.study import Study, StudyResult
+from cardan.app.scene.study.states import States, states_result
+from cardan.app.scene.study.study import SceneLayout, Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limit, Limits

@@ -34,7 +34,6 @@ class QuantityName(rules.Rule):
         return [*MOTION_QUANTITIES, *(OUTPUTS if self.outputs else ())]
 
     def read(self, where: errors.Location, value: object) -> str:
-        """Return the name."""
         name = rules.Text().read(where, value)
         other = reduced_quantity(name) or (self.outputs and order_quantity(name))
         if name not in self._names and not other:
@@ -44,7 +43,6 @@ class QuantityName(rules.Rule):
 
     @property
     def schema(self) -> rules.Schema:
-        """A name of a list or of a form."""
         # Python's end of a text may have a line end behind it; that of JSON Schema may not.
         forms = [*map(pattern, OUTPUTS.values()), *([ORDER_PATTERN] if self.outputs else [])]
         outputs = f"^({'|'.join(forms)})$(?!\\n)"
@@ -87,7 +85,6 @@ class Keep(rules.Rule):
     name = "limits"
 
     def read(self, where: errors.Location, value: object) -> dict[str, float]:
-        """Return the limits by key."""
         if not isinstance(value, dict) or not value:
             raise rules.refused(
                 where, value, "name quantities and limits, as {non_uniformity = 0.01}"
@@ -108,7 +105,6 @@ class Keep(rules.Rule):
 
     @property
     def schema(self) -> rules.Schema:
-        """An object of positive numbers."""
         outputs = "|".join(
             pattern(output) + key
             for output in OUTPUTS.values()

@@ -97,7 +97,6 @@ class Recording:
     """
 
     def __init__(self, values: Mapping[str, Any], folder: Path) -> None:
-        """Take the keys of the section and the folder of the scene."""
         self._file = folder / values["file"]
         self._raster = values.get("raster_s")
         self._columns: dict[str, str] = {}

@@ -27,7 +27,6 @@ class MaterialRule(rules.Table):
     name = "material"
 
     def read(self, where: errors.Location, value: object) -> dict[str, Any]:
-        """Return the entries by key."""
         found = super().read(where, value)
         given: dict[str, str] = {}
         for key in found:
@@ -44,7 +43,6 @@ class MaterialRule(rules.Table):
 
     @property
     def schema(self) -> rules.Schema:
-        """An object of these keys."""
         return {
             **super().schema,
             "dependentSchemas": {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, ListOf, Number, each
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, VECTOR, Number, each
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
@@ -218,7 +218,7 @@ BEARING: Section[Mounted] = Section(
             1e3,
         ),
         "axis": Key(
-            ListOf(Number(), "three numbers", 3),
+            VECTOR,
             "direction of the first of two stiffnesses; what is along the shaft does not count",
             "axis",
         ),

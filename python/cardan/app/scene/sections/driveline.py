@@ -337,8 +337,7 @@ def has_lengths(line: Driveline) -> bool:
 
 
 def _vectors(meaning: str, argument: str) -> Key:
-    vector = rules.ListOf(rules.Number(), "three numbers", count=3)
-    return Key(rules.ListOf(vector, "vectors [x, y, z]"), meaning, argument, kind="vectors")
+    return Key(rules.ListOf(rules.VECTOR, "vectors [x, y, z]"), meaning, argument, kind="vectors")
 
 
 def _slopes(meaning: str, argument: str) -> Key:

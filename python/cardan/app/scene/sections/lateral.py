@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, POSITIVE, ListOf, Number
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, POSITIVE, VECTOR, ListOf, Number
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.sections.bearing import BEARING, STIFFNESS, check_across
@@ -298,7 +298,7 @@ UNBALANCE: Section[Mapping[str, Any]] = Section(
         **_PLACED,
         "unbalance_gmm": Key(NOT_NEGATIVE, "mass times distance from the axis", "mass_arm", 1e-6),
         "direction": Key(
-            ListOf(Number(), "three numbers", 3),
+            VECTOR,
             "to which side it is at the drive angle 0; what is along the shaft does not count",
             "direction",
         ),

@@ -20,7 +20,8 @@ from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
 if TYPE_CHECKING:
-    from cardan.app.scene.study.states import SceneLayout, States
+    from cardan.app.scene.study.states import States
+    from cardan.app.scene.study.study import SceneLayout
 
 _ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
 

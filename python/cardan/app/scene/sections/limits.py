@@ -23,7 +23,6 @@ class LimitRule(rules.OneOrEach):
     name = "limit"
 
     def read(self, where: errors.Location, value: object) -> float | list[float]:
-        """Return the number or both."""
         found: float | list[float] = super().read(where, value)
         if isinstance(found, list) and found[0] > found[1]:
             raise rules.refused(where, value, "have a maximum that is not below the limit")

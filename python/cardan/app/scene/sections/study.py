@@ -33,7 +33,7 @@ from cardan.app.scene.study.axes import (
     grid_of,
 )
 from cardan.app.scene.study.states import States
-from cardan.app.scene.study.study import Study
+from cardan.app.scene.study.study import SceneLayout, Study
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentError, ArgumentValueError, nearest
 
@@ -147,8 +147,8 @@ def _check_units(varied: Varied, scene: Reading) -> None:
     """Refuse what varies in another unit than the scene gives it."""
     for key, places in varied.items():
         for place in places if key == BEARING.name else ("",):
-            at = Location(key, tuple(place.split(".")) if place else ())
-            scene.check_unit(str(at), at)
+            path = f"{key}.{place}" if place else key
+            scene.check_unit(path, Location.of(path))
 
 
 def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
@@ -174,9 +174,7 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
     every_joint = tuple(range(scene.line.n_joints))
     study = Study(
         grid_of(varied, {**described.keys, **lengths}, loaded.keys, bearings),
-        described.form,
-        keys,
-        loaded.to_reduce,
+        SceneLayout(described.form, keys, loaded.to_reduce, scene[BEARING].mounting),
         angles.to_reduce,
         quantities,
         tuple(output.get("reduce", ("peak",))),
@@ -184,7 +182,6 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
         asked.shafts,
         every_joint if asked.joints is None else asked.joints,
         {**asked.options, **({} if angles.driven is None else {"angle_of": "driven"})},
-        scene[BEARING].mounting,
         scene[JOINTS].deviations,
     )
     # The ends of the grid, so that a value out of range shows before a long run.

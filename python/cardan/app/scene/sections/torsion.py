@@ -79,7 +79,6 @@ class ShaftStiffness(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A number or one of the words."""
         return {"oneOf": [self.number.schema, {"enum": [_RIGID, _TUBE, _COUPLING]}]}
 
 
@@ -90,7 +89,6 @@ class Rising(ListOf):
     why: str = ""
 
     def read(self, where: Location, value: object) -> list[Any]:
-        """Return the values."""
         points = super().read(where, value)
         if len(points) < 2:
             raise where.error(f"is {shown(value)}; a curve needs two points at least")
@@ -102,7 +100,6 @@ class Rising(ListOf):
 
     @property
     def schema(self) -> Schema:
-        """An array of two values at least."""
         return {**super().schema, "minItems": 2}
 
 
@@ -127,7 +124,6 @@ class SpeedValues(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An array of speeds or an object."""
         listed = {"type": "array", "items": _SPEED.schema, "minItems": 2, "uniqueItems": True}
         return {"oneOf": [listed, _SPREAD.schema]}
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import ListOf, Number
+from cardan.app.scene.language.rules import VECTOR, Number
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import size_of
 from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
@@ -17,7 +17,6 @@ from cardan.app.scene.study.axes import DIRECTION, ENTRY, Axis, Rotation, entrie
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 
-_VECTOR = ListOf(Number(), "three numbers", count=3)
 _SLOPES = "slopes_vertical_deg"
 
 
@@ -111,14 +110,14 @@ WIND_UP: Section[tuple[WindUp, ...]] = Section(
             f"or, with {READINGS} or {_SLOPES}: the shafts that tilt, counted from 0: "
             '"2", upwards to the output',
         ),
-        "about_mm": Key(_VECTOR, "of points: a point of the axis about which they turn"),
+        "about_mm": Key(VECTOR, "of points: a point of the axis about which they turn"),
         "axis": Key(
             DIRECTION, 'its direction: "x", "y", "z" or three numbers', default="z", kind="axis"
         ),
         "deg_per_kNm": Key(
             Number(), "angle per kN m of mean torque, right-handed about the axis or upwards"
         ),
-        "mm_per_kNm": Key(_VECTOR, "or, or besides: by how much the points move per kN m"),
+        "mm_per_kNm": Key(VECTOR, "or, or besides: by how much the points move per kN m"),
     },
     _wind_ups,
     together=(("points", "shafts"),),

@@ -21,7 +21,8 @@ from cardan.app.scene.sections.driveline import DRIVELINE, make_driveline
 from cardan.app.scene.sections.load import largest_speed
 from cardan.app.scene.sections.study import STATES, STUDY
 from cardan.app.scene.study.axes import BEARING_AXES, Axis, axes_of
-from cardan.app.scene.study.states import SceneLayout, States
+from cardan.app.scene.study.states import States
+from cardan.app.scene.study.study import SceneLayout
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.quantities import MOTION_QUANTITIES
