@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self, cast, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.files.tables import read_ahead
+from cardan.app.files.recording import read_ahead
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.document import Document, read_text
 from cardan.app.scene.language.errors import Location, SceneError, as_file_has_it
@@ -301,9 +301,6 @@ class Scene:
     def load(cls, path: str | PathLike[str]) -> Self:
         """Read a scene file; paths in it are relative to its folder.
 
-        Args:
-            path: of the file.
-
         Raises:
             ImportError: it names a file whose library is missing.
             OSError: the file cannot be read.
@@ -322,9 +319,8 @@ class Scene:
             folder: the folder to which paths in it are relative.
 
         Raises:
-            ImportError: it names a file whose library is missing.
-            ValueError: it is not a scene, or its recording cannot be read; one line with name, line
-                where that is certain, section, key, rule and value.
+            ImportError: as for ``load``.
+            ValueError: as for ``load``; name stands for the file.
         """
         return cls._of(Document(text, name, FORMAT), Path(folder))
 
@@ -369,11 +365,8 @@ class Scene:
         All unknown keys and values of the wrong kind are found at once. Only if there are none,
         values that do not fit together are found.
 
-        Args:
-            path: of the file.
-
         Raises:
-            ImportError: it names a file whose library is missing.
+            ImportError: as for ``load``.
             OSError: the file cannot be read.
         """
         try:
@@ -460,11 +453,7 @@ class Scene:
     def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
         """Return the driveline in every state of the scene, or as a batch of one without [states].
 
-        Args:
-            changes: values by path, as for ``States.drivelines``.
-
-        Raises:
-            ValueError: as for ``States.drivelines``; bends that were recorded.
+        Changes and errors are those of ``States.drivelines``; recorded bends are a ``ValueError``.
         """
         if self.states:
             return self.states.drivelines(changes)
@@ -473,10 +462,7 @@ class Scene:
         return self.layout.of(self.layout.values(changes=changes))
 
     def in_state(self, state: int) -> Self:
-        """Return the scene of one of its states alone, without [states].
-
-        Args:
-            state: number of the state, counted from 0.
+        """Return the scene of one of its states, counted from 0, without [states].
 
         Raises:
             IndexError: a state that does not exist.
@@ -622,8 +608,7 @@ class BallJointScene:
             name: its name in messages.
 
         Raises:
-            ValueError: it is no scene of a ball joint alone; one line with name, line where that
-                is certain, section, key, rule and value.
+            ValueError: it is no scene of a ball joint alone; one line, as of ``Scene.load``.
         """
         return cls.of(Document(text, name, FORMAT))
 
@@ -650,18 +635,10 @@ class BallJointScene:
 
 
 def load_scene(path: str | PathLike[str]) -> Scene | BallJointScene:
-    """Read a scene file of a driveline, of a ball joint, or of both.
-
-    Args:
-        path: the file.
-
-    Returns:
-        a scene of a driveline, which may have a ball joint as well, or of a ball joint alone.
+    """Read a scene file of a driveline, with a ball joint or without, or of a ball joint alone.
 
     Raises:
-        ImportError: it names a file whose library is missing.
-        OSError: the file or a recording cannot be read.
-        ValueError: it is not a scene, as for ``Scene.load``.
+        ImportError, OSError, ValueError: as for ``Scene.load``.
     """
     document = Document(read_text(path), fspath(path), FORMAT)
     if is_alone(document):

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from cardan._core import Integral, derivatives_at
 from cardan.app.files.delimited import short
-from cardan.app.files.recording import Chunk, place_of, read_chunks
-from cardan.app.files.tables import read_ahead
+from cardan.app.files.recording import Chunk, place_of, read_ahead, read_chunks
 from cardan.app.scene.language.units import ENDINGS, RPM, size_of, split, us_keys
 from cardan.app.scene.recording.signals import Noise, Signal, Timing
 from cardan.arrays import FloatArray

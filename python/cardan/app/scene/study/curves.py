@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.files.columns import write_columns
-from cardan.app.files.tables import ROWS, write_pieces
+from cardan.app.files.columns import ROWS, write_columns, write_pieces
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.units import System, converted
 from cardan.app.scene.recording.signals import Signal, Way, joined
