@@ -289,7 +289,6 @@ MASS: Section[Mapping[str, Any]] = Section(
     needed=(*_NEEDED, ("mass_kg",)),
     repeated=True,
 )
-"""The sections [[lateral.mass]]."""
 
 UNBALANCE: Section[Mapping[str, Any]] = Section(
     "lateral.unbalance",
@@ -308,7 +307,6 @@ UNBALANCE: Section[Mapping[str, Any]] = Section(
     needed=(*_NEEDED, ("unbalance_gmm",), ("direction",)),
     repeated=True,
 )
-"""The sections [[lateral.unbalance]]."""
 
 RIGID: Section[Mapping[str, Any]] = Section(
     "lateral.rigid",
@@ -336,7 +334,6 @@ RIGID: Section[Mapping[str, Any]] = Section(
     needed=(("shaft",),),
     repeated=True,
 )
-"""The sections [[lateral.rigid]]."""
 
 LATERAL: Section[LateralCase | None] = Section(
     "lateral",
