@@ -32,15 +32,19 @@ from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
 from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
 from cardan.app.scene.sections.lateral import LATERAL, LateralCase
 from cardan.app.scene.sections.life import LIFE, DutyCycle
-from cardan.app.scene.sections.limits import LIMITS
-from cardan.app.scene.sections.load import LOAD, at_samples, largest_speed
-from cardan.app.scene.sections.offsets import OFFSETS, AxisOffsets
+from cardan.app.scene.sections.limits import LIMITS, STEERING, SteeringColumn
+from cardan.app.scene.sections.load import (
+    ANGLES,
+    DRIVE_ANGLES,
+    LOAD,
+    SWEEP,
+    at_samples,
+    largest_speed,
+)
 from cardan.app.scene.sections.optimise import OPTIMISE
 from cardan.app.scene.sections.output import OUTPUT
-from cardan.app.scene.sections.slip import SLIP, Slip
-from cardan.app.scene.sections.steering import STEERING, SteeringColumn
+from cardan.app.scene.sections.slip import OFFSETS, SLIP, AxisOffsets, Slip
 from cardan.app.scene.sections.study import STATES, STUDY, with_columns
-from cardan.app.scene.sections.sweep import ANGLES, DRIVE_ANGLES, SWEEP
 from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
 from cardan.app.scene.sections.tubes import TUBES, Tubes

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cardan.app.scene.language import rules, units
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
-from cardan.app.scene.sections.sweep import ANGLES
+from cardan.app.scene.sections.load import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline

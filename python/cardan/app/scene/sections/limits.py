@@ -1,4 +1,4 @@
-"""The section [limits]: what a check compares with."""
+"""The sections [limits] and [steering]: what a check compares with."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cardan.app.scene.language import errors, rules
+from cardan.app.scene.language.rules import POSITIVE, START, Number
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.bearing import BEARING, STIFFNESS
 from cardan.arrays.errors import ArgumentValueError
@@ -96,4 +97,39 @@ LIMITS: Section[GivenLimits] = Section(
     _limits,
     fewest=1,
     always=True,
+)
+
+
+@dataclass(frozen=True)
+class SteeringColumn:
+    """Drive angle straight ahead, and what is permitted: distance from symmetry, left to right."""
+
+    centre_deg: float = 0.0
+    offset_deg: float | None = None
+    ratio_percent: float | None = None
+
+
+STEERING: Section[SteeringColumn | None] = Section(
+    "steering",
+    "the driveline is a steering column: ratio straight ahead, its slope, symmetry left to right",
+    {
+        "centre_deg": Key(
+            START,
+            "drive angle of shaft 0 straight ahead, with the points of [driveline]; "
+            "in other states the yoke is carried along as the column tilts",
+            default=0,
+        ),
+        "offset_deg": Key(
+            Number(0, 45, above=True, unit="deg"),
+            "how far straight ahead may be from the nearest angle at which left and right are "
+            "symmetric; default: not judged",
+        ),
+        "ratio_percent": Key(
+            POSITIVE,
+            "largest difference of the ratio between equal angles to the left and to the right, in "
+            "percent; default: not judged",
+        ),
+    },
+    lambda values, _: SteeringColumn(**values),
+    recorded_bends=False,
 )

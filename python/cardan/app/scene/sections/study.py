@@ -17,9 +17,8 @@ from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
-from cardan.app.scene.sections.load import LOAD, TORQUES, check_not_recorded
+from cardan.app.scene.sections.load import ANGLES, LOAD, SWEEP, TORQUES, check_not_recorded
 from cardan.app.scene.sections.output import OUTPUT, caused, has_table
-from cardan.app.scene.sections.sweep import ANGLES, SWEEP
 from cardan.app.scene.sections.wind_up import WIND_UP
 from cardan.app.scene.study.axes import (
     BEARING_AXES,
