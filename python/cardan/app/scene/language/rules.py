@@ -120,11 +120,8 @@ class Number(Rule):
 
     @property
     def name(self) -> str:
-        return "positive number" if self._is_positive else "number"
-
-    @property
-    def _is_positive(self) -> bool:
-        return self.high >= 1e6 and (self.low > 0.0 or (self.low == 0.0 and self.above))
+        positive = self.high >= 1e6 and (self.low > 0.0 or (self.low == 0.0 and self.above))
+        return "positive number" if positive else "number"
 
     def read(self, where: Location, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -182,10 +179,10 @@ class Whole(Rule):
 
     def read(self, where: Location, value: object) -> int:
         # To Python, true is a whole number.
-        given = value if isinstance(value, int) and not isinstance(value, bool) else None
-        low_enough = given is not None and (self.most is None or given <= self.most)
-        if given is not None and low_enough and (given >= self.least or given == self.also):
-            return given
+        if isinstance(value, int) and not isinstance(value, bool):
+            most = value if self.most is None else self.most
+            if value == self.also or self.least <= value <= most:
+                return value
         counted = f" of at least {self.least}" if self.least else ", counted from 0"
         if self.most is not None:
             counted = f" from {self.least} to {self.most}"
@@ -211,10 +208,8 @@ class OneOf(Rule):
     def read(self, where: Location, value: object) -> str:
         name = Text().read(where, value)
         if name not in self.names:
-            hint = (
-                self.hint(name) if self.hint else f"is {shown(name)}; {nearest(name, self.names)}"
-            )
-            raise where.error(hint)
+            own = self.hint or (lambda name: f"is {shown(name)}; {nearest(name, self.names)}")
+            raise where.error(own(name))
         return name
 
     @property
