@@ -107,6 +107,7 @@ class Recording:
         bends = next((key for key in BEND_COLUMNS if key in values), "")
         self._bend_unit = split(bends)[1]
         self._bends = {f"bend {i}": name for i, name in enumerate(values.get(bends, ()))}
+        self._names = [*self._columns.values(), *self._bends.values()]
         self._speed = next((key for key in SPEED_COLUMNS if key in values), "")
         self._angle = next((key for key in ANGLE_COLUMNS if key in values), "")
         self._timed = "time_column_s" in values
@@ -151,9 +152,7 @@ class Recording:
                 held = {key: column[kept:] for key, column in held.items()}
                 before = end - kept
         if not self._found:
-            names = ", ".join(
-                repr(name) for name in (*self._columns.values(), *self._bends.values())
-            )
+            names = ", ".join(map(repr, self._names))
             if self._found_numbers:
                 raise ValueError(
                     f"{self._file}: no row has two others within filter_reach = {self._reach} rows "
@@ -162,9 +161,8 @@ class Recording:
             raise ValueError(f"{self._file}: no row has a number in each of the columns {names}")
 
     def _chunks(self, rows: int | None) -> Generator[Chunk]:
-        names = [*self._columns.values(), *self._bends.values()]
         try:
-            chunks = read_chunks(self._file, names, rows, self._raster)
+            chunks = read_chunks(self._file, self._names, rows, self._raster)
             yield from chunks if rows is None else read_ahead(chunks)
         except OSError as error:
             reason = error.strerror or str(error)
@@ -207,19 +205,16 @@ class Recording:
         return np.asarray(angle + math.tau * turns, np.float64)
 
     def _check(self, rows: _Rows, first: int) -> None:
-        for key, name in self._columns.items():
-            low, high = _extent(rows[key])
-            if low < -_LARGEST or high > _LARGEST:
-                row = int(np.argmax(np.abs(rows[key]) > _LARGEST))
-                value = f"is {rows[key][row]}; it must lie within ±{_LARGEST:g}"
-                raise self._error(first + row, name, value)
         end, unit = (math.pi / 2, "pi/2) rad") if self._bend_unit == "rad" else (90.0, "90) deg")
-        for key, name in self._bends.items():
-            low, high = _extent(rows[key])
-            if low < 0.0 or high >= end:
-                row = int(np.argmax((rows[key] < 0.0) | (rows[key] >= end)))
-                value = f"is {rows[key][row]}; a bend must lie in [0, {unit}"
-                raise self._error(first + row, name, value)
+        size, bend = f"it must lie within ±{_LARGEST:g}", f"a bend must lie in [0, {unit}"
+        ranges = {key: (name, -_LARGEST, _LARGEST, size) for key, name in self._columns.items()}
+        below = math.nextafter(end, 0.0)
+        ranges |= {key: (name, 0.0, below, bend) for key, name in self._bends.items()}
+        for key, (name, low, high, rule) in ranges.items():
+            least, most = _extent(rows[key])
+            if least < low or most > high:
+                row = int(np.argmax((rows[key] < low) | (rows[key] > high)))
+                raise self._error(first + row, name, f"is {rows[key][row]}; {rule}")
         if self._timed:
             time = rows["time_column_s"]
             # No comparison with NaN is true.

@@ -125,7 +125,7 @@ def ball_joint_case(values: Mapping[str, Any], _: object = None) -> BallJointCas
     """Return the case that the keys of the section describe."""
     ball, seat = (values.get(part, {}) for part in ("ball", "seat"))
     yields = [_compliance(part) for part in (ball, seat)]
-    compliance = sum(value for value in yields if value is not None) or None
+    compliance = sum(own or 0.0 for own in yields) or None
     materials = (
         _material("ball", ball, yields[0], compliance),
         _material("seat", seat, yields[1], compliance),
@@ -136,18 +136,14 @@ def ball_joint_case(values: Mapping[str, Any], _: object = None) -> BallJointCas
             "clearance_mm",
             "needs the compliance of ball or seat; how far they yield determines the contact angle",
         )
+    fit: dict[str, Any] = {"clearance": clearance, "compliance": compliance} if clearance else {}
     half_angle = math.radians(values.get("half_angle_deg", 90.0))
     pressures = [m.allowable_pressure for m in materials if m.allowable_pressure is not None]
     if "radius_mm" in values:
         joint = BallJoint(values["radius_mm"] * _MM, half_angle)
-        if clearance:
-            assert compliance is not None
-            joint = joint.with_clearance(clearance, compliance=compliance)
+        joint = joint.with_clearance(**fit) if fit else joint
     elif pressures:
-        wider: Mapping[str, Any] = {}
-        if clearance:
-            wider = {"clearance": clearance, "compliance": compliance}
-        joint = BallJoint.sized_for(values["load_N"], min(pressures), half_angle, **wider)
+        joint = BallJoint.sized_for(values["load_N"], min(pressures), half_angle, **fit)
     else:
         raise ArgumentValueError(
             "radius_mm",

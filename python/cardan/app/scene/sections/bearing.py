@@ -84,19 +84,6 @@ class Mounting:
         lengths[..., axis.place] = DRIVELINE.keys[axis.name].factor * column[:, None, None]
         return replace(self, lengths=lengths)
 
-    def and_bearing(self, values: Mapping[str, Any], line: Driveline) -> Self:
-        """Return the mounting with one more bearing, which must have a place."""
-        shaft = values["shaft"]
-        check_exists("shaft", shaft, line.n_joints + 1)
-        if self.lengths is None and not has_lengths(line):
-            raise ArgumentValueError("shaft", f"has no length; a bearing needs {LENGTHS_NEEDED}")
-        key = next(key for key in values if key in POSITIONS)
-        support = _support(values, line.directions[..., shaft, :])
-        bearing = Bearing(shaft, key, values[key], support)
-        found = replace(self, bearings=(*self.bearings, bearing))
-        found.on(line)
-        return found
-
     def moved(self, axis: Axis, column: FloatArray) -> Self:
         """Return the mounting with other positions of one bearing, in the unit of its key."""
         assert axis.place is not None
@@ -178,7 +165,7 @@ class Mounted(NamedTuple):
 
 
 def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
-    described = scene[DRIVELINE]
+    described, line = scene[DRIVELINE], scene[DRIVELINE].line
     mounting = Mounting(lengths=described.lengths)
     for i, values in enumerate(scene.document.tables.get(BEARING.name, ())):
         with scene.document.within(f"{BEARING.name}.{i}"):
@@ -186,8 +173,17 @@ def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
                 raise ArgumentValueError(
                     STIFFNESS, "needs a section [lateral], which gives the speeds"
                 )
-            mounting = mounting.and_bearing(values, described.line)
-    return Mounted(mounting, mounting.on(described.line))
+            shaft = values["shaft"]
+            check_exists("shaft", shaft, line.n_joints + 1)
+            if described.lengths is None and not has_lengths(line):
+                problem = f"has no length; a bearing needs {LENGTHS_NEEDED}"
+                raise ArgumentValueError("shaft", problem)
+            key = next(key for key in values if key in POSITIONS)
+            support = _support(values, line.directions[..., shaft, :])
+            bearing = Bearing(shaft, key, values[key], support)
+            mounting = replace(mounting, bearings=(*mounting.bearings, bearing))
+            mounting.on(line)
+    return Mounted(mounting, mounting.on(line))
 
 
 BEARING: Section[Mounted] = Section(

@@ -242,7 +242,8 @@ def _states(values: Mapping[str, Any], scene: Reading) -> States:
     names = tuple(values.get("names") or _names(axes))
     if wind_ups := scene[WIND_UP]:
         torque = _torques(axes, layout.load or {}, count)
-        axes += tuple(axis for each in wind_ups for axis in each.axes(torque))
+        for each in wind_ups:
+            axes += axes_of(each.at(torque), layout.driveline, None, "a state")
         check_apart(axes, {**layout.driveline, **(layout.load or {})})
     states = States(names, weights, axes, layout)
     states.drivelines()

@@ -452,12 +452,8 @@ def _rotation(where: errors.Location, varying: Varying) -> Rotation:
         raise where.error(f"turns; only points can turn, and {name} are none")
     if name != f"points_{unit}":
         raise where.error(f"has about_{unit}; the point is in the unit of {name}")
-    return Rotation(units.size_of(name) * np.array(varying.about), unit_vector(varying.axis))
-
-
-def unit_vector(direction: Sequence[float]) -> FloatArray:
-    """Return a vector of length 1 along a direction."""
-    return np.asarray(np.array(direction) / np.linalg.norm(direction))
+    along = np.array(varying.axis) / np.linalg.norm(varying.axis)
+    return Rotation(units.size_of(name) * np.array(varying.about), along)
 
 
 def _of_bearing(
