@@ -207,18 +207,7 @@ def phase(scene: Path, output: Output) -> None:
     "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
 )
 @options.output_options()
-def identify(
-    file: Path,
-    drive: str | None,
-    time: str | None,
-    driven: str | None,
-    speed_ratio: str | None,
-    driven_speed: str | None,
-    intermediate: str | None,
-    drive_speed: str | None,
-    radians: bool,
-    output: Output,
-) -> None:
+def identify(file: Path, radians: bool, output: Output, **columns: str | None) -> None:
     """Find the bend that a recording of a driveline shows.
 
     FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
@@ -234,27 +223,18 @@ def identify(
       cardan identify run.csv --drive crank --driven axle --drive-speed n
       cardan identify run.csv --time t --drive-speed n1 --driven-speed n2
     """
-    if (drive is None) == (time is None):
+    given = {name for name, column in columns.items() if column is not None}
+    if len(given & {"drive", "time"}) != 1:
         raise click.UsageError("give one of --drive and --time")
-    if sum(name is not None for name in (driven, speed_ratio, driven_speed)) != 1:
+    if len(given & {"driven", "speed_ratio", "driven_speed"}) != 1:
         raise click.UsageError("give one of --driven, --speed-ratio and --driven-speed")
-    for option, name in (("--time", time), ("--driven-speed", driven_speed)):
-        if name is not None and drive_speed is None:
-            raise click.UsageError(f"{option} needs --drive-speed")
-    if intermediate is not None and driven is None:
+    for name in ("time", "driven_speed"):
+        if name in given and "drive_speed" not in given:
+            raise click.UsageError(f"--{name.replace('_', '-')} needs --drive-speed")
+    if "intermediate" in given and "driven" not in given:
         raise click.UsageError("--intermediate needs --driven")
     output.check()
-    found = identified(
-        file,
-        drive,
-        driven=driven,
-        speed_ratio=speed_ratio,
-        intermediate=intermediate,
-        time=time,
-        drive_speed=drive_speed,
-        driven_speed=driven_speed,
-        radians=radians,
-    )
+    found = identified(file, columns.pop("drive"), **columns, radians=radians)
     output.say(
         "identify",
         found.path,

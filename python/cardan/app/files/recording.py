@@ -15,6 +15,7 @@ from typing import IO, Any, NamedTuple, TypeVar
 import numpy as np
 
 from cardan.app.files.delimited import line_of, parts_of, place_of_column, read_csv, short
+from cardan.app.files.mdf import read_mdf
 from cardan.arrays import FloatArray, import_optional
 
 _Columns = list[FloatArray]
@@ -220,22 +221,14 @@ def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and 
         raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
 
 
-def _mdf(
-    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None
-) -> _Pieces:
-    from cardan.app.files.mdf import read_mdf
-
-    return read_mdf(path, names, rows, raster_s)
-
-
 _Read = Callable[[str | PathLike[str], Sequence[str], int | None, Any], _Pieces]
 
 SUFFIXES: Mapping[str, _Read] = {
     ".csv": read_csv,
     ".npz": _npz,
     ".parquet": _parquet,
-    ".mf4": _mdf,
-    ".mdf": _mdf,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
 }
 """Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
 

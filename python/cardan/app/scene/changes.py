@@ -39,7 +39,7 @@ def given(scene: Scene) -> dict[str, Any]:
     """
     bearings = []
     for each in scene.layout.mounting.bearings if scene.layout else ():
-        per = (1.0 if each.unit == "mm" else 1e-3) * (-1.0 if "from_end" in each.key else 1.0)
+        per = (1.0 if each.unit == "mm" else 1e-3) * (-1.0 if each.from_end else 1.0)
         bearings.append({"value": each.value, "factor": each.factor, "per": per})
     return {
         "points": scene.points is not None,

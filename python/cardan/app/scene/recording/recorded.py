@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import EllipsisType
 from typing import Any, Self
 
 import numpy as np
@@ -56,19 +57,19 @@ class Angles:
         time: recorded times in s.
         load: recorded values of the keys of [load], ``(samples,)`` each.
         driven: angles of the last shaft in degrees, if the file gives those.
+        known: which samples are to reduce, of bends and loads.
     """
 
     degrees: FloatArray
     drive: FloatArray | Sweep
     to_reduce: FloatArray | Sweep
     bends: FloatArray | None = None
-    bends_to_reduce: FloatArray | None = None
     time: FloatArray | None = None
     load: Mapping[str, FloatArray] = field(default_factory=dict)
-    load_to_reduce: Mapping[str, FloatArray] = field(default_factory=dict)
     signals: tuple[Signal, ...] = ()
     driven: FloatArray | None = None
     file: Path | None = None
+    known: NDArray[np.bool_] | EllipsisType = ...
 
     @classmethod
     def uniform(cls, turns: float, per_turn: int, start_deg: float) -> Self:
@@ -264,9 +265,6 @@ class Recording:
         def with_gaps(values: FloatArray) -> FloatArray:
             return values if all_known else np.where(known, values, np.nan)
 
-        def without_gaps(values: FloatArray) -> FloatArray:
-            return values if all_known else values[known]
-
         load = {key: with_gaps(values) for key, values in load.items()}
         part |= {key: with_gaps(part[key]) for key in self._columns}
         in_degrees = self._angle.endswith("deg")
@@ -278,14 +276,13 @@ class Recording:
         return Angles(
             column if in_degrees else np.degrees(column),
             radians := np.radians(column) if in_degrees else column,
-            without_gaps(radians),
+            radians if all_known else radians[known],
             stacked,
-            None if stacked is None else without_gaps(stacked),
             part.get("time_column_s"),
             load,
-            {key: without_gaps(values) for key, values in load.items()},
             tuple(self._signals(part, load)),
             file=self._file,
+            known=... if all_known else known,
         )
 
     def _signals(self, part: _Rows, load: Mapping[str, FloatArray]) -> Iterator[Signal]:

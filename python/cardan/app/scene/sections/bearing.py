@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from cardan.app.scene.study.axes import Axis
 
 
-_UPSTREAM = ("position_mm", "position_m")
-
-POSITIONS = (*_UPSTREAM, "from_end_mm", "from_end_m")
+POSITIONS = ("position_mm", "position_m", "from_end_mm", "from_end_m")
 """The keys that say where on its shaft a bearing is; it has one of them."""
 
 STIFFNESS = "stiffness_N_per_mm"
@@ -35,7 +33,7 @@ SUPPORT = (STIFFNESS, "axis", "loss_factor", "damping_Ns_per_m")
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing as the file gives it: the key of its position, and its value or values.
+    """A bearing, or what else is on a shaft, as the file gives it: the key of its position, values.
 
     ``support`` has the arguments of ``ElasticBearing`` but the place; it is empty of a rigid one.
     """
@@ -55,10 +53,19 @@ class Bearing:
         """The unit in m."""
         return BEARING.keys[self.key].factor
 
+    @property
+    def from_end(self) -> bool:
+        """Whether the position is from the downstream end of the shaft."""
+        return self.key.startswith("from_end")
+
+    @property
+    def distance(self) -> float | FloatArray:
+        """The distance from that end in m."""
+        return self.value * self.factor
+
     def position(self, lengths: FloatArray) -> float | FloatArray:
         """The distance from the upstream end of its shaft, of lengths ``(..., n + 1)``, in m."""
-        own = self.value * self.factor
-        return own if self.key in _UPSTREAM else lengths[..., self.shaft] - own
+        return lengths[..., self.shaft] - self.distance if self.from_end else self.distance
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,8 @@ def _loaded(values: Mapping[str, Any], scene: Reading) -> Loaded:
     keys: Mapping[str, Any] | None = values if LOAD.name in scene.given else None
     to_reduce, recorded = keys, scene[ANGLES]
     if recorded and recorded.load:
-        keys, to_reduce = {**values, **recorded.load}, {**values, **recorded.load_to_reduce}
+        known = {key: own[recorded.known] for key, own in recorded.load.items()}
+        keys, to_reduce = {**values, **recorded.load}, {**values, **known}
     if keys is None:
         return Loaded(None, None, None)
     LOAD.check_counts(keys, scene.line.n_joints)

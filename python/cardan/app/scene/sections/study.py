@@ -161,8 +161,8 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
     described, loaded, asked = scene[DRIVELINE], scene[LOAD], scene[OUTPUT]
     angles, recorded = scene[SWEEP], scene[ANGLES]
     keys = described.keys
-    if recorded and recorded.bends_to_reduce is not None:
-        keys = {**keys, described.form.keys[0]: recorded.bends_to_reduce}
+    if recorded and recorded.bends is not None:
+        keys = {**keys, described.form.keys[0]: recorded.bends[recorded.known]}
     lengths = {k: v for k, v in scene.given.get(DRIVELINE.name, {}).items() if k in LENGTHS}
     # Motion is in the closed forms already, unless the scene asks for it.
     quantities = asked.quantities
