@@ -1,4 +1,4 @@
-"""A second thread reads ahead and writes behind, in order and one item at a time."""
+"""A second thread reads ahead, in order and one item at a time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Generator
 
 import pytest
 
-from cardan.app.files.tables import read_ahead, write_behind
+from cardan.app.files.recording import read_ahead
 
 
 def _counting(made: list[int], end: int = 5) -> Generator[int]:
@@ -67,25 +67,3 @@ def test_an_abandoned_reader_ends_its_thread() -> None:
     gc.collect()
     assert made[-1] == -1
     assert not [one for one in threading.enumerate() if one.name.startswith("cardan-read")]
-
-
-def test_an_item_is_written_before_it_is_yielded() -> None:
-    written: list[int] = []
-    for item in write_behind(written.append, [0, 1, 2]):
-        assert item in written
-        # The next one may be written already, the one after it is not made.
-        assert len(written) <= item + 2
-    assert written == [0, 1, 2]
-
-
-def test_an_error_of_writing_stops_the_items() -> None:
-    made: list[int] = []
-
-    def write(item: int) -> None:
-        if item == 1:
-            raise OSError("disk full")
-
-    with pytest.raises(OSError, match="disk full"):
-        list(write_behind(write, _counting(made)))
-    assert made[:3] == [0, 1, 2]
-    assert 4 not in made

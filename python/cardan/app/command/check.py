@@ -13,24 +13,15 @@ from cardan.app.answers.limits.text import check_text
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
 from cardan.app.answers.yokes.text import remedies
-from cardan.app.command.options import (
-    check_workbook,
-    in_units,
-    json_option,
-    scene_argument,
-    workbook_as_well,
-    write_workbook,
-)
-from cardan.app.command.terminal import as_json_text, progress_bar, say
+from cardan.app.command import options, terminal
 from cardan.app.scene import load_scene
 from cardan.app.scene.scene import Scene
 
 
 @click.command()
-@scene_argument
-@workbook_as_well
-@json_option
-def check(scene: Path, workbook: Path | None, as_json: bool) -> int:
+@options.scene_argument
+@options.output_options()
+def check(scene: Path, output: options.Output) -> int:
     """Compare a scene with the limits of driveshaft catalogues and of practice.
 
     By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
@@ -50,18 +41,14 @@ def check(scene: Path, workbook: Path | None, as_json: bool) -> int:
       cardan check shaft.toml --workbook answer.xlsx
       cardan check shaft.toml --json
     """
-    loaded = in_units(load_scene(scene))
-    check_workbook(workbook, loaded)
-    with progress_bar() as progress:
+    loaded = options.in_units(load_scene(scene))
+    output.check(loaded)
+    with terminal.progress_bar() as progress:
         answer = Answer(loaded, progress)
         passes = answer.passes
     advice = _advice(answer)
-    data = check_data(answer, advice) if as_json or workbook else {}
-    wrote = write_workbook(data, workbook)
-    if as_json:
-        say(as_json_text(data))
-    else:
-        say("\n\n".join(filter(None, (check_text(answer, advice), wrote))))
+    data = check_data(answer, advice) if output.as_json or output.workbook else {}
+    output.say_whole(lambda: check_text(answer, advice), data)
     return 0 if passes else 1
 
 

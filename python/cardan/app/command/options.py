@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, cast, get_args
 
 import click
 
+from cardan.app.answers.json_schema import Kind, answer
 from cardan.app.answers.sheets import write_answer
+from cardan.app.command.terminal import as_json_text, paragraphs, say
 from cardan.app.files import columns
 from cardan.app.files.whole_file import check_writable
 from cardan.app.scene.language.units import System, shown_in
@@ -19,7 +22,7 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 file_argument = click.argument("file", type=click.Path(path_type=Path))
 _SCENE = click.argument("scene", type=click.Path(path_type=Path))
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
 into_option = click.option(
     "--into",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
@@ -65,22 +68,13 @@ def units_given() -> System | None:
     return cast("System | None", click.get_current_context().meta.get(_GIVEN))
 
 
-def file_option(name: str, text: str) -> Callable[[_Function], _Function]:
+def file_option(name: str, text: str, *argument: str) -> Callable[[_Function], _Function]:
     """Return an option that takes a file to write."""
-    return click.option(name, type=click.Path(path_type=Path), metavar="FILE", help=text)
+    of_file = click.Path(path_type=Path)
+    return click.option(name, *argument, type=of_file, metavar="FILE", help=text)
 
 
-picture_as_well = file_option("--output", "Picture to write as well.")
-workbook_as_well = file_option("--workbook", "Spreadsheet to write as well, as .xlsx.")
-
-
-def missing_samples(missing: int, count: int, where: str) -> str:
-    """Return the line that says how many samples are missing where."""
-    verb = "is" if missing == 1 else "are"
-    return f"{missing} of {count} samples {verb} missing in {where}; their results are NaN."
-
-
-def check_output(scene: Scene | BallJointScene, path: Path) -> None:
+def check_output(scene: Scene | BallJointScene | None, path: Path) -> None:
     """Refuse a file that cannot be written or that the scene reads, before the work is done."""
     for section, file in scene.files.items() if isinstance(scene, Scene) else ():
         if path.exists() and path.samefile(file):
@@ -90,26 +84,6 @@ def check_output(scene: Scene | BallJointScene, path: Path) -> None:
     columns.check_library(path)
 
 
-def check_workbook(path: Path | None, scene: Scene | BallJointScene | None = None) -> None:
-    """Refuse a workbook that cannot be written or that the scene reads."""
-    if path is None:
-        return
-    if path.suffix != ".xlsx":
-        raise ValueError(f"--workbook {path} must end in .xlsx")
-    if scene:
-        check_output(scene, path)
-    else:
-        check_writable(path)
-        columns.check_library(path)
-
-
-def write_workbook(data: Mapping[str, Any], path: Path | None) -> str:
-    """Write an answer as a workbook if one is asked for, and return the line that says so."""
-    if path is None:
-        return ""
-    return f"wrote {path} ({write_answer(data, path)} sheets)"
-
-
 def check_picture(path: Path) -> None:
     """Refuse a file that cannot be written, and a picture without what draws it."""
     check_writable(path)
@@ -117,3 +91,58 @@ def check_picture(path: Path) -> None:
         from cardan.app.pictures.style import matplotlib
 
         matplotlib()
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a command writes besides its text, or prints in place of it."""
+
+    picture: Path | None
+    workbook: Path | None
+    as_json: bool
+
+    def check(self, scene: Scene | BallJointScene | None = None) -> None:
+        """Refuse files that cannot be written or that the scene reads, before the work is done."""
+        if self.workbook and self.workbook.suffix != ".xlsx":
+            raise ValueError(f"--workbook {self.workbook} must end in .xlsx")
+        for path in filter(None, (self.workbook, self.picture)):
+            check_output(scene, path)
+
+    def say(self, name: Kind, title: str, text: Callable[[], str], data: Mapping[str, Any]) -> None:
+        """Write the workbook of an answer, and print its text or JSON."""
+        self.say_whole(text, answer(name, title, **data))
+
+    def say_whole(self, text: Callable[[], str], data: Mapping[str, Any]) -> None:
+        """Do the same with all data of the answer."""
+        wrote = self.write_workbook(data)
+        say(as_json_text(data) if self.as_json else paragraphs(text(), wrote))
+
+    def write_workbook(self, data: Mapping[str, Any]) -> str:
+        """Write an answer as a workbook if one is asked for, and return the line that says so."""
+        if self.workbook is None:
+            return ""
+        return f"wrote {self.workbook} ({write_answer(data, self.workbook)} sheets)"
+
+
+def output_options(*, picture: bool = False) -> Callable[[_Function], _Function]:
+    """Return what gives a command the options for its output, which become one argument."""
+
+    def add(function: _Function) -> _Function:
+        @functools.wraps(function)
+        def command(
+            *args: Any,  # noqa: ANN401 - of any command
+            picture_file: Path | None = None,
+            workbook: Path | None,
+            as_json: bool,
+            **others: Any,  # noqa: ANN401 - of any command
+        ) -> Any:  # noqa: ANN401 - of any command
+            return function(*args, **others, output=Output(picture_file, workbook, as_json))
+
+        made: Any = command
+        made = _JSON(made)
+        made = file_option("--workbook", "Spreadsheet to write as well, as .xlsx.")(made)
+        if picture:
+            made = file_option("--output", "Picture to write as well.", "picture_file")(made)
+        return cast("_Function", made)
+
+    return add

@@ -12,7 +12,6 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
 from cardan.app.answers.identification.figures import identified, sentences
 from cardan.app.answers.json_schema import Kind
-from cardan.app.answers.json_schema import answer as answer_of
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.picture import plot_optimise
@@ -20,19 +19,9 @@ from cardan.app.answers.printed import part_text, wherever_text
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text
-from cardan.app.command.options import (
-    check_output,
-    check_workbook,
-    file_argument,
-    file_option,
-    in_units,
-    json_option,
-    picture_as_well,
-    scene_argument,
-    workbook_as_well,
-    write_workbook,
-)
-from cardan.app.command.terminal import as_json_text, say
+from cardan.app.command import options
+from cardan.app.command.options import Output
+from cardan.app.command.terminal import paragraphs
 from cardan.app.files.whole_file import check_writable, whole_file
 from cardan.app.pictures.style import save
 from cardan.app.scene.language.document import read_text
@@ -42,11 +31,9 @@ from cardan.app.scene.scene import Scene
 
 
 @click.command()
-@scene_argument
-@picture_as_well
-@workbook_as_well
-@json_option
-def life(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
+@options.scene_argument
+@options.output_options(picture=True)
+def life(scene: Path, output: Output) -> None:
     """Say how long the joints of a driveline last, how hot they run and which size would suffice.
 
     The section [joints] of the scene describes the joints or names a table of their sizes. [life]
@@ -61,34 +48,21 @@ def life(scene: Path, output: Path | None, workbook: Path | None, as_json: bool)
       cardan life conveyor.toml --output life.svg
       cardan life conveyor.toml --json
     """
-    answer = _answer(scene, output, workbook)
+    answer = _answer(scene, output)
     needed(answer)
     parts = list(answer.parts("life"))
-    _say(
-        answer,
-        "life",
-        lambda: "\n\n".join(
-            filter(
-                None,
-                (
-                    *(part.text(each) for part, each in parts),
-                    wherever_text(entry for part, each in parts for entry in part.entries(each)),
-                ),
-            )
-        ),
-        {part.name: part.data(each) for part, each in parts},
-        output,
-        workbook,
-        as_json=as_json,
-    )
+
+    def text() -> str:
+        entries = (entry for part, each in parts for entry in part.entries(each))
+        return paragraphs(*(part.text(each) for part, each in parts), wherever_text(entries))
+
+    _say(answer, "life", text, {part.name: part.data(each) for part, each in parts}, output)
 
 
 @click.command()
-@scene_argument
-@picture_as_well
-@workbook_as_well
-@json_option
-def tolerances(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
+@options.scene_argument
+@options.output_options(picture=True)
+def tolerances(scene: Path, output: Output) -> None:
     """Show how manufacturing and assembly errors affect a driveline.
 
     The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
@@ -104,20 +78,13 @@ def tolerances(scene: Path, output: Path | None, workbook: Path | None, as_json:
       cardan tolerances shaft.toml --output tolerances.svg
       cardan tolerances shaft.toml --json
     """
-    answer = _answer(scene, output, workbook)
-    found = answer.needed("tolerances")
-    text = PARTS["tolerances"].text
-    _say(
-        answer, "tolerances", lambda: text(found), data_of(found), output, workbook, as_json=as_json
-    )
+    _say_part(_answer(scene, output), "tolerances", output)
 
 
 @click.command()
-@scene_argument
-@picture_as_well
-@workbook_as_well
-@json_option
-def torsion(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
+@options.scene_argument
+@options.output_options(picture=True)
+def torsion(scene: Path, output: Output) -> None:
     """Find the resonances of compliant shafts, the torques in them and unstable speeds.
 
     The section [torsion] of the scene gives inertias, stiffnesses or tubes, damping and the range
@@ -137,18 +104,15 @@ def torsion(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
       cardan torsion shaft.toml --output response.svg
       cardan torsion shaft.toml --json
     """
-    answer = _answer(scene, output, workbook)
-    loaded = answer.scene
-    left_out = "states" if loaded.states else "study" if loaded.study else ""
-    _say_vibration(answer, "torsion", left_out, output, workbook, as_json=as_json)
+    answer = _answer(scene, output)
+    left_out = "states" if answer.scene.states else "study" if answer.scene.study else ""
+    _say_part(answer, "torsion", output, left_out)
 
 
 @click.command()
-@scene_argument
-@picture_as_well
-@workbook_as_well
-@json_option
-def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bool) -> None:
+@options.scene_argument
+@options.output_options(picture=True)
+def lateral(scene: Path, output: Output) -> None:
     """Find where bent joints shake the shafts on their bearings: shudder and boom.
 
     The section [lateral] of the scene gives the range of drive speeds. [[bearing]] gives the
@@ -169,87 +133,48 @@ def lateral(scene: Path, output: Path | None, workbook: Path | None, as_json: bo
       cardan lateral shaft.toml --output force.svg
       cardan lateral shaft.toml --json
     """
-    answer = _answer(scene, output, workbook)
+    answer = _answer(scene, output)
     left_out = "study" if answer.scene.study and not answer.scene.states else ""
-    _say_vibration(answer, "lateral", left_out, output, workbook, as_json=as_json)
+    _say_part(answer, "lateral", output, left_out)
 
 
-def _say_vibration(
-    answer: Answer,
-    name: Kind,
-    left_out: str,
-    output: Path | None,
-    workbook: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    """Print an answer that leaves a section of the scene out, and say so."""
-    found = answer.needed(name)
-    note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
-    _say(
-        answer,
-        name,
-        lambda: PARTS[name].text(found) + (f"\n\n{note}" if left_out else ""),
-        data_of(found) | {"files": [] if output is None else [str(output)]},
-        output,
-        workbook,
-        as_json=as_json,
-    )
-
-
-def _answer(path: Path, output: Path | None, workbook: Path | None) -> Answer:
+def _answer(path: Path, output: Output) -> Answer:
     """The answer to a scene, after a look whether picture and workbook can be written."""
-    scene = in_units(Scene.load(path))
-    check_workbook(workbook, scene)
-    if output is not None:
-        check_output(scene, output)
+    scene = options.in_units(Scene.load(path))
+    output.check(scene)
     return Answer(scene)
 
 
-def _say(
-    answer: Answer,
-    name: Kind,
-    text: Callable[[], str],
-    data: Mapping[str, Any],
-    output: Path | None,
-    workbook: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    """Write the picture of a part, and print the answer as JSON or as text under its title."""
-    title, wrote = answer.scene.title, ""
-    if output is not None:
-        save(PARTS[name].pictures()[name](answer), output)
-        wrote = f"wrote {output}"
-    _print(
+def _say_part(answer: Answer, name: Kind, output: Output, left_out: str | None = None) -> None:
+    """Print one part, and which section of the scene it leaves out; "" for none."""
+    found, data = answer.needed(name), data_of(answer.needed(name))
+    note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
+    if left_out is not None:
+        data |= {"files": [] if output.picture is None else [str(output.picture)]}
+    _say(
+        answer,
         name,
-        title,
-        lambda: "\n\n".join(filter(None, (title, text(), wrote))),
+        lambda: paragraphs(PARTS[name].text(found), note if left_out else ""),
         data,
-        workbook,
-        as_json=as_json,
+        output,
     )
 
 
-def _print(
-    name: Kind,
-    title: str,
-    text: Callable[[], str],
-    data: Mapping[str, Any],
-    workbook: Path | None,
-    *,
-    as_json: bool,
+def _say(
+    answer: Answer, name: Kind, text: Callable[[], str], data: Mapping[str, Any], output: Output
 ) -> None:
-    whole = answer_of(name, title, **data)
-    wrote = write_workbook(whole, workbook)
-    say(as_json_text(whole) if as_json else "\n\n".join(filter(None, (text(), wrote))))
+    """Write the picture of a part, and print the answer as JSON or as text under its title."""
+    title, wrote = answer.scene.title, ""
+    if output.picture is not None:
+        save(PARTS[name].pictures()[name](answer), output.picture)
+        wrote = f"wrote {output.picture}"
+    output.say(name, title, lambda: paragraphs(title, text(), wrote), data)
 
 
 @click.command()
-@scene_argument
-@workbook_as_well
-@json_option
-def phase(scene: Path, workbook: Path | None, as_json: bool) -> None:
+@options.scene_argument
+@options.output_options()
+def phase(scene: Path, output: Output) -> None:
     """Say how to set the yokes so that the last shaft turns as evenly as possible.
 
     Each setting is an angle and a sense, looking from the drive towards the output. If the scene
@@ -262,16 +187,13 @@ def phase(scene: Path, workbook: Path | None, as_json: bool) -> None:
       cardan phase shaft.toml
       cardan phase shaft.toml --json
     """
-    loaded = in_units(Scene.load(scene))
-    check_workbook(workbook, loaded)
+    loaded = _answer(scene, output).scene
     title, found = loaded.title, yoke_settings(loaded)
-    _print(
-        "phase", title, lambda: yoke_text(title, found), data_of(found), workbook, as_json=as_json
-    )
+    output.say("phase", title, lambda: yoke_text(title, found), data_of(found))
 
 
 @click.command()
-@file_argument
+@options.file_argument
 @click.option("--drive", metavar="COLUMN", help="Angle of the drive.")
 @click.option("--time", metavar="COLUMN", help="Or: time in s, with --drive-speed.")
 @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
@@ -286,21 +208,8 @@ def phase(scene: Path, workbook: Path | None, as_json: bool) -> None:
 @click.option(
     "--radians/--degrees", help="Angles in the file and in the answer; by default in degrees."
 )
-@workbook_as_well
-@json_option
-def identify(
-    file: Path,
-    drive: str | None,
-    time: str | None,
-    driven: str | None,
-    speed_ratio: str | None,
-    driven_speed: str | None,
-    intermediate: str | None,
-    drive_speed: str | None,
-    radians: bool,
-    workbook: Path | None,
-    as_json: bool,
-) -> None:
+@options.output_options()
+def identify(file: Path, radians: bool, output: Output, **columns: str | None) -> None:
     """Find the bend that a recording of a driveline shows.
 
     FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
@@ -316,48 +225,34 @@ def identify(
       cardan identify run.csv --drive crank --driven axle --drive-speed n
       cardan identify run.csv --time t --drive-speed n1 --driven-speed n2
     """
-    if (drive is None) == (time is None):
+    given = {name for name, column in columns.items() if column is not None}
+    if len(given & {"drive", "time"}) != 1:
         raise click.UsageError("give one of --drive and --time")
-    if sum(name is not None for name in (driven, speed_ratio, driven_speed)) != 1:
+    if len(given & {"driven", "speed_ratio", "driven_speed"}) != 1:
         raise click.UsageError("give one of --driven, --speed-ratio and --driven-speed")
-    for option, name in (("--time", time), ("--driven-speed", driven_speed)):
-        if name is not None and drive_speed is None:
-            raise click.UsageError(f"{option} needs --drive-speed")
-    if intermediate is not None and driven is None and driven_speed is None:
+    for name in ("time", "driven_speed"):
+        if name in given and "drive_speed" not in given:
+            raise click.UsageError(f"--{name.replace('_', '-')} needs --drive-speed")
+    if "intermediate" in given and not given & {"driven", "driven_speed"}:
         raise click.UsageError("--intermediate needs --driven or --driven-speed")
-    check_workbook(workbook)
-    found = identified(
-        file,
-        drive,
-        driven=driven,
-        speed_ratio=speed_ratio,
-        intermediate=intermediate,
-        time=time,
-        drive_speed=drive_speed,
-        driven_speed=driven_speed,
-        radians=radians,
-    )
-    _print(
+    output.check()
+    found = identified(file, columns.pop("drive"), **columns, radians=radians)
+    output.say(
         "identify",
         found.path,
         lambda: part_text(found.path, found, sentences(found), radians=radians),
         data_of(found, radians=radians),
-        workbook,
-        as_json=as_json,
     )
 
 
 @click.command()
-@scene_argument
-@file_option("--to", "Scene to write; default: NAME.optimised.toml beside the scene.")
-@file_option(
+@options.scene_argument
+@options.file_option("--to", "Scene to write; default: NAME.optimised.toml beside the scene.")
+@options.file_option(
     "--picture", "Also draw the quantity over each variable and each state, before and after."
 )
-@workbook_as_well
-@json_option
-def optimise(
-    scene: Path, to: Path | None, picture: Path | None, workbook: Path | None, as_json: bool
-) -> None:
+@options.output_options()
+def optimise(scene: Path, to: Path | None, picture: Path | None, output: Output) -> None:
     """Find the best values of what a scene lets change, over all its states.
 
     The section [optimise] names the keys that may change, how far, what to minimise and which
@@ -374,7 +269,7 @@ def optimise(
     It needs SciPy: pip install 'cardan[optimise]'.
     """
     text = read_text(scene)
-    loaded = in_units(Scene.parse(text, str(scene), scene.parent))
+    loaded = options.in_units(Scene.parse(text, str(scene), scene.parent))
     if loaded.optimisation is None:
         raise ValueError(
             f"{scene}: section [optimise] is missing; it says what may change, as "
@@ -382,9 +277,9 @@ def optimise(
         )
     target = scene.with_suffix(".optimised.toml") if to is None else to
     _check_target(loaded, scene, target)
-    check_workbook(workbook, loaded)
+    output.check(loaded)
     if picture:
-        check_output(loaded, picture)
+        options.check_output(loaded, picture)
     found = optimised(loaded)
     assert found
     try:
@@ -397,14 +292,13 @@ def optimise(
     if picture:
         save(plot_optimise(found), picture)
         files.append(str(picture))
-    texts = (loaded.title, PARTS["optimise"].text(found), "\n".join(map("wrote {}".format, files)))
-    _print(
+    output.say(
         "optimise",
         loaded.title,
-        lambda: "\n\n".join(filter(None, texts)),
+        lambda: paragraphs(
+            loaded.title, PARTS["optimise"].text(found), "\n".join(map("wrote {}".format, files))
+        ),
         data_of(found) | {"files": files},
-        workbook,
-        as_json=as_json,
     )
 
 

@@ -17,30 +17,10 @@ from cardan.app.answers.states.figures import states_figures
 from cardan.app.answers.states.text import OF_DRIVELINE, states_text
 from cardan.app.answers.study.figures import StudyTable, study_figures
 from cardan.app.answers.study.text import study_text
+from cardan.app.answers.turn import text as turn
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import DriveAngles, recorded_angles, turn_figures
-from cardan.app.answers.turn.text import (
-    angles_text,
-    few_samples_text,
-    noise_text,
-    signals_text,
-    summary_text,
-)
-from cardan.app.command.options import (
-    angle_option,
-    check_output,
-    check_picture,
-    check_workbook,
-    in_units,
-    into_option,
-    json_option,
-    missing_samples,
-    scene_argument,
-    units_given,
-    workbook_as_well,
-    write_workbook,
-)
-from cardan.app.command.terminal import as_json_text, progress_bar, say, say_before_files
+from cardan.app.command import options, terminal
 from cardan.app.files.columns import check_rows
 from cardan.app.scene import load_scene
 from cardan.app.scene.language.errors import SceneError
@@ -50,7 +30,6 @@ from cardan.app.scene.scene import FORMAT, BallJointScene, Scene, SceneResult
 from cardan.app.scene.sections.ball_joint import BallJointCase
 from cardan.app.scene.study import cluster, curves
 from cardan.app.scene.study.cluster import StudyFolder
-from cardan.app.scene.study.curves import write_curves, write_study
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import import_optional
 
@@ -66,23 +45,21 @@ SCENE is a TOML file with these sections and keys:
 
 
 @click.command(epilog=_EPILOG)
-@scene_argument
-@into_option
+@options.scene_argument
+@options.into_option
 @click.option(
     "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Evaluate the study on this dask cluster.")
-@angle_option
-@workbook_as_well
-@json_option
+@options.angle_option
+@options.output_options()
 def run(
     scene: Path,
     into: Path,
     local: int | None,
     scheduler: str | None,
     radians: bool,
-    workbook: Path | None,
-    as_json: bool,
+    output: options.Output,
 ) -> None:
     """Evaluate a scene: print the main results, write curves, study and picture.
 
@@ -98,13 +75,13 @@ def run(
 
     A file appears complete or not at all.
     """
-    given = in_units(load_scene(scene))
-    check_workbook(workbook, given)
+    given = options.in_units(load_scene(scene))
+    output.check(given)
     on_cluster = local is not None or scheduler is not None
     if isinstance(given, BallJointScene):
         if on_cluster:
             raise ValueError("a ball joint alone has no study to evaluate in processes")
-        _run_ball_joint(given, into, workbook, radians=radians, as_json=as_json)
+        _run_ball_joint(given, into, output, radians=radians)
         return
     whole = loaded = given
     if on_cluster:
@@ -113,70 +90,74 @@ def run(
         path = into / str(whole.table_file)
         if path.exists() and not path.is_dir():
             raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
-    seat = loaded.ball_joint and loaded.ball_joint.picture_file
-    of_study = math.prod(loaded.study.shape) if loaded.study else 0
-    for name, rows in (
-        (loaded.curves_file, len(loaded.drive_angle)),
-        (loaded.table_file, of_study),
-        (loaded.picture_file, 0),
-        (seat, 0),
-    ):
-        if name:
-            check_output(loaded, into / name)
-            check_rows(into / name, rows)
-            if workbook and (into / name).resolve() == workbook.resolve():
-                raise ValueError(f"--workbook {workbook} is a file that the scene writes")
-    with progress_bar() as progress:
+    _check_files(loaded, into, output.workbook)
+    with terminal.progress_bar() as progress:
         result = loaded.run(progress)
     files = _write_files(result, into, radians)
-    study: StudyTable | None = result.study
+    table: StudyTable | None = result.study
     if on_cluster:
         assert whole.study
         files = chain(files, _write_on_cluster(whole, into, radians, local, scheduler))
-        study = StudyFolder(whole.study, into / str(whole.table_file), whole.units)
-    answer, turn = Answer(whole), turn_figures(result)
-    angles = turn.drive_angles
+        table = StudyFolder(whole.study, into / str(whole.table_file), whole.units)
+    answer, of_turn = Answer(whole), turn_figures(result)
+    angles = of_turn.drive_angles
     of_samples = whole.recording or (whole.study and whole.study.quantities)
-    warning = few_samples_text(angles) if of_samples else None
-    for text in filter(None, (warning, noise_text(angles))):
-        say(f"cardan: {text}", on_error=True)
-    if as_json:
+    warning = turn.few_samples_text(angles) if of_samples else None
+    for text in filter(None, (warning, turn.noise_text(angles))):
+        terminal.say(f"cardan: {text}", on_error=True)
+    if output.as_json:
         # The files first: of a study on a cluster they hold the figures.
         written = list(files)
-        data = run_data(answer, turn, study, written, radians=radians)
-        if write_workbook(data, workbook):
-            data["files"].append({"file": str(workbook)})
-        say(as_json_text(data))
+        _say_json(run_data(answer, of_turn, table, written, radians=radians), output)
         return
+    say = terminal.say_before_files
     if whole.title:
-        say_before_files(f"{whole.title}\n")
-    if recorded := signals_text(angles):
-        say_before_files(f"{recorded}\n")
-    say_before_files(summary_text(turn, radians=radians))
+        say(f"{whole.title}\n")
+    if recorded := turn.signals_text(angles):
+        say(f"{recorded}\n")
+    say(turn.summary_text(of_turn, radians=radians))
     if whole.states:
-        say_before_files(f"\n{OF_DRIVELINE}")
+        say(f"\n{OF_DRIVELINE}")
     if whole.missing and whole.recording:
         count, where = len(whole.drive_angle), whole.recording.name
-        say_before_files(f"\n{missing_samples(whole.missing, count, where)}")
+        say(f"\n{_missing_text(whole.missing, count, where)}")
     for part, found in answer.parts("run"):
-        say_before_files(f"\n{part.text(found, radians=radians)}")
+        say(f"\n{part.text(found, radians=radians)}")
     if isinstance(result.study, StatesResult):
-        say_before_files(f"\n{states_text(states_figures(result.study, radians=radians))}")
+        say(f"\n{states_text(states_figures(result.study, radians=radians))}")
     elif result.study:
-        say_before_files(f"\n{_study_text(result.study, angles, radians)}")
+        say(f"\n{_study_text(result.study, angles, radians)}")
     written = []
     for entry in files:
-        if not written:
-            say_before_files()
-        say_before_files(wrote(**entry))
+        say(wrote(**entry) if written else f"\n{wrote(**entry)}")
         written.append(entry)
-    if workbook:
-        data = run_data(answer, turn, study, written, radians=radians)
-        if not written:
-            say_before_files()
-        say_before_files(write_workbook(data, workbook))
-    if study and not result.study:
-        say_before_files(f"\n{_study_text(study, angles, radians)}")
+    if output.workbook:
+        line = output.write_workbook(run_data(answer, of_turn, table, written, radians=radians))
+        say(line if written else f"\n{line}")
+    if table and not result.study:
+        say(f"\n{_study_text(table, angles, radians)}")
+
+
+def _check_files(scene: Scene, into: Path, workbook: Path | None) -> None:
+    """Refuse files of the scene that cannot be written, before the work is done."""
+    of_study = math.prod(scene.study.shape) if scene.study else 0
+    for name, rows in (
+        (scene.curves_file, len(scene.drive_angle)),
+        (scene.table_file, of_study),
+        (scene.picture_file, 0),
+        (scene.ball_joint and scene.ball_joint.picture_file, 0),
+    ):
+        if name:
+            options.check_output(scene, into / name)
+            check_rows(into / name, rows)
+            if workbook and (into / name).resolve() == workbook.resolve():
+                raise ValueError(f"--workbook {workbook} is a file that the scene writes")
+
+
+def _say_json(data: dict[str, Any], output: options.Output) -> None:
+    if output.write_workbook(data):
+        data["files"].append({"file": str(output.workbook)})
+    terminal.say(terminal.as_json_text(data))
 
 
 def _study_text(table: StudyTable, angles: DriveAngles, radians: bool) -> str:
@@ -184,41 +165,43 @@ def _study_text(table: StudyTable, angles: DriveAngles, radians: bool) -> str:
     return study_text(found, angles, radians=radians)
 
 
+def _missing_text(missing: int, count: int, where: str) -> str:
+    """The line that says how many samples are missing where."""
+    verb = "is" if missing == 1 else "are"
+    return f"{missing} of {count} samples {verb} missing in {where}; their results are NaN."
+
+
 def _run_ball_joint(
-    scene: BallJointScene, into: Path, workbook: Path | None, *, radians: bool, as_json: bool
+    scene: BallJointScene, into: Path, output: options.Output, *, radians: bool
 ) -> None:
     if scene.picture_file:
-        check_picture(into / scene.picture_file)
+        options.check_picture(into / scene.picture_file)
     answer = Answer(scene)
     files = list(_write_ball_joint(scene.ball_joint, into, scene.title))
     data = run_data(answer, None, None, files, radians=radians)
-    if write_workbook(data, workbook):
-        data["files"].append({"file": str(workbook)})
-    if as_json:
-        say(as_json_text(data))
+    if output.as_json:
+        _say_json(data, output)
         return
-    if scene.title:
-        say_before_files(f"{scene.title}\n")
-    for part, found in answer.parts("run"):
-        say_before_files(part.text(found, radians=radians))
-    for entry in data["files"]:
-        say_before_files(f"\n{wrote(**entry)}")
+    if output.write_workbook(data):
+        files.append({"file": str(output.workbook)})
+    parts = [part.text(found, radians=radians) for part, found in answer.parts("run")]
+    lines = [wrote(**entry) for entry in files]
+    terminal.say_before_files(terminal.paragraphs(scene.title, *parts, *lines))
 
 
 def _write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str, Any]]:
     """Write the files of a scene one by one; yield path and number of rows of each."""
     scene = result.scene
+    how: dict[str, Any] = {"radians": radians}
     if scene.curves_file:
         path = into / scene.curves_file
-        with progress_bar(path.name) as progress:
-            rows = write_curves(result, path, radians=radians, progress=progress)
+        with terminal.progress_bar(path.name) as progress:
+            rows = curves.write_curves(result, path, progress=progress, **how)
         yield {"file": str(path), "rows": rows}
     if scene.table_file and result.study:
-        path = into / scene.table_file
-        with progress_bar(path.name) as progress:
-            rows = write_study(
-                result.study, path, radians=radians, units=scene.units, progress=progress
-            )
+        path, how["units"] = into / scene.table_file, scene.units
+        with terminal.progress_bar(path.name) as progress:
+            rows = curves.write_study(result.study, path, progress=progress, **how)
         yield {"file": str(path), "rows": rows}
     if scene.picture_file:
         path = into / scene.picture_file
@@ -279,15 +262,10 @@ def _write_on_cluster(
     assert scene.study
     assert scene.table_file
     path = into / scene.table_file
-    with cluster.connect(scheduler, local) as client, progress_bar() as progress:
+    with cluster.connect(scheduler, local) as client, terminal.progress_bar() as progress:
         try:
             done = cluster.write_study(
-                scene.study,
-                path,
-                client,
-                radians=radians,
-                units=scene.units,
-                progress=progress,
+                scene.study, path, client, radians=radians, units=scene.units, progress=progress
             )
         except ValueError as error:
             raise SceneError(error, scene.name, "study") from None
@@ -295,9 +273,9 @@ def _write_on_cluster(
 
 
 @click.command()
-@scene_argument
-@into_option
-@angle_option
+@options.scene_argument
+@options.into_option
+@options.angle_option
 def stream(scene: Path, into: Path, radians: bool) -> None:
     """Evaluate a recording of any length, in chunks that fit in memory.
 
@@ -310,24 +288,24 @@ def stream(scene: Path, into: Path, radians: bool) -> None:
     """
     begun = time.perf_counter()
     try:
-        with progress_bar("rows") as progress:
+        with terminal.progress_bar("rows") as progress:
             done = curves.stream(
-                scene, into, radians=radians, units=units_given(), progress=progress
+                scene, into, radians=radians, units=options.units_given(), progress=progress
             )
     except MemoryError:
         # It takes the angles by chunks already.
         hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
         raise click.ClickException(hint) from None
     rate = done.rows / (time.perf_counter() - begun) / 1e6
-    say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
+    terminal.say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
     angles = recorded_angles(
         done.rows, done.missing, done.ends_deg, done.turns, done.signals, done.extent_deg
     )
-    say(f"drive angles {angles_text(angles, radians=radians)}")
+    terminal.say(f"drive angles {turn.angles_text(angles, radians=radians)}")
     if done.signals:
         with shown_in(done.units):
-            say(signals_text(angles))
-    for warning in filter(None, (few_samples_text(angles), noise_text(angles))):
-        say(f"cardan: {warning}", on_error=True)
+            terminal.say(turn.signals_text(angles))
+    for warning in filter(None, (turn.few_samples_text(angles), turn.noise_text(angles))):
+        terminal.say(f"cardan: {warning}", on_error=True)
     if done.missing:
-        say(missing_samples(done.missing, done.rows, "the recording"))
+        terminal.say(_missing_text(done.missing, done.rows, "the recording"))

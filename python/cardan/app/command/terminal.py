@@ -25,6 +25,11 @@ def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data
 _UNSAFE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 
 
+def paragraphs(*texts: str) -> str:
+    """Return texts with a blank line between them, without those that are empty."""
+    return "\n\n".join(filter(None, texts))
+
+
 def printable(text: str) -> str:
     """Return a text for a terminal, its control characters written as Python does."""
     return _UNSAFE.sub(lambda found: repr(found[0])[1:-1], text)

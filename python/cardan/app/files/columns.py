@@ -1,19 +1,23 @@
-"""The formats of files that are written; columns of numbers as CSV, NPZ, Parquet and XLSX."""
+"""The formats of files that are written; columns of numbers, at once or in bounded memory."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cardan.app.files.recording import read_ahead, read_chunks
 from cardan.app.files.sheets import SHEET_ROWS, write_sheets
 from cardan.app.files.whole_file import Progress, whole_file
 from cardan.arrays import FloatArray, import_optional
+from cardan.evaluation.result import Result
 
 
 def write_columns(
@@ -124,3 +128,74 @@ PICTURES: Mapping[str, dict[str, Any]] = {
     ".pdf": {"CreationDate": None},
 }
 """Formats of a picture file, by suffix, and metadata: what differs from run to run is left out."""
+
+
+# --- columns of any length, in chunks -------------------------------------------------------------
+
+ROWS = 1 << 18
+"""Rows of a chunk: enough to keep all threads busy, and few enough for the caches."""
+
+
+def map_parquet(
+    source: str | PathLike[str],
+    target: str | PathLike[str],
+    names: Sequence[str],
+    function: Callable[..., Mapping[str, NDArray[Any]]],
+    *,
+    rows: int = ROWS,
+    progress: Progress | None = None,
+) -> int:
+    """Apply a function to the columns of a Parquet file, write the result, and return the rows.
+
+    Args:
+        source: the file to read.
+        target: the Parquet file to write; it appears complete or not at all.
+        names: the columns to read, of numbers; missing values become NaN.
+        function: takes one array per column, with some of the rows. It returns arrays of the same
+            length by name, or a ``Result``, which is written as by its ``to_arrow``. A plan is such
+            a function for a column of angles in rad.
+        rows: largest number of rows at a time.
+        progress: called after each chunk with the number of rows done and of all rows.
+
+    Raises:
+        ImportError: pyarrow is missing.
+        OSError: a file cannot be read or written.
+        ValueError: as for ``recording.read_columns``; a file that is not Parquet.
+    """
+    with closing(read_ahead(read_chunks(source, names, rows))) as chunks:
+        pieces = ((function(*chunk.columns), chunk.total) for chunk in chunks)
+        return write_pieces(target, pieces, progress)
+
+
+def write_pieces(
+    target: str | PathLike[str],
+    pieces: Iterable[tuple[Mapping[str, NDArray[Any]], int]],
+    progress: Progress | None,
+) -> int:
+    """Write pieces of a table, each with the rows of the whole, and return the rows."""
+    if Path(target).suffix != ".parquet":
+        raise ValueError(f"{os.fspath(target)} must end in .parquet")
+    pyarrow, parquet = (
+        import_optional("pyarrow", "table"),
+        import_optional("pyarrow.parquet", "table"),
+    )
+    tables = (
+        (piece.to_arrow() if isinstance(piece, Result) else pyarrow.table(dict(piece)), total)
+        for piece, total in pieces
+    )
+    done = 0
+    with closing(read_ahead(tables)) as ahead:
+        # Before the file is begun, for errors within are taken for its own.
+        first = next(ahead)
+        # Doubles that hardly repeat gain nothing from a dictionary and little from compression.
+        how: dict[str, Any] = {"use_dictionary": False, "compression": "none"}
+        with (
+            whole_file(target) as file,
+            parquet.ParquetWriter(file, first[0].schema, **how) as writer,
+        ):
+            for table, total in chain([first], ahead):
+                writer.write_table(table)
+                done += table.num_rows
+                if progress:
+                    progress(done, total)
+    return done

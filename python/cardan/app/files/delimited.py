@@ -7,7 +7,6 @@ import difflib
 import math
 import os
 import re
-from array import array
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
@@ -34,9 +33,16 @@ def read_csv(
     cell is no number or which row does not fit the header.
     """
     lines = 0 if rows is None else _lines(path)
+
+    def blocks() -> Iterator[list[FloatArray]]:
+        """Blocks of plain numbers, then those that are looked at cell by cell."""
+        read, whole = yield from _plain_blocks(path, names, rows)
+        if not whole:
+            yield from _blocks(path, names, _BLOCK if rows is None else min(rows, _BLOCK), read)
+
     held: list[list[FloatArray]] = []
     count = done = 0
-    for block in _of_both(path, names, _BLOCK if rows is None else min(rows, _BLOCK), rows):
+    for block in blocks():
         if rows is not None and count + len(block[0]) > rows:
             done += count
             yield _joined(held, names), max(lines, done + 1)
@@ -44,17 +50,6 @@ def read_csv(
         held.append(block)
         count += len(block[0])
     yield _joined(held, names), done + count
-
-
-def _of_both(
-    path: str | PathLike[str], names: Sequence[str], size: int, rows: int | None
-) -> Iterator[list[FloatArray]]:
-    """Blocks of plain numbers, then those that are looked at cell by cell."""
-    done, whole = yield from _plain_blocks(path, names, rows)
-    if whole:
-        return
-    for cells in _blocks(path, names, size, done):
-        yield [np.array(column, dtype=np.float64) for column in cells]
 
 
 def _joined(blocks: Sequence[list[FloatArray]], names: Sequence[str]) -> list[FloatArray]:
@@ -73,20 +68,22 @@ def _lines(path: str | PathLike[str]) -> int:
 
 def _blocks(
     path: str | PathLike[str], names: Sequence[str], size: int, done: int
-) -> Iterator[list[array[float]]]:
+) -> Iterator[list[FloatArray]]:
     """Columns of some rows at a time, after those that have been read."""
     with csv_rows(path) as (rows, delimiter):
         header = [name.strip() for name in next(rows, [])]
         filled = ((rows.line_num, row) for row in rows if row)
         begun = list(islice(filled, 1))
         # What else a file holds, as one of passwords, is not shown.
-        is_table = any(_fits(row, header) for _, row in begun)
-        if any(_is_heading(row, header) for _, row in begun):
+        kinds = _kinds(begun, header)
+        is_table = "number" in kinds
+        if not is_table and "word" in kinds:
             begun += islice(filled, 1)
-            if any(_fits(row, header) for _, row in begun):
+            if "number" in _kinds(begun[1:], header):
                 raise ValueError(_second_heading(*begun[0], names, header))
-        if header and not is_table and not set(names) <= set(header):
-            raise ValueError(f"no column {_first_missing(names, header)!r}; {_NO_TABLE}")
+        missing = next((name for name in names if name not in header), None)
+        if header and not is_table and missing is not None:
+            raise ValueError(f"no column {missing!r}; {_NO_TABLE}")
         places = [place_of_column(name, header) for name in names]
         if done:
             more = done - len(begun)
@@ -98,7 +95,7 @@ def _blocks(
             if found is not None:
                 yield found
                 continue
-            read = [array("d") for _ in names]
+            read: list[list[float]] = [[] for _ in names]
             for line, row in block:
                 if len(row) != len(header):
                     raise ValueError(misfit(line, row, header, delimiter))
@@ -108,25 +105,20 @@ def _blocks(
                     except ValueError as error:
                         shown = error if is_table else f"is no number; {_NO_TABLE}"
                         raise ValueError(f"line {line}, column {name!r} {shown}") from None
-            yield read
+            yield [np.array(column) for column in read]
 
 
-def _fits(row: Sequence[str], header: Sequence[str]) -> bool:
-    """Whether a row is one of a table of numbers."""
-    return len(row) == len(header) and any(map(_is_number, row))
+def _kinds(begun: Sequence[tuple[int, Sequence[str]]], header: Sequence[str]) -> set[str]:
+    """What the cells of the first of some rows are, if it fits the header."""
+    return set().union(*(map(_kind, row) for _, row in begun[:1] if len(row) == len(header)))
 
 
-def _is_heading(row: Sequence[str], header: Sequence[str]) -> bool:
-    """Whether a row has words and no number, as a line of units."""
-    return len(row) == len(header) and not any(map(_is_number, row)) and any(map(_is_word, row))
-
-
-def _is_word(cell: str) -> bool:
+def _kind(cell: str) -> str:
+    """Whether a cell is a number, if in another way of writing, or a word; "" of an empty one."""
     try:
-        number_of(cell)
+        return "" if math.isnan(number_of(cell)) else "number"
     except ValueError:
-        return True
-    return False
+        return "number" if _hint(cell) else "word"
 
 
 def _second_heading(
@@ -164,10 +156,6 @@ def csv_rows(path: str | PathLike[str]) -> Iterator[tuple[Any, str]]:
             raise ValueError(f"line {rows.line_num}: not CSV: {error}") from None
 
 
-def _first_missing(names: Sequence[str], header: Sequence[str]) -> str:
-    return next(name for name in names if name not in header)
-
-
 def misfit(line: int, row: Sequence[Any], header: Sequence[Any], delimiter: str) -> str:
     """Say that a row has not as many cells as the header."""
     cells = f"{len(row)} cell{'s' if len(row) > 1 else ''}"
@@ -179,24 +167,20 @@ def misfit(line: int, row: Sequence[Any], header: Sequence[Any], delimiter: str)
 
 def _fast_numbers(
     rows: Sequence[Sequence[str]], places: Sequence[int], width: int
-) -> list[array[float]] | None:
+) -> list[FloatArray] | None:
     """Columns of rows in which Python reads each cell as ``number_of`` does; ``None`` of others."""
     if any(len(row) != width for row in rows):
         return None
     read = []
-    for place in places:
-        cells = [row[place] for row in rows]
+    for cells in ([row[place] for row in rows] for place in places):
         text = "".join(cells)
         if "_" in text or not text.isascii():
             return None
         try:
-            numbers = array("d", [float(cell or "nan") for cell in cells])
+            read.append(np.array([float(cell or "nan") for cell in cells]))
         except ValueError:
             return None
-        if np.isinf(numbers).any():
-            return None
-        read.append(numbers)
-    return read
+    return None if any(np.isinf(numbers).any() for numbers in read) else read
 
 
 def number_of(cell: str) -> float:
@@ -220,13 +204,6 @@ def _hint(cell: str) -> str:
     if re.fullmatch(r"\s*[+-]?[0-9]+,[0-9]+\s*", cell):
         return ", with a decimal point"
     return ", without underscores" if re.fullmatch(r"\s*[+-]?[0-9_.]+\s*", cell) else ""
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return not math.isnan(number_of(cell))
-    except ValueError:
-        return bool(_hint(cell))
 
 
 # --- large files of plain numbers, which PyArrow reads without the interpreter -------------------
@@ -304,6 +281,12 @@ def _is_plain(lines: bytes) -> bool:
         and not any(mark in lines for mark in (b'"', b"(", b"\0"))
         and (b"\r" not in lines or lines.count(b"\r") == lines.count(b"\r\n"))
     )
+
+
+def parts_of(total: int, rows: int | None) -> Iterator[slice]:
+    """Yield the parts of so many rows, at most so many each, or all; one if there are none."""
+    step = rows or max(1, total)
+    yield from (slice(first, min(total, first + step)) for first in range(0, max(1, total), step))
 
 
 # --- headings: which column is wanted, and which was meant ----------------------------------------

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from cardan.app.files.delimited import place_of_column, short
+from cardan.app.files.delimited import parts_of, place_of_column, short
 from cardan.arrays import FloatArray, import_optional
 
 # What an MDF file begins with; the second is of a file whose logger was switched off.
@@ -51,10 +51,9 @@ def read_mdf(
             raise ValueError(_apart(names, groups))
         group = min(shared)
         total = int(file.groups[group].channel_group.cycles_nr)
-        step = rows or max(1, total)
-        for first in range(0, max(1, total), step):
-            part = {"record_offset": first, "record_count": min(step, total - first)}
-            yield [_numbers(file, name, group, **part) for name in names], total
+        for part in parts_of(total, rows):
+            some = {"record_offset": part.start, "record_count": part.stop - part.start}
+            yield [_numbers(file, name, group, **some) for name in names], total
 
 
 @contextlib.contextmanager
@@ -239,7 +238,6 @@ def _resampled(
     total = int(min((last - first) / raster_s * (1.0 + 1e-12), float(_MOST_ROWS))) + 1
     if total > _MOST_ROWS:
         raise ValueError(f"raster_s is {raster_s:g}; that makes more than {_MOST_ROWS} rows")
-    step = rows or total
-    for begin in range(0, total, step):
-        time = first + raster_s * np.arange(begin, min(begin + step, total))
+    for part in parts_of(total, rows):
+        time = first + raster_s * np.arange(part.start, part.stop)
         yield [time if of is None else np.interp(time, *of) for of in signals], total

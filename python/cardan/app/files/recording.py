@@ -6,15 +6,16 @@ import math
 import os
 import zipfile
 import zlib
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from cardan.app.files.delimited import line_of, place_of_column, read_csv, short
+from cardan.app.files.delimited import line_of, parts_of, place_of_column, read_csv, short
+from cardan.app.files.mdf import read_mdf
 from cardan.arrays import FloatArray, import_optional
 
 _Columns = list[FloatArray]
@@ -69,11 +70,6 @@ def read_chunks(
         first = 0
         found = [False] * len(names)
         for read, total in SUFFIXES[suffix](path, names, rows, raster_s):
-            for name, column in zip(names, read, strict=True):
-                if len(column) != len(read[0]):
-                    raise ValueError(
-                        f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
-                    )
             _check_numbers(path, names, read, first)
             found = [
                 some or not np.isnan(column[0]) or not np.isnan(column).all()
@@ -81,7 +77,9 @@ def read_chunks(
             ]
             yield Chunk(first, read, total)
             first += len(read[0])
-        _check_some(names, found)
+        for name, some in zip(names, found, strict=True):
+            if not some:
+                raise ValueError(f"column {name!r} has no numbers, only empty cells or NaN")
 
 
 @contextmanager
@@ -96,8 +94,13 @@ def _of_file(path: str | PathLike[str]) -> Iterator[None]:
 
 
 def _check_numbers(
-    path: str | PathLike[str], names: Sequence[str], read: _Columns, first: int = 0
+    path: str | PathLike[str], names: Sequence[str], read: _Columns, first: int
 ) -> None:
+    for name, column in zip(names, read, strict=True):
+        if len(column) != len(read[0]):
+            raise ValueError(
+                f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
+            )
     for name, column in zip(names, read, strict=True):
         if not len(column):
             raise ValueError(f"column {name!r} has no rows")
@@ -109,12 +112,6 @@ def _check_numbers(
             row = int(np.argmax(infinite))
             where = place_of(path, first + row)
             raise ValueError(f"{where}, column {name!r} is {column[row]}; it must be finite")
-
-
-def _check_some(names: Sequence[str], found: Iterable[bool]) -> None:
-    for name, some in zip(names, found, strict=True):
-        if not some:
-            raise ValueError(f"column {name!r} has no numbers, only empty cells or NaN")
 
 
 def place_of(path: str | PathLike[str], row: int) -> str:
@@ -197,9 +194,7 @@ def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: N
                 "it must hold numbers in one dimension"
             )
     total = max(map(len, read))
-    step = rows or max(1, total)
-    for first in range(0, max(1, total), step):
-        part = slice(first, first + step)
+    for part in parts_of(total, rows):
         yield [column[part].astype(np.float64) for column in read], total
 
 
@@ -226,24 +221,39 @@ def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and 
         raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
 
 
-def _mdf(
-    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None
-) -> _Pieces:
-    from cardan.app.files.mdf import read_mdf
-
-    return read_mdf(path, names, rows, raster_s)
-
-
 _Read = Callable[[str | PathLike[str], Sequence[str], int | None, Any], _Pieces]
 
 SUFFIXES: Mapping[str, _Read] = {
     ".csv": read_csv,
     ".npz": _npz,
     ".parquet": _parquet,
-    ".mf4": _mdf,
-    ".mdf": _mdf,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
 }
 """Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
 
 RASTERED = (".mf4", ".mdf")
 """Formats in which each column has its times, which a raster replaces."""
+
+_Item = TypeVar("_Item")
+
+
+def read_ahead(items: Generator[_Item]) -> Generator[_Item]:
+    """Yield the items of a generator, while a second thread makes the next one.
+
+    One item at most is ready ahead. The generator is closed with this one.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    # After the thread has ended, because a generator that runs cannot be closed.
+    with closing(items), ThreadPoolExecutor(1, "cardan-read") as thread:
+        coming = thread.submit(_next, items)
+        while item := coming.result():
+            coming = thread.submit(_next, items)
+            yield item[0]
+
+
+def _next(items: Generator[_Item]) -> tuple[_Item] | None:
+    for item in items:
+        return (item,)
+    return None

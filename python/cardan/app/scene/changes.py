@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from cardan.app.scene.language.edit import Map, Span, map_of
 from cardan.app.scene.language.units import ENDINGS, size_of, split, us_keys
 from cardan.app.scene.machine import states_of_steps
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.bearing import Bearing
 from cardan.app.scene.sections.driveline import points_of
 from cardan.app.scene.sections.life import gives
 from cardan.app.scene.sections.load import LOAD, TORQUES
@@ -38,12 +37,13 @@ def given(scene: Scene) -> dict[str, Any]:
     ``factor`` brings a value to SI. By ``per`` it changes when a bearing moves downstream by one
     millimetre. ``columns`` are those of the machine's data that it sets.
     """
-    bearings = scene.layout.mounting.bearings if scene.layout else ()
+    bearings = []
+    for each in scene.layout.mounting.bearings if scene.layout else ():
+        per = (1.0 if each.unit == "mm" else 1e-3) * (-1.0 if each.from_end else 1.0)
+        bearings.append({"value": each.value, "factor": each.factor, "per": per})
     return {
         "points": scene.points is not None,
-        "bearings": [
-            {"value": each.value, "factor": each.factor, "per": _per_mm(each)} for each in bearings
-        ],
+        "bearings": bearings,
         "turned": _turned(scene),
         "steps": states_of_steps(scene),
         "speed": _of_load(scene, _SPEEDS, "speed"),
@@ -78,11 +78,6 @@ def _turned(scene: Scene) -> dict[int, list[dict[str, Any]]]:
     return found
 
 
-def _per_mm(bearing: Bearing) -> float:
-    size = 1.0 if bearing.unit == "mm" else 1e-3
-    return -size if bearing.key.startswith("from_end") else size
-
-
 def _of_load(scene: Scene, keys: tuple[str, ...], what: Any) -> dict[str, Any] | None:  # noqa: ANN401
     """The speed or the torque of [load], unless it differs from state to state."""
     load = scene.layout.load if scene.layout else None
@@ -91,20 +86,16 @@ def _of_load(scene: Scene, keys: tuple[str, ...], what: Any) -> dict[str, Any] |
     if load is None or key is None or key in varied:
         return None
     follows = scene.duty is not None and not gives(scene.duty.values, what)
+    us = [ENDINGS[split(each)[1]] for each in us_keys(key)]
     return {
         "value": load[key],
         "key": key,
         "unit": ENDINGS[split(key)[1]].symbol,
-        "us": _us_unit(key),
+        # How many of the SI unit one of the US unit is.
+        "us": {"unit": us[0].symbol, "size": us[0].size} if us else None,
         "factor": LOAD.keys[key].factor,
         "columns": [what, *([f"step_{what}"] if follows else [])],
     }
-
-
-def _us_unit(key: str) -> dict[str, Any] | None:
-    """The US unit of what a key in SI units holds: how many of that unit it is."""
-    us = [ENDINGS[split(each)[1]] for each in us_keys(key)]
-    return {"unit": us[0].symbol, "size": us[0].size} if us else None
 
 
 def pieces(scene: Scene) -> list[dict[str, Any]]:
@@ -118,22 +109,34 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
     known = map_of(scene.text)
     of_states, elsewhere = _states(scene, known)
     found = [*_points(scene, known), *_phases(scene, known), *of_states, *_others(scene, known)]
-    for piece in found:
-        numbers = piece["numbers"]
-        piece["numbers"] = [each for each in numbers if _changed(each) not in elsewhere]
-        for number in piece["numbers"]:
-            section, key = _place(scene, number["variable"], number["item"])
-            number["size"] = size_of(_as_given(scene, section, key))
-    return sorted(
-        (piece for piece in found if piece["numbers"]), key=lambda piece: int(piece["start"])
-    )
+    made: list[dict[str, Any]] = []
+    for start, end, text, places in sorted(found, key=lambda piece: piece[0]):
+        numbers = [
+            {
+                "start": span.start,
+                "end": span.end,
+                "variable": of[0],
+                "item": of[1],
+                "axis": of[2],
+                "size": size_of(_as_given(scene, *_place(scene, *of[:2]))),
+            }
+            for span, of in places
+            if of not in elsewhere
+        ]
+        if numbers:
+            made.append({"start": start, "end": end, "text": text, "numbers": numbers})
+    return made
+
+
+_Piece: TypeAlias = tuple[int, int, str, list[tuple[Span, Changed]]]
+"""Where a piece begins and ends, its text, and what is where in that."""
 
 
 def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:
     """Return the section and the key that give what changes; "" if no key does."""
     if variable == "bearing" and scene.layout:
         return f"bearing.{item}", scene.layout.mounting.bearings[item].key
-    own = given(scene)["torque"] if variable == "torque" else None
+    own = _of_load(scene, TORQUES, "torque") if variable == "torque" else None
     return {
         "point": ("driveline", f"points_{scene.length_unit}"),
         "engaged": ("slip", "engaged_mm"),
@@ -146,137 +149,107 @@ def _as_given(scene: Scene, section: str, key: str) -> str:
     return scene.given.get(section, {}).get(key, key)
 
 
-def _points(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
-    name = f"points_{scene.length_unit}"
-    for point, row in enumerate(_items(known, f"driveline.{_as_given(scene, 'driveline', name)}")):
+def _points(scene: Scene, known: Map) -> Iterator[_Piece]:
+    name = _as_given(scene, "driveline", f"points_{scene.length_unit}")
+    for point, row in enumerate(_items(known, f"driveline.{name}")):
         for number, span in enumerate(row.items):
-            yield _piece(scene.text, span, [(span, ("point", point, number))])
+            yield _piece(scene.text, span, ("point", point, number))
 
 
-def _phases(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
-    count, path = scene.line.n_joints - 1, "driveline.phases_deg"
-    each: list[Changed] = [("phase", shaft + 1, None) for shaft in range(count)]
-    if path in known.values:
-        yield from _listed(scene.text, known.values[path], each)
-    elif count and "driveline" in known.ends:
-        end = known.ends["driveline"]
-        yield _written("\nphases_deg = ", ["0"] * count, each, (end, end))
+def _phases(scene: Scene, known: Map) -> Iterator[_Piece]:
+    each: list[Changed] = [("phase", shaft, None) for shaft in range(1, scene.line.n_joints)]
+    if span := known.values.get("driveline.phases_deg"):
+        yield from _listed(scene.text, span, each)
+    elif each and (end := known.ends.get("driveline")) is not None:
+        yield _written("\nphases_deg = ", "0", each, Span(end, end))
 
 
-def _states(scene: Scene, known: Map) -> tuple[list[dict[str, Any]], set[Changed]]:
+def _states(scene: Scene, known: Map) -> tuple[list[_Piece], set[Changed]]:
     """What the states set, and what of it stands elsewhere: in a table that the scene names."""
-    joints = scene.line.n_joints
-    found: list[dict[str, Any]] = []
+    joints, names = scene.line.n_joints, (f"points_{scene.length_unit}", "phases_deg")
+    found: list[_Piece] = []
     elsewhere: set[Changed] = set()
-    for axis in _set_by_states(scene):
+    for axis in scene.states.axes if scene.states else ():
+        if axis.name not in names or axis.is_added or axis.rotation:
+            continue
         is_point = axis.name != "phases_deg"
         entries = sorted(entry for entry, _ in axis.entries(joints + 2 if is_point else joints - 1))
         each: list[Changed] = [
             ("point", entry, axis.component) if is_point else ("phase", entry + 1, None)
             for entry in entries
         ]
-        pieces = list(_of_states(scene, known, axis, each))
+        pieces = list(_of_states(scene.text, known, axis, each))
         found += pieces
         elsewhere |= set() if pieces else set(each)
     return found, elsewhere
 
 
-def _others(scene: Scene, known: Map) -> Iterator[dict[str, Any]]:
-    own = given(scene)
+def _others(scene: Scene, known: Map) -> Iterator[_Piece]:
     paths: dict[tuple[str, str], Changed] = {("slip", "engaged_mm"): ("engaged", 0, None)}
-    for name in ("speed", "torque"):
-        if own[name]:
-            paths["load", own[name]["key"]] = (name, 0, None)
+    for name, keys in (("speed", _SPEEDS), ("torque", TORQUES)):
+        if own := _of_load(scene, keys, name):
+            paths["load", own["key"]] = (name, 0, None)
     for number, bearing in enumerate(scene.layout.mounting.bearings if scene.layout else ()):
         paths[f"bearing.{number}", bearing.key] = ("bearing", number, None)
     for (section, key), of in paths.items():
         if span := known.values.get(f"{section}.{_as_given(scene, section, key)}"):
-            yield _piece(scene.text, span, [(span, of)])
+            yield _piece(scene.text, span, of)
     if scene.sizes and (span := known.values.get("joints.size")):
         joints: list[Changed] = [("rating", joint, None) for joint in range(scene.line.n_joints)]
         yield from _listed(scene.text, span, joints)
 
 
-def _set_by_states(scene: Scene) -> list[Axis]:
-    names = (f"points_{scene.length_unit}", "phases_deg")
-    axes = scene.states.axes if scene.states else ()
-    return [each for each in axes if each.name in names and not each.is_added and not each.rotation]
-
-
-def _of_states(
-    scene: Scene, known: Map, axis: Axis, each: list[Changed]
-) -> Iterator[dict[str, Any]]:
+def _of_states(text: str, known: Map, axis: Axis, each: list[Changed]) -> Iterator[_Piece]:
     """What the states set: the values of one entry, or of several that have them in common."""
     path = f"states.{axis.key}"
-    spans = _items(known, path)
-    if not spans:
-        spans = tuple(
-            known.values[key] for key in (f"{path}.from", f"{path}.to") if key in known.values
-        )
+    ends = (known.values.get(f"{path}.{end}") for end in ("from", "to"))
+    spans = _items(known, path) or tuple(filter(None, ends))
     if len(each) == 1:
-        yield from (_piece(scene.text, span, [(span, each[0])]) for span in spans)
+        yield from (_piece(text, span, each[0]) for span in spans)
         return
     # Entries that move apart need a line each.
     whole = known.wholes.get(path)
-    key = _RANGE.search(scene.text, whole.start, spans[0].start) if whole and spans else None
+    key = _RANGE.search(text, whole.start, spans[0].start) if whole and spans else None
     if not whole or not key:
         return
-    before, after = scene.text[whole.start : key.start()], scene.text[key.end() : whole.end]
-    text, numbers = "", list[dict[str, Any]]()
+    before, after = text[whole.start : key.start()], text[key.end() : whole.end]
+    lines, numbers = "", list[tuple[Span, Changed]]()
     for of in each:
         entry = of[1] - (1 if of[0] == "phase" else 0)
-        text += f"{chr(10) if text else ''}{before}{entry}"
-        off = len(text) - key.end()
-        numbers += [_number(Span(span.start + off, span.end + off), of) for span in spans]
-        text += after
-    yield {"start": whole.start, "end": whole.end, "text": text, "numbers": numbers}
+        lines += f"{chr(10) if lines else ''}{before}{entry}"
+        off = len(lines) - key.end()
+        numbers += [(Span(span.start + off, span.end + off), of) for span in spans]
+        lines += after
+    yield whole.start, whole.end, lines, numbers
 
 
 _RANGE = re.compile(r"(?<=\.)\d*-\d*(?=[.\s=\"'])")
 
 
-def _listed(text: str, span: Span, each: list[Changed]) -> Iterator[dict[str, Any]]:
+def _listed(text: str, span: Span, each: list[Changed]) -> Iterator[_Piece]:
     """A value for each item, or one for all of them."""
     if len(span.items) == len(each):
-        for item, of in zip(span.items, each, strict=True):
-            yield _piece(text, item, [(item, of)])
+        yield from (_piece(text, item, of) for item, of in zip(span.items, each, strict=True))
     elif not span.items and len(each) == 1:
-        yield _piece(text, span, [(span, each[0])])
+        yield _piece(text, span, each[0])
     elif not span.items:
-        yield _written("", [text[span.start : span.end]] * len(each), each, (span.start, span.end))
+        yield _written("", text[span.start : span.end], each, span)
 
 
-def _written(
-    before: str, values: Iterable[str], each: Iterable[Changed], ends: tuple[int, int]
-) -> dict[str, Any]:
-    """A piece with a list of values."""
-    text = f"{before}["
-    numbers: list[dict[str, Any]] = []
-    for value, of in zip(values, each, strict=True):
+def _written(before: str, value: str, each: list[Changed], place: Span) -> _Piece:
+    """A piece with a list in which each has the same value."""
+    text, numbers = f"{before}[", list[tuple[Span, Changed]]()
+    for of in each:
         text += ", " if numbers else ""
-        numbers.append(_number(Span(len(text), len(text) + len(value)), of))
+        numbers.append((Span(len(text), len(text) + len(value)), of))
         text += value
-    return {"start": ends[0], "end": ends[1], "text": f"{text}]", "numbers": numbers}
+    return place.start, place.end, f"{text}]", numbers
 
 
-def _piece(text: str, span: Span, numbers: Iterable[tuple[Span, Changed]]) -> dict[str, Any]:
-    """A piece of the text as it stands."""
-    at = span.start
-    return {
-        "start": at,
-        "end": span.end,
-        "text": text[at : span.end],
-        "numbers": [_number(Span(own.start - at, own.end - at), of) for own, of in numbers],
-    }
-
-
-def _number(span: Span, of: Changed) -> dict[str, Any]:
-    variable, item, axis = of
-    return {"start": span.start, "end": span.end, "variable": variable, "item": item, "axis": axis}
-
-
-def _changed(number: dict[str, Any]) -> Changed:
-    return number["variable"], number["item"], number["axis"]
+def _piece(text: str, span: Span, of: Changed) -> _Piece:
+    """A number of the text as it stands."""
+    own = text[span.start : span.end]
+    return span.start, span.end, own, [(Span(0, len(own)), of)]
 
 
 def _items(known: Map, path: str) -> tuple[Span, ...]:

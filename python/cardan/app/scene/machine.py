@@ -122,11 +122,11 @@ def _limits(scene: Scene) -> dict[str, Any]:
             limits[f"{key}_force"] = dict.fromkeys(range(each), pair)
     if (lash := scene.part_limits.get("lash_deg")) and scene.play:
         limits["lash"] = (np.radians(lash.limit), np.radians(lash.maximum))
-    slip, column = scene.slip, scene.steering
-    if column and column.offset_deg is not None:
-        limits["steering_offset"] = np.radians(column.offset_deg)
-    if column and column.ratio_percent is not None:
-        limits["steering_ratio"] = 1e-2 * column.ratio_percent
+    if column := scene.steering:
+        if column.offset_deg is not None:
+            limits["steering_offset"] = np.radians(column.offset_deg)
+        if column.ratio_percent is not None:
+            limits["steering_ratio"] = 1e-2 * column.ratio_percent
     for joint, size in enumerate(scene.sizes.each if scene.sizes else ()):
         if size.max_bend_deg is not None:
             limits.setdefault("bend", {})[joint] = np.radians(size.max_bend_deg)
@@ -136,19 +136,19 @@ def _limits(scene: Scene) -> dict[str, Any]:
         if scene.duty is not None and scene.duty.target is not None and size.wears:
             limits.setdefault("life", {})[joint] = scene.duty.target
     if tubes := scene.tubes:
-        for name, limit in (
-            ("shear_stress", tubes.permitted_stress),
-            ("critical_margin", tubes.least_margin),
-        ):
-            if limit is not None:
-                limits[name] = dict.fromkeys(tubes.shafts, limit)
-    if slip:
-        given = {
+        each_tube = {"shear_stress": tubes.permitted_stress, "critical_margin": tubes.least_margin}
+        limits |= {
+            name: dict.fromkeys(tubes.shafts, limit)
+            for name, limit in each_tube.items()
+            if limit is not None
+        }
+    if slip := scene.slip:
+        in_mm = {
             "spline_travel": slip.travel,
             "spline_engaged": slip.least_engaged,
             "spline_push_in": None if slip.push_in is None else 0.0,
         }
-        limits |= {name: 1e-3 * one for name, one in given.items() if one is not None}
+        limits |= {name: 1e-3 * one for name, one in in_mm.items() if one is not None}
     return limits
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self, cast, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.files.tables import read_ahead
+from cardan.app.files.recording import read_ahead
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.document import Document, read_text
 from cardan.app.scene.language.errors import Location, SceneError, as_file_has_it
@@ -32,21 +32,25 @@ from cardan.app.scene.sections.driveline import DOUBLE_JOINT, DRIVELINE, READING
 from cardan.app.scene.sections.joints import JOINTS, JointPlay, Joints
 from cardan.app.scene.sections.lateral import LATERAL, LateralCase
 from cardan.app.scene.sections.life import LIFE, DutyCycle
-from cardan.app.scene.sections.limits import LIMITS
-from cardan.app.scene.sections.load import LOAD, at_samples, largest_speed
-from cardan.app.scene.sections.offsets import OFFSETS, AxisOffsets
+from cardan.app.scene.sections.limits import LIMITS, STEERING, SteeringColumn
+from cardan.app.scene.sections.load import (
+    ANGLES,
+    DRIVE_ANGLES,
+    LOAD,
+    SWEEP,
+    at_samples,
+    largest_speed,
+)
 from cardan.app.scene.sections.optimise import OPTIMISE
 from cardan.app.scene.sections.output import OUTPUT
-from cardan.app.scene.sections.slip import SLIP, Slip
-from cardan.app.scene.sections.steering import STEERING, SteeringColumn
+from cardan.app.scene.sections.slip import OFFSETS, SLIP, AxisOffsets, Slip
 from cardan.app.scene.sections.study import STATES, STUDY, with_columns
-from cardan.app.scene.sections.sweep import ANGLES, DRIVE_ANGLES, SWEEP
 from cardan.app.scene.sections.tolerances import TOLERANCES
 from cardan.app.scene.sections.torsion import TORSION, TorsionCase
 from cardan.app.scene.sections.tubes import TUBES, Tubes
 from cardan.app.scene.sections.wind_up import WIND_UP, WindUp
-from cardan.app.scene.study.states import SceneLayout, States, states_result
-from cardan.app.scene.study.study import Study, StudyResult
+from cardan.app.scene.study.states import States, states_result
+from cardan.app.scene.study.study import SceneLayout, Study, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import Limit, Limits
@@ -301,9 +305,6 @@ class Scene:
     def load(cls, path: str | PathLike[str]) -> Self:
         """Read a scene file; paths in it are relative to its folder.
 
-        Args:
-            path: of the file.
-
         Raises:
             ImportError: it names a file whose library is missing.
             OSError: the file cannot be read.
@@ -322,9 +323,8 @@ class Scene:
             folder: the folder to which paths in it are relative.
 
         Raises:
-            ImportError: it names a file whose library is missing.
-            ValueError: it is not a scene, or its recording cannot be read; one line with name, line
-                where that is certain, section, key, rule and value.
+            ImportError: as for ``load``.
+            ValueError: as for ``load``; name stands for the file.
         """
         return cls._of(Document(text, name, FORMAT), Path(folder))
 
@@ -369,11 +369,8 @@ class Scene:
         All unknown keys and values of the wrong kind are found at once. Only if there are none,
         values that do not fit together are found.
 
-        Args:
-            path: of the file.
-
         Raises:
-            ImportError: it names a file whose library is missing.
+            ImportError: as for ``load``.
             OSError: the file cannot be read.
         """
         try:
@@ -465,11 +462,7 @@ class Scene:
     def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
         """Return the driveline in every state of the scene, or as a batch of one without [states].
 
-        Args:
-            changes: values by path, as for ``States.drivelines``.
-
-        Raises:
-            ValueError: as for ``States.drivelines``; bends that were recorded.
+        Changes and errors are those of ``States.drivelines``; recorded bends are a ``ValueError``.
         """
         if self.states:
             return self.states.drivelines(changes)
@@ -478,10 +471,7 @@ class Scene:
         return self.layout.of(self.layout.values(changes=changes))
 
     def in_state(self, state: int) -> Self:
-        """Return the scene of one of its states alone, without [states].
-
-        Args:
-            state: number of the state, counted from 0.
+        """Return the scene of one of its states, counted from 0, without [states].
 
         Raises:
             IndexError: a state that does not exist.
@@ -627,8 +617,7 @@ class BallJointScene:
             name: its name in messages.
 
         Raises:
-            ValueError: it is no scene of a ball joint alone; one line with name, line where that
-                is certain, section, key, rule and value.
+            ValueError: it is no scene of a ball joint alone; one line, as of ``Scene.load``.
         """
         return cls.of(Document(text, name, FORMAT))
 
@@ -655,18 +644,10 @@ class BallJointScene:
 
 
 def load_scene(path: str | PathLike[str]) -> Scene | BallJointScene:
-    """Read a scene file of a driveline, of a ball joint, or of both.
-
-    Args:
-        path: the file.
-
-    Returns:
-        a scene of a driveline, which may have a ball joint as well, or of a ball joint alone.
+    """Read a scene file of a driveline, with a ball joint or without, or of a ball joint alone.
 
     Raises:
-        ImportError: it names a file whose library is missing.
-        OSError: the file or a recording cannot be read.
-        ValueError: it is not a scene, as for ``Scene.load``.
+        ImportError, OSError, ValueError: as for ``Scene.load``.
     """
     document = Document(read_text(path), fspath(path), FORMAT)
     if is_alone(document):

@@ -64,30 +64,27 @@ class Document:
             self._read()
 
     def _read(self) -> None:
-        top, entries = self.format[""], self._document.items()
-        for name, value in entries:
+        top, found = self.format[""], dict[str, Any]()
+        for name, value in self._document.items():
             section = self.format.get(name) if name else None
             with self.within("", name):
-                if section and not _is_given_as(section, value):
-                    what = "sections" if section.repeated else "a section"
-                    problem = f"is {shown(value)}; it must be {what} {section.heading}"
-                    raise ArgumentValueError(name, problem)
-                if not section and name not in top.keys:
+                if section:
+                    found[name] = _as_given(name, section, value)
+                elif name not in top.keys:
                     what = "section" if isinstance(value, dict) else "key"
                     known = [*top.keys, *filter(None, self.format)]
                     raise ValueError(f"unknown {what} {shown(name)}; {self._meant(name, known)}")
-        given = {key: value for key, value in entries if key in top.keys}
+        given = {key: value for key, value in self._document.items() if key in top.keys}
         self.sections[""] = self._checked("", top, given)
-        for name, value in entries:
-            section = self.format.get(name) if name else None
-            if not section or not _is_given_as(section, value):
-                continue
-            if section.repeated:
-                self.tables[name] = [
-                    self._checked(f"{name}.{i}", section, table) for i, table in enumerate(value)
-                ]
-            else:
-                self.sections[name] = self._checked(name, section, value)
+        for name, value in found.items():
+            own: dict[str, Any] = self.tables if self.format[name].repeated else self.sections
+            own[name] = self._all_checked(name, self.format[name], value)
+
+    def _all_checked(self, name: str, section: Section[Any], value: Any) -> Any:  # noqa: ANN401
+        """The values of a table, or of each of several."""
+        if not isinstance(value, list):
+            return self._checked(name, section, value)
+        return [self._checked(f"{name}.{i}", section, each) for i, each in enumerate(value)]
 
     def _checked(
         self, name: str, section: Section[Any], values: Mapping[str, Any]
@@ -99,8 +96,11 @@ class Document:
                 values = nested(values)
         for key, value in values.items():
             with self.within(name, key):
-                if key in section.inner:
-                    checked[key] = self._inner(name, key, section.inner[key], value)
+                if own := section.inner.get(key):
+                    # One of several may be given alone.
+                    alone = own.repeated and isinstance(value, dict)
+                    tables = _as_given(key, own, [value] if alone else value)
+                    checked[key] = self._all_checked(f"{name}.{key}", own, tables)
                     continue
                 if key not in section.keys:
                     known = [*section.keys, *section.inner]
@@ -119,18 +119,6 @@ class Document:
                 raise wrong
         self.given[name] = given
         return checked
-
-    def _inner(self, name: str, key: str, section: Section[Any], value: object) -> Any:  # noqa: ANN401
-        """The values of a table within a section, or of each of them; one may be given alone."""
-        if section.repeated and isinstance(value, dict):
-            value = [value]
-        if not _is_given_as(section, value):
-            what = "sections" if section.repeated else "a section"
-            raise ArgumentValueError(key, f"is {shown(value)}; it must be {what} {section.heading}")
-        if not isinstance(value, list):
-            assert isinstance(value, dict)
-            return self._checked(f"{name}.{key}", section, value)
-        return [self._checked(f"{name}.{key}.{i}", section, each) for i, each in enumerate(value)]
 
     def decimal_commas(self) -> tuple[tuple[int, str], ...]:
         """Return line and text of lists in which commas with and without a blank are mixed."""
@@ -260,11 +248,13 @@ def _inner(sections: Mapping[str, Section[Any]]) -> dict[str, Section[Any]]:
     return {own.name: own for section in sections.values() for own in section.inner.values()}
 
 
-def _is_given_as(section: Section[Any], value: object) -> bool:
-    """Whether a value is a table, or a list of tables if the section may be given repeatedly."""
-    if not section.repeated:
-        return isinstance(value, dict)
-    return isinstance(value, list) and all(isinstance(part, dict) for part in value)
+def _as_given(name: str, section: Section[Any], value: object) -> Any:  # noqa: ANN401
+    """Return a value that is a table, or a list of them if the section may be given repeatedly."""
+    tables = value if section.repeated and isinstance(value, list) else [value]
+    if section.repeated != isinstance(value, list) or not all(isinstance(t, dict) for t in tables):
+        what = "sections" if section.repeated else "a section"
+        raise ArgumentValueError(name, f"is {shown(value)}; it must be {what} {section.heading}")
+    return value
 
 
 def _path(key: str) -> str:
@@ -306,15 +296,10 @@ def nested(values: Mapping[str, Any]) -> dict[str, Any]:
     """
     made: dict[str, Any] = {}
     for path, value in values.items():
-        *tables, last = path.split(".")
-        _merge(made, _within(tables, {last: value}), path, "")
+        for name in reversed(path.split(".")):
+            value = {name: value}
+        _merge(made, value, path, "")
     return made
-
-
-def _within(tables: list[str], value: dict[str, Any]) -> dict[str, Any]:
-    for name in reversed(tables):
-        value = {name: value}
-    return value
 
 
 def _merge(made: dict[str, Any], more: Mapping[str, Any], path: str, above: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Self
 
 from cardan.app.scene.language.units import as_given
 from cardan.arrays.errors import ArgumentError, ArgumentValueError, Place
@@ -15,6 +16,12 @@ class Location:
 
     key: str
     place: Place = ()
+
+    @classmethod
+    def of(cls, path: str) -> Self:
+        """Return the location of a dotted path."""
+        key, *place = path.split(".")
+        return cls(key, tuple(place))
 
     def at(self, part: int | str) -> Location:
         """Return the location of an entry of this value."""

@@ -7,17 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import (
-    ACUTE,
-    POSITIVE,
-    Number,
-    Rule,
-    Schema,
-    Text,
-    refused,
-    shown,
-)
+from cardan.app.scene.language import errors, rules
 from cardan.app.scene.language.units import ending_of, si_key, us_keys
 from cardan.arrays.errors import nearest
 from cardan.design.quantities import (
@@ -33,7 +23,7 @@ from cardan.evaluation.outputs import OUTPUTS
 
 
 @dataclass(frozen=True)
-class QuantityName(Rule):
+class QuantityName(rules.Rule):
     """The name of a quantity, or also of an output without item and reduction or of an order."""
 
     outputs: bool = False
@@ -43,18 +33,16 @@ class QuantityName(Rule):
     def _names(self) -> list[str]:
         return [*MOTION_QUANTITIES, *(OUTPUTS if self.outputs else ())]
 
-    def read(self, where: Location, value: object) -> str:
-        """Return the name."""
-        name = Text().read(where, value)
+    def read(self, where: errors.Location, value: object) -> str:
+        name = rules.Text().read(where, value)
         other = reduced_quantity(name) or (self.outputs and order_quantity(name))
         if name not in self._names and not other:
             known = [*self._names, *(FIRST_ORDERS if self.outputs and "order" in name else ())]
-            raise where.error(f"is {shown(name)}; {nearest_quantity(name, known)}")
+            raise where.error(f"is {rules.shown(name)}; {nearest_quantity(name, known)}")
         return name
 
     @property
-    def schema(self) -> Schema:
-        """A name of a list or of a form."""
+    def schema(self) -> rules.Schema:
         # Python's end of a text may have a line end behind it; that of JSON Schema may not.
         forms = [*map(pattern, OUTPUTS.values()), *([ORDER_PATTERN] if self.outputs else [])]
         outputs = f"^({'|'.join(forms)})$(?!\\n)"
@@ -66,9 +54,11 @@ def _ending(unit: str) -> str:
     return ending_of({"rad": "deg", "1": ""}.get(unit, unit))
 
 
-KEPT: Mapping[str, Number] = MappingProxyType(
+KEPT: Mapping[str, rules.Number] = MappingProxyType(
     {
-        f"{quantity.name}{_ending(quantity.unit)}": ACUTE if quantity.unit == "rad" else POSITIVE
+        f"{quantity.name}{_ending(quantity.unit)}": rules.ACUTE
+        if quantity.unit == "rad"
+        else rules.POSITIVE
         for quantity in MOTION_QUANTITIES.values()
     }
 )
@@ -89,15 +79,16 @@ def kept_quantity(key: str) -> str:
 
 
 @dataclass(frozen=True)
-class Keep(Rule):
+class Keep(rules.Rule):
     """Limits of other quantities."""
 
     name = "limits"
 
-    def read(self, where: Location, value: object) -> dict[str, float]:
-        """Return the limits by key."""
+    def read(self, where: errors.Location, value: object) -> dict[str, float]:
         if not isinstance(value, dict) or not value:
-            raise refused(where, value, "name quantities and limits, as {non_uniformity = 0.01}")
+            raise rules.refused(
+                where, value, "name quantities and limits, as {non_uniformity = 0.01}"
+            )
         limits: dict[str, float] = {}
         for key, given in value.items():
             own = where.at(key)
@@ -109,12 +100,11 @@ class Keep(Rule):
                 )
             if other := next((each for each in limits if si_key(each) == si_key(key)), ""):
                 raise own.error(f"and {other} are both given; give one of them")
-            limits[key] = KEPT.get(key, POSITIVE).read(own, given)
+            limits[key] = KEPT.get(key, rules.POSITIVE).read(own, given)
         return limits
 
     @property
-    def schema(self) -> Schema:
-        """An object of positive numbers."""
+    def schema(self) -> rules.Schema:
         outputs = "|".join(
             pattern(output) + key
             for output in OUTPUTS.values()
@@ -125,6 +115,6 @@ class Keep(Rule):
             "type": "object",
             "minProperties": 1,
             "properties": {key: rule.schema for key, rule in KEPT.items()},
-            "patternProperties": {f"^({outputs})$": POSITIVE.schema},
+            "patternProperties": {f"^({outputs})$": rules.POSITIVE.schema},
             "additionalProperties": False,
         }

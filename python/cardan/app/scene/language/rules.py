@@ -27,7 +27,9 @@ _LARGEST = 1e40
 
 
 class Rule(ABC):
-    """What a value must be."""
+    """What a value must be; one that keeps its unit stays in that of its key."""
+
+    keeps_unit = False
 
     @property
     @abstractmethod
@@ -45,7 +47,7 @@ class Rule(ABC):
 
     def of_us_key(self, unit: Unit) -> Rule:
         """Return the rule of a key for the same in a US unit, which reads values in the SI unit."""
-        return InUnit(self.in_unit(unit), unit)
+        return self if self.keeps_unit else InUnit(self.in_unit(unit), unit)
 
     def in_unit(self, unit: Unit) -> Self:
         """Return the rule for the same values in a US unit, with the same ends."""
@@ -88,14 +90,9 @@ class Text(Rule):
 
     printable: bool = False
     name = "text"
-
-    def of_us_key(self, unit: Unit) -> Rule:
-        """Return the same rule: it names what is in that unit."""
-        del unit
-        return self
+    keeps_unit = True
 
     def read(self, where: Location, value: object) -> str:
-        """Return the text."""
         if not isinstance(value, str):
             raise refused(where, value, "be text in quotes")
         if self.printable and not value.isprintable():
@@ -104,7 +101,6 @@ class Text(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A string."""
         return {"type": "string"}
 
 
@@ -124,15 +120,10 @@ class Number(Rule):
 
     @property
     def name(self) -> str:
-        """A number, called positive if that is all it must be."""
-        return "positive number" if self._is_positive else "number"
-
-    @property
-    def _is_positive(self) -> bool:
-        return self.high >= 1e6 and (self.low > 0.0 or (self.low == 0.0 and self.above))
+        positive = self.high >= 1e6 and (self.low > 0.0 or (self.low == 0.0 and self.above))
+        return "positive number" if positive else "number"
 
     def read(self, where: Location, value: object) -> float:
-        """Return the number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise refused(where, value, "be a number")
         try:
@@ -170,7 +161,6 @@ class Number(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A number between the ends."""
         return {
             "type": "number",
             "exclusiveMinimum" if self.above else "minimum": self.low,
@@ -188,12 +178,11 @@ class Whole(Rule):
     name = "whole number"
 
     def read(self, where: Location, value: object) -> int:
-        """Return the number."""
         # To Python, true is a whole number.
-        given = value if isinstance(value, int) and not isinstance(value, bool) else None
-        low_enough = given is not None and (self.most is None or given <= self.most)
-        if given is not None and low_enough and (given >= self.least or given == self.also):
-            return given
+        if isinstance(value, int) and not isinstance(value, bool):
+            most = value if self.most is None else self.most
+            if value == self.also or self.least <= value <= most:
+                return value
         counted = f" of at least {self.least}" if self.least else ", counted from 0"
         if self.most is not None:
             counted = f" from {self.least} to {self.most}"
@@ -202,7 +191,6 @@ class Whole(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An integer."""
         if self.also is None:
             most = {} if self.most is None else {"maximum": self.most}
             return {"type": "integer", "minimum": self.least, **most}
@@ -218,18 +206,14 @@ class OneOf(Rule):
     name = "name"
 
     def read(self, where: Location, value: object) -> str:
-        """Return the name."""
         name = Text().read(where, value)
         if name not in self.names:
-            hint = (
-                self.hint(name) if self.hint else f"is {shown(name)}; {nearest(name, self.names)}"
-            )
-            raise where.error(hint)
+            own = self.hint or (lambda name: f"is {shown(name)}; {nearest(name, self.names)}")
+            raise where.error(own(name))
         return name
 
     @property
     def schema(self) -> Schema:
-        """The names."""
         return {"enum": list(self.names)}
 
 
@@ -248,7 +232,6 @@ class FileName(Rule):
         return rf"^{stem}\.({endings})$"
 
     def read(self, where: Location, value: object) -> str:
-        """Return the name."""
         name = Text().read(where, value)
         # On Windows a drive is a folder too.
         if not self.folders and (Path(name).name != name or "\\" in name):
@@ -262,7 +245,6 @@ class FileName(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A string with one of the endings."""
         return {"type": "string", "pattern": self._pattern}
 
 
@@ -292,7 +274,6 @@ class Directed(Rule):
         return rf"^\s*([-+]?\d+(?:\.\d*)?)\s*({units})?\s*({'|'.join(self.ways)})?\s*$"
 
     def read(self, where: Location, value: object) -> float:
-        """Return the number with its sign."""
         if not isinstance(value, str):
             return self.within.read(where, value)
         match = re.match(self._pattern, value)
@@ -312,7 +293,6 @@ class Directed(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A number or such a string."""
         return {"anyOf": [self.within.schema, {"type": "string", "pattern": self._pattern}]}
 
 
@@ -327,11 +307,9 @@ class ListOf(Rule):
 
     @property
     def name(self) -> str:
-        """The name of an entry in the plural."""
         return f"{self.item.name}s"
 
     def read(self, where: Location, value: object) -> list[Any]:
-        """Return the entries."""
         if not isinstance(value, list):
             raise refused(where, value, f"be a list of {self.what}")
         entries = [self.item.read(where.at(i), entry) for i, entry in enumerate(value)]
@@ -346,7 +324,6 @@ class ListOf(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An array."""
         schema: dict[str, Any] = {"type": "array", "items": self.item.schema}
         if self.count is not None:
             schema |= {"minItems": self.count, "maxItems": self.count}
@@ -363,17 +340,14 @@ class OneOrEach(Rule):
 
     @property
     def name(self) -> str:
-        """An entry or several."""
         return f"{self.several.item.name.removeprefix('positive ')}(s)"
 
     def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - a value or a list
-        """Return the value or the list."""
         rule = self.several if isinstance(value, list) else self.several.item
         return rule.read(where, value)
 
     @property
     def schema(self) -> Schema:
-        """An entry or an array."""
         return {"oneOf": [self.several.item.schema, self.several.schema]}
 
 
@@ -385,7 +359,6 @@ class OneOrMore(OneOrEach):
 
     @property
     def name(self) -> str:
-        """One or more of the entries, or the only one."""
         name = self.several.item.name
         return name if self.several.count == 1 else f"{name} or {name}s"
 
@@ -409,16 +382,13 @@ class InUnit(Rule):
 
     @property
     def name(self) -> str:
-        """A value as given."""
         return self.rule.name
 
     def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - as of the rule
-        """Return the value in the SI unit."""
         return _times(self.rule.read(where, value), self.unit.size)
 
     @property
     def schema(self) -> Schema:
-        """The values as given."""
         return self.rule.schema
 
 
@@ -463,7 +433,6 @@ class Table(Rule):
     name = "table"
 
     def read(self, where: Location, value: object) -> dict[str, Any]:
-        """Return the entries by key."""
         if not isinstance(value, dict):
             raise refused(where, value, f"be {self.what}")
         for key in value:
@@ -478,13 +447,22 @@ class Table(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An object of these keys."""
         return {
             "type": "object",
             "properties": {key: rule.schema for key, rule in self.keys.items()},
             **({"required": list(self.keys)} if self.required else {}),
             "additionalProperties": False,
         }
+
+
+def tables(pattern: str, entry: Schema) -> Schema:
+    """Return the JSON Schema of an object of such entries, with keys of a pattern."""
+    return {
+        "type": "object",
+        "minProperties": 1,
+        "patternProperties": {pattern: entry},
+        "additionalProperties": False,
+    }
 
 
 def names(known: Iterable[str]) -> OneOrMore:
@@ -517,5 +495,6 @@ SIZE = Number(1e-3, 1e6)
 DISTANCE = Number(-1e3, 1e3, unit="mm")
 FRICTION = Number(0, 10)
 TOOTH_COUNTS = each(Whole(1, most=1000), "whole numbers")
+VECTOR = ListOf(Number(), "three numbers", 3)
 INDICES = ListOf(INDEX, "whole numbers", distinct=True)
 TEXTS = ListOf(Text(), "texts", distinct=True)

@@ -11,7 +11,7 @@ from cardan.app.scene.language.section import Key, Section
 from cardan.app.scene.language.units import US, si_key, us_keys
 from cardan.app.scene.recording.recorded import BEND_COLUMNS
 from cardan.app.scene.sections.driveline import FORMS, LENGTHS, TEETH, only
-from cardan.app.scene.sections.sweep import DRIVE_ANGLES
+from cardan.app.scene.sections.load import DRIVE_ANGLES
 from cardan.app.scene.study.axes import DEFINITIONS, ENTRIES, AxisValues, NestedAxes
 
 

@@ -92,7 +92,6 @@ class Section(Generic[Made]):
     inner: Mapping[str, Section[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Add the keys in US units."""
         object.__setattr__(self, "keys", with_us_keys(self.keys))
 
     @property

@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import EllipsisType
 from typing import Any, Self
 
 import numpy as np
@@ -14,8 +15,7 @@ from numpy.typing import NDArray
 
 from cardan._core import Integral, derivatives_at
 from cardan.app.files.delimited import short
-from cardan.app.files.recording import Chunk, place_of, read_chunks
-from cardan.app.files.tables import read_ahead
+from cardan.app.files.recording import Chunk, place_of, read_ahead, read_chunks
 from cardan.app.scene.language.units import ENDINGS, RPM, size_of, split, us_keys
 from cardan.app.scene.recording.signals import Noise, Signal, Timing
 from cardan.arrays import FloatArray
@@ -57,19 +57,19 @@ class Angles:
         time: recorded times in s.
         load: recorded values of the keys of [load], ``(samples,)`` each.
         driven: angles of the last shaft in degrees, if the file gives those.
+        known: which samples are to reduce, of bends and loads.
     """
 
     degrees: FloatArray
     drive: FloatArray | Sweep
     to_reduce: FloatArray | Sweep
     bends: FloatArray | None = None
-    bends_to_reduce: FloatArray | None = None
     time: FloatArray | None = None
     load: Mapping[str, FloatArray] = field(default_factory=dict)
-    load_to_reduce: Mapping[str, FloatArray] = field(default_factory=dict)
     signals: tuple[Signal, ...] = ()
     driven: FloatArray | None = None
     file: Path | None = None
+    known: NDArray[np.bool_] | EllipsisType = ...
 
     @classmethod
     def uniform(cls, turns: float, per_turn: int, start_deg: float) -> Self:
@@ -97,7 +97,6 @@ class Recording:
     """
 
     def __init__(self, values: Mapping[str, Any], folder: Path) -> None:
-        """Take the keys of the section and the folder of the scene."""
         self._file = folder / values["file"]
         self._raster = values.get("raster_s")
         self._columns: dict[str, str] = {}
@@ -109,6 +108,7 @@ class Recording:
         bends = next((key for key in BEND_COLUMNS if key in values), "")
         self._bend_unit = split(bends)[1]
         self._bends = {f"bend {i}": name for i, name in enumerate(values.get(bends, ()))}
+        self._names = [*self._columns.values(), *self._bends.values()]
         self._speed = next((key for key in SPEED_COLUMNS if key in values), "")
         self._angle = next((key for key in ANGLE_COLUMNS if key in values), "")
         self._timed = "time_column_s" in values
@@ -153,9 +153,7 @@ class Recording:
                 held = {key: column[kept:] for key, column in held.items()}
                 before = end - kept
         if not self._found:
-            names = ", ".join(
-                repr(name) for name in (*self._columns.values(), *self._bends.values())
-            )
+            names = ", ".join(map(repr, self._names))
             if self._found_numbers:
                 raise ValueError(
                     f"{self._file}: no row has two others within filter_reach = {self._reach} rows "
@@ -164,9 +162,8 @@ class Recording:
             raise ValueError(f"{self._file}: no row has a number in each of the columns {names}")
 
     def _chunks(self, rows: int | None) -> Generator[Chunk]:
-        names = [*self._columns.values(), *self._bends.values()]
         try:
-            chunks = read_chunks(self._file, names, rows, self._raster)
+            chunks = read_chunks(self._file, self._names, rows, self._raster)
             yield from chunks if rows is None else read_ahead(chunks)
         except OSError as error:
             reason = error.strerror or str(error)
@@ -209,19 +206,16 @@ class Recording:
         return np.asarray(angle + math.tau * turns, np.float64)
 
     def _check(self, rows: _Rows, first: int) -> None:
-        for key, name in self._columns.items():
-            low, high = _extent(rows[key])
-            if low < -_LARGEST or high > _LARGEST:
-                row = int(np.argmax(np.abs(rows[key]) > _LARGEST))
-                value = f"is {rows[key][row]}; it must lie within ±{_LARGEST:g}"
-                raise self._error(first + row, name, value)
         end, unit = (math.pi / 2, "pi/2) rad") if self._bend_unit == "rad" else (90.0, "90) deg")
-        for key, name in self._bends.items():
-            low, high = _extent(rows[key])
-            if low < 0.0 or high >= end:
-                row = int(np.argmax((rows[key] < 0.0) | (rows[key] >= end)))
-                value = f"is {rows[key][row]}; a bend must lie in [0, {unit}"
-                raise self._error(first + row, name, value)
+        size, bend = f"it must lie within ±{_LARGEST:g}", f"a bend must lie in [0, {unit}"
+        ranges = {key: (name, -_LARGEST, _LARGEST, size) for key, name in self._columns.items()}
+        below = math.nextafter(end, 0.0)
+        ranges |= {key: (name, 0.0, below, bend) for key, name in self._bends.items()}
+        for key, (name, low, high, rule) in ranges.items():
+            least, most = _extent(rows[key])
+            if least < low or most > high:
+                row = int(np.argmax((rows[key] < low) | (rows[key] > high)))
+                raise self._error(first + row, name, f"is {rows[key][row]}; {rule}")
         if self._timed:
             time = rows["time_column_s"]
             # No comparison with NaN is true.
@@ -271,9 +265,6 @@ class Recording:
         def with_gaps(values: FloatArray) -> FloatArray:
             return values if all_known else np.where(known, values, np.nan)
 
-        def without_gaps(values: FloatArray) -> FloatArray:
-            return values if all_known else values[known]
-
         load = {key: with_gaps(values) for key, values in load.items()}
         part |= {key: with_gaps(part[key]) for key in self._columns}
         in_degrees = self._angle.endswith("deg")
@@ -285,14 +276,13 @@ class Recording:
         return Angles(
             column if in_degrees else np.degrees(column),
             radians := np.radians(column) if in_degrees else column,
-            without_gaps(radians),
+            radians if all_known else radians[known],
             stacked,
-            None if stacked is None else without_gaps(stacked),
             part.get("time_column_s"),
             load,
-            {key: without_gaps(values) for key, values in load.items()},
             tuple(self._signals(part, load)),
             file=self._file,
+            known=... if all_known else known,
         )
 
     def _signals(self, part: _Rows, load: Mapping[str, FloatArray]) -> Iterator[Signal]:

@@ -36,7 +36,6 @@ class Timing:
     """
 
     def __init__(self) -> None:
-        """Begin before the first time."""
         self._count = 0
         # Of the steps between the times that are held, the first so many are judged.
         self._times, self._rows, self._judged = np.empty(0), np.empty(0), 0
@@ -106,7 +105,6 @@ class MeanSquare:
     """
 
     def __init__(self) -> None:
-        """Begin before the first number."""
         self._counts = np.zeros((_LARGEST_EXPONENT - _LEAST_EXPONENT) * _PARTS, np.int64)
 
     def add(self, values: FloatArray) -> None:
@@ -269,7 +267,6 @@ class Way:
     """
 
     def __init__(self) -> None:
-        """Begin before the first angle."""
         self._first = self._last = np.empty(0)
         self._low, self._high = math.inf, -math.inf
         self._steps = self._without_leaps = 0.0

@@ -10,22 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.app.files import columns
-from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import (
-    FRICTION,
-    SIZE,
-    FileName,
-    Number,
-    Schema,
-    Table,
-    Text,
-    given_as,
-    in_one_unit,
-    in_us_units,
-    not_both,
-)
+from cardan.app.scene.language import errors, rules, units
 from cardan.app.scene.language.section import Key, Section
-from cardan.app.scene.language.units import si_key, us_keys
 from cardan.arrays.errors import ArgumentValueError
 from cardan.ball_joint import BallJoint, layer_compliance
 
@@ -35,17 +21,16 @@ _COMPLIANCE, _LAYER, _POISSON = "compliance_um_per_MPa", ("layer_mm", "modulus_M
 
 
 @dataclass(frozen=True)
-class MaterialRule(Table):
+class MaterialRule(rules.Table):
     """A material: a name, the allowable pressure, and the compliance or the layer that yields."""
 
     name = "material"
 
-    def read(self, where: Location, value: object) -> dict[str, Any]:
-        """Return the entries by key."""
+    def read(self, where: errors.Location, value: object) -> dict[str, Any]:
         found = super().read(where, value)
         given: dict[str, str] = {}
         for key in found:
-            if (other := given.setdefault(si_key(key), key)) != key:
+            if (other := given.setdefault(units.si_key(key), key)) != key:
                 raise where.at(key).error(f"and {other} are both given; give one of them")
         layer = [given[key] for key in (*_LAYER, _POISSON) if key in given]
         if _COMPLIANCE in given and layer:
@@ -54,32 +39,31 @@ class MaterialRule(Table):
         for key in _LAYER:
             if layer and key not in given:
                 raise where.at(layer[0]).error(f"needs {key}; {' and '.join(_LAYER)} go together")
-        return {si_key(key): entry for key, entry in found.items()}
+        return {units.si_key(key): entry for key, entry in found.items()}
 
     @property
-    def schema(self) -> Schema:
-        """An object of these keys."""
+    def schema(self) -> rules.Schema:
         return {
             **super().schema,
             "dependentSchemas": {
-                key: {"allOf": [given_as(needed) for needed in _LAYER]}
+                key: {"allOf": [rules.given_as(needed) for needed in _LAYER]}
                 for of in (*_LAYER, _POISSON)
-                for key in (of, *us_keys(of))
+                for key in (of, *units.us_keys(of))
             },
-            "allOf": [not_both(_COMPLIANCE, _LAYER[0]), *in_one_unit(self.keys)],
+            "allOf": [rules.not_both(_COMPLIANCE, _LAYER[0]), *rules.in_one_unit(self.keys)],
         }
 
 
 # No material and no lining is beyond these ends, and within them no square overflows.
 _KEYS = {
-    "name": Text(printable=True),
-    "allowable_pressure_MPa": Number(1e-3, 1e6),
-    _COMPLIANCE: Number(1e-9, 1e9),
-    _LAYER[0]: Number(1e-6, 1e6),
-    _LAYER[1]: Number(1e-3, 1e9),
-    _POISSON: Number(0, 0.5, below=True),
+    "name": rules.Text(printable=True),
+    "allowable_pressure_MPa": rules.Number(1e-3, 1e6),
+    _COMPLIANCE: rules.Number(1e-9, 1e9),
+    _LAYER[0]: rules.Number(1e-6, 1e6),
+    _LAYER[1]: rules.Number(1e-3, 1e9),
+    _POISSON: rules.Number(0, 0.5, below=True),
 }
-_IN_US_UNITS = {us: own for key in _KEYS for us, own in in_us_units(key, _KEYS[key]).items()}
+_IN_US_UNITS = {us: own for key in _KEYS for us, own in rules.in_us_units(key, _KEYS[key]).items()}
 _MATERIAL = MaterialRule(
     _KEYS | _IN_US_UNITS, f"a table with some of {', '.join(_KEYS)}", required=False
 )
@@ -141,7 +125,7 @@ def ball_joint_case(values: Mapping[str, Any], _: object = None) -> BallJointCas
     """Return the case that the keys of the section describe."""
     ball, seat = (values.get(part, {}) for part in ("ball", "seat"))
     yields = [_compliance(part) for part in (ball, seat)]
-    compliance = sum(value for value in yields if value is not None) or None
+    compliance = sum(own or 0.0 for own in yields) or None
     materials = (
         _material("ball", ball, yields[0], compliance),
         _material("seat", seat, yields[1], compliance),
@@ -152,18 +136,14 @@ def ball_joint_case(values: Mapping[str, Any], _: object = None) -> BallJointCas
             "clearance_mm",
             "needs the compliance of ball or seat; how far they yield determines the contact angle",
         )
+    fit: dict[str, Any] = {"clearance": clearance, "compliance": compliance} if clearance else {}
     half_angle = math.radians(values.get("half_angle_deg", 90.0))
     pressures = [m.allowable_pressure for m in materials if m.allowable_pressure is not None]
     if "radius_mm" in values:
         joint = BallJoint(values["radius_mm"] * _MM, half_angle)
-        if clearance:
-            assert compliance is not None
-            joint = joint.with_clearance(clearance, compliance=compliance)
+        joint = joint.with_clearance(**fit) if fit else joint
     elif pressures:
-        wider: Mapping[str, Any] = {}
-        if clearance:
-            wider = {"clearance": clearance, "compliance": compliance}
-        joint = BallJoint.sized_for(values["load_N"], min(pressures), half_angle, **wider)
+        joint = BallJoint.sized_for(values["load_N"], min(pressures), half_angle, **fit)
     else:
         raise ArgumentValueError(
             "radius_mm",
@@ -207,24 +187,27 @@ BALL_JOINT: Section[BallJointCase | None] = Section(
     "a ball in its seat; alone or with a driveline",
     {
         "load_N": Key(
-            Number(1e-6, 1e12), "force between ball and seat; it points to the seat's middle"
+            rules.Number(1e-6, 1e12), "force between ball and seat; it points to the seat's middle"
         ),
         "radius_mm": Key(
-            SIZE, "radius of the ball; default: the smallest that the allowable pressure permits"
+            rules.SIZE,
+            "radius of the ball; default: the smallest that the allowable pressure permits",
         ),
         "half_angle_deg": Key(
-            Number(0.1, 90, unit="deg"), "angle from the middle of the seat to its edge", default=90
+            rules.Number(0.1, 90, unit="deg"),
+            "angle from the middle of the seat to its edge",
+            default=90,
         ),
         "clearance_mm": Key(
-            Number(0, 1e6),
+            rules.Number(0, 1e6),
             "radius of the seat less that of the ball; needs the compliance of ball or seat",
             default=0,
         ),
-        "friction": Key(FRICTION, "coefficient of friction between ball and seat"),
+        "friction": Key(rules.FRICTION, "coefficient of friction between ball and seat"),
         "ball": Key(_MATERIAL, f"table of the ball, {_OF_MATERIAL}"),
         "seat": Key(_MATERIAL, "table of the seat with the same keys"),
         "picture": Key(
-            FileName(columns.PICTURES),
+            rules.FileName(columns.PICTURES),
             "file for the picture of the pressure on the seat; its name ends in "
             + " or ".join(columns.PICTURES),
             kind="picture file",

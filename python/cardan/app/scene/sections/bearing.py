@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, ListOf, Number, each
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, VECTOR, Number, each
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS_NEEDED, has_lengths
 from cardan.arrays import FloatArray
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from cardan.app.scene.study.axes import Axis
 
 
-_UPSTREAM = ("position_mm", "position_m")
-
-POSITIONS = (*_UPSTREAM, "from_end_mm", "from_end_m")
+POSITIONS = ("position_mm", "position_m", "from_end_mm", "from_end_m")
 """The keys that say where on its shaft a bearing is; it has one of them."""
 
 STIFFNESS = "stiffness_N_per_mm"
@@ -35,7 +33,7 @@ SUPPORT = (STIFFNESS, "axis", "loss_factor", "damping_Ns_per_m")
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing as the file gives it: the key of its position, and its value or values.
+    """A bearing, or what else is on a shaft, as the file gives it: the key of its position, values.
 
     ``support`` has the arguments of ``ElasticBearing`` but the place; it is empty of a rigid one.
     """
@@ -55,10 +53,19 @@ class Bearing:
         """The unit in m."""
         return BEARING.keys[self.key].factor
 
+    @property
+    def from_end(self) -> bool:
+        """Whether the position is from the downstream end of the shaft."""
+        return self.key.startswith("from_end")
+
+    @property
+    def distance(self) -> float | FloatArray:
+        """The distance from that end in m."""
+        return self.value * self.factor
+
     def position(self, lengths: FloatArray) -> float | FloatArray:
         """The distance from the upstream end of its shaft, of lengths ``(..., n + 1)``, in m."""
-        own = self.value * self.factor
-        return own if self.key in _UPSTREAM else lengths[..., self.shaft] - own
+        return lengths[..., self.shaft] - self.distance if self.from_end else self.distance
 
 
 @dataclass(frozen=True)
@@ -83,19 +90,6 @@ class Mounting:
         lengths = np.array(np.broadcast_to(own, (len(column), 1, own.shape[-1])))
         lengths[..., axis.place] = DRIVELINE.keys[axis.name].factor * column[:, None, None]
         return replace(self, lengths=lengths)
-
-    def and_bearing(self, values: Mapping[str, Any], line: Driveline) -> Self:
-        """Return the mounting with one more bearing, which must have a place."""
-        shaft = values["shaft"]
-        check_exists("shaft", shaft, line.n_joints + 1)
-        if self.lengths is None and not has_lengths(line):
-            raise ArgumentValueError("shaft", f"has no length; a bearing needs {LENGTHS_NEEDED}")
-        key = next(key for key in values if key in POSITIONS)
-        support = _support(values, line.directions[..., shaft, :])
-        bearing = Bearing(shaft, key, values[key], support)
-        found = replace(self, bearings=(*self.bearings, bearing))
-        found.on(line)
-        return found
 
     def moved(self, axis: Axis, column: FloatArray) -> Self:
         """Return the mounting with other positions of one bearing, in the unit of its key."""
@@ -178,7 +172,7 @@ class Mounted(NamedTuple):
 
 
 def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
-    described = scene[DRIVELINE]
+    described, line = scene[DRIVELINE], scene[DRIVELINE].line
     mounting = Mounting(lengths=described.lengths)
     for i, values in enumerate(scene.document.tables.get(BEARING.name, ())):
         with scene.document.within(f"{BEARING.name}.{i}"):
@@ -186,8 +180,17 @@ def _mounted(_: Mapping[str, Any], scene: Reading) -> Mounted:
                 raise ArgumentValueError(
                     STIFFNESS, "needs a section [lateral], which gives the speeds"
                 )
-            mounting = mounting.and_bearing(values, described.line)
-    return Mounted(mounting, mounting.on(described.line))
+            shaft = values["shaft"]
+            check_exists("shaft", shaft, line.n_joints + 1)
+            if described.lengths is None and not has_lengths(line):
+                problem = f"has no length; a bearing needs {LENGTHS_NEEDED}"
+                raise ArgumentValueError("shaft", problem)
+            key = next(key for key in values if key in POSITIONS)
+            support = _support(values, line.directions[..., shaft, :])
+            bearing = Bearing(shaft, key, values[key], support)
+            mounting = replace(mounting, bearings=(*mounting.bearings, bearing))
+            mounting.on(line)
+    return Mounted(mounting, mounting.on(line))
 
 
 BEARING: Section[Mounted] = Section(
@@ -218,7 +221,7 @@ BEARING: Section[Mounted] = Section(
             1e3,
         ),
         "axis": Key(
-            ListOf(Number(), "three numbers", 3),
+            VECTOR,
             "direction of the first of two stiffnesses; what is along the shaft does not count",
             "axis",
         ),

@@ -10,20 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.scene.language.rules import (
-    BEND,
-    POSITIVE,
-    SIZE,
-    TOOTH_COUNTS,
-    Directed,
-    ListOf,
-    Number,
-    given_as,
-    numbers,
-)
+from cardan.app.scene.language import rules, units
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
-from cardan.app.scene.language.units import LengthUnit, us_keys
-from cardan.app.scene.sections.sweep import ANGLES
+from cardan.app.scene.sections.load import ANGLES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
@@ -70,18 +59,18 @@ class Form:
         """JSON Schema of the section of a driveline that is described in this way."""
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
-        spelled = [way for key in self.keys for way in (key, *us_keys(key))]
+        spelled = [way for key in self.keys for way in (key, *units.us_keys(key))]
         lengths = {key: {"minItems": fewest} | most for key in spelled}
         lengths_too = self.measures or (() if self.keys[0].startswith("points") else LENGTHS)
         allowed = only(*self.keys, *self.optional, *self.further, TEETH, *lengths_too)
-        needed: dict[str, Any] = {"allOf": [given_as(key) for key in self.keys]}
+        needed: dict[str, Any] = {"allOf": [rules.given_as(key) for key in self.keys]}
         if self.views:
-            needed = {"anyOf": [given_as(key) for key in self.keys]}
+            needed = {"anyOf": [rules.given_as(key) for key in self.keys]}
         if self.further:
             needed["dependentRequired"] = {key: [self.further[0]] for key in self.further[1:]}
         if OFFSETS in self.measures:
-            ways = (OFFSETS, *us_keys(OFFSETS))
-            needed["dependentSchemas"] = dict.fromkeys(ways, given_as(LENGTHS[0]))
+            ways = (OFFSETS, *units.us_keys(OFFSETS))
+            needed["dependentSchemas"] = dict.fromkeys(ways, rules.given_as(LENGTHS[0]))
         return {**needed, "properties": lengths, **allowed}
 
 
@@ -167,7 +156,7 @@ FORMS = (
 
 def only(*keys: str) -> dict[str, Any]:
     """Return the JSON Schema of an object without keys other than these, in any units."""
-    spelled = [way for key in keys for way in (key, *us_keys(key))]
+    spelled = [way for key in keys for way in (key, *units.us_keys(key))]
     return {"propertyNames": {"enum": spelled}}
 
 
@@ -308,7 +297,7 @@ class Described:
     teeth: tuple[int, ...]
     lengths: tuple[float, ...] | None
     points: FloatArray | None
-    length_unit: LengthUnit
+    length_unit: units.LengthUnit
     gauge: float | None  # in degrees
 
 
@@ -350,17 +339,16 @@ def has_lengths(line: Driveline) -> bool:
 
 
 def _vectors(meaning: str, argument: str) -> Key:
-    vector = ListOf(Number(), "three numbers", count=3)
-    return Key(ListOf(vector, "vectors [x, y, z]"), meaning, argument, kind="vectors")
+    return Key(rules.ListOf(rules.VECTOR, "vectors [x, y, z]"), meaning, argument, kind="vectors")
 
 
 def _slopes(meaning: str, argument: str) -> Key:
-    slope = Number(-90, 90, above=True, below=True)
-    return Key(ListOf(slope, "numbers"), meaning, argument, kind="slopes")
+    slope = rules.Number(-90, 90, above=True, below=True)
+    return Key(rules.ListOf(slope, "numbers"), meaning, argument, kind="slopes")
 
 
-_READING = Directed(
-    Number(
+_READING = rules.Directed(
+    rules.Number(
         -60,
         60,
         what='of a gauge that counts from the vertical write "87.0 from vertical down"; a reading',
@@ -375,8 +363,8 @@ _READING = Directed(
     },
     '"3.0 down", "87.0 from vertical down" or "5.2 % up", towards the output',
 )
-_OFFSET = Directed(
-    Number(-1e6, 1e6, what="an offset", unit="mm"),
+_OFFSET = rules.Directed(
+    rules.Number(-1e6, 1e6, what="an offset", unit="mm"),
     ("left", "right"),
     {"mm": (float, True)},
     '"45 left" or "45 right", looking as the driver does',
@@ -386,9 +374,9 @@ DRIVELINE: Section[Described] = Section(
     "driveline",
     "joints and shafts, required; give exactly one description",
     {
-        "bends_deg": Key(numbers(BEND), "bend of each joint, in [0, 90)", "bends"),
+        "bends_deg": Key(rules.numbers(rules.BEND), "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
-            numbers(),
+            rules.numbers(),
             "with bends_deg: angle from one bend plane to the next about each intermediate "
             "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
@@ -417,7 +405,7 @@ DRIVELINE: Section[Described] = Section(
             "horizontal",
         ),
         READINGS: Key(
-            ListOf(_READING, "readings"),
+            rules.ListOf(_READING, "readings"),
             'what an inclinometer shows on each shaft, from the drive on: "3.0 down" or "3.0 up" '
             'towards the output, "87.0 from vertical down", "5.2 % up", or a number, positive '
             "upwards",
@@ -425,7 +413,7 @@ DRIVELINE: Section[Described] = Section(
             kind="readings",
         ),
         OFFSETS: Key(
-            ListOf(_OFFSET, "offsets"),
+            rules.ListOf(_OFFSET, "offsets"),
             "with readings_deg: where the driving end, the joint centres and the driven end lie in "
             'plan, "45 left" or "45 right" of a line along the vehicle, looking forwards with the '
             "drive in front; a number is positive to the left; default: all on that line",
@@ -434,63 +422,69 @@ DRIVELINE: Section[Described] = Section(
             kind="offsets",
         ),
         GAUGE: Key(
-            Number(0, 10, above=True, what="the accuracy of a gauge", unit="deg"),
+            rules.Number(0, 10, above=True, what="the accuracy of a gauge", unit="deg"),
             "with readings_deg: how far each reading may be off; the answer then says how certain "
             "its verdict is",
         ),
         DOUBLE_JOINT: Key(
-            numbers(Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
+            rules.numbers(rules.Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
             "total bend of a centred double joint, in [0, 180)",
             "total",
         ),
         "joint_distance_mm": Key(
-            numbers(SIZE, 1), "of a double joint: distance of its joint centres", "length"
+            rules.numbers(rules.SIZE, 1),
+            "of a double joint: distance of its joint centres",
+            "length",
         ),
         "synchronous_deg": Key(
-            numbers(Number(0, 120, below=True, unit="deg"), 1),
+            rules.numbers(rules.Number(0, 120, below=True, unit="deg"), 1),
             "of a double joint: total bend at which both joints have the same bend; 0 where the "
             "pivot lies in the middle between them",
             "synchronous",
         ),
         "pivot_wear_mm": Key(
-            numbers(),
+            rules.numbers(),
             "of a double joint: how far its pivot is off, away from joint 0; default 0",
             "wear",
         ),
         "single_bend_deg": Key(
-            numbers(BEND, 1), "of a double joint: bend of a single joint behind it", "single"
+            rules.numbers(rules.BEND, 1),
+            "of a double joint: bend of a single joint behind it",
+            "single",
         ),
         "single_twist_deg": Key(
-            numbers(None, 1),
+            rules.numbers(None, 1),
             "of that joint: angle from the plane of the double joint to its own; default 0",
             "twist",
         ),
         "single_phase_deg": Key(
-            numbers(None, 1),
+            rules.numbers(None, 1),
             "of the shaft between double and single joint, as phases_deg; default 0",
             "phase",
         ),
         "phases_deg": Key(
-            numbers(),
+            rules.numbers(),
             "angle from the input-side to the output-side yoke of each intermediate shaft, "
             "clockwise looking from the drive towards the output; default 0",
             "phases",
         ),
         TEETH: Key(
-            TOOTH_COUNTS,
+            rules.TOOTH_COUNTS,
             "teeth of the spline that carries the output-side yoke of each shaft between two "
             "joints: one number for all shafts or one per shaft, 1 where no yoke can be turned; "
             "default: any angle can be set",
             per="shaft between two joints",
         ),
         "lengths_mm": Key(
-            ListOf(POSITIVE, "numbers"),
+            rules.ListOf(rules.POSITIVE, "numbers"),
             "without points: length of each shaft between its joints or ends, for forces",
             "lengths",
             factor=1e-3,
             per="shaft",
         ),
-        "lengths_m": Key(ListOf(POSITIVE, "numbers"), "or: the same in metres", per="shaft"),
+        "lengths_m": Key(
+            rules.ListOf(rules.POSITIVE, "numbers"), "or: the same in metres", per="shaft"
+        ),
     },
     _described,
     together=(LENGTHS,),

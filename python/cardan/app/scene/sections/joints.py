@@ -30,7 +30,7 @@ from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.tolerances import JOINT_GROUPS
 
-OF_SIZE: Mapping[str, Key] = {
+OF_SIZE = {
     "rating_Nm": Key(
         each(POSITIVE),
         "torque that 90 % of the joints bear for 5000 h at a bend of 3 deg and 100 rpm",
@@ -161,22 +161,20 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _check_header(file: str, line: int, header: Sequence[str]) -> None:
-    known = [NAME, *_COLUMNS]
+    known, where = [NAME, *_COLUMNS], f"{file}, line {line}:"
+    held = [si_key(column) for column in header]
     for column in header:
         if column not in known:
-            raise ValueError(
-                f"{file}, line {line}: unknown column {column!r}; {nearest(column, known)}"
-            )
+            raise ValueError(f"{where} unknown column {column!r}; {nearest(column, known)}")
         if header.count(column) > 1:
-            raise ValueError(f"{file}, line {line}: column {column!r} appears twice")
-    held = [si_key(column) for column in header]
+            raise ValueError(f"{where} column {column!r} appears twice")
     for column in header:
         if held.count(si_key(column)) > 1:
             both = " and ".join(repr(each) for each in header if si_key(each) == si_key(column))
-            raise ValueError(f"{file}, line {line}: columns {both} hold the same; leave one out")
+            raise ValueError(f"{where} columns {both} hold the same; leave one out")
     for column in (NAME, "rating_Nm"):
         if column not in held:
-            raise ValueError(f"{file}, line {line}: no column {column!r}, which each size needs")
+            raise ValueError(f"{where} no column {column!r}, which each size needs")
 
 
 def _value(key: str, cell: str) -> Any:  # noqa: ANN401 - a number or a name
@@ -192,7 +190,7 @@ def _value(key: str, cell: str) -> Any:  # noqa: ANN401 - a number or a name
 _DEVIATION = each(Number(-90, 90, above=True, below=True, unit="deg"))
 _NEEDS_ARM = "needs arm_mm, the distance of a pin's bearing from the centre of the joint"
 
-OF_DEVIATIONS: Mapping[str, Key] = {
+OF_DEVIATIONS = {
     "driving_yoke_deg": Key(
         _DEVIATION,
         "as built: angle by which the driving pin leans from the normal of the driving shaft "
@@ -216,7 +214,7 @@ OF_DEVIATIONS: Mapping[str, Key] = {
 }
 """The keys that say how joints deviate."""
 
-OF_PLAY: Mapping[str, Key] = {
+OF_PLAY = {
     "play_mm": Key(
         each(NOT_NEGATIVE),
         "radial play of a pin in its bearing at arm_mm, from the middle to either side",
@@ -310,7 +308,8 @@ def _joint(
     if name not in rows:
         place = (joint,) if isinstance(values["size"], list) else ()
         raise ArgumentValueError("size", f"is {name!r}; {nearest(name, list(rows))}", place)
-    changes = {OF_SIZE[key].argument: getattr(described, OF_SIZE[key].argument) for key in own}
+    given = (OF_SIZE[key].argument for key in own)
+    changes = {argument: getattr(described, argument) for argument in given}
     return replace(rows[name], **changes)
 
 
@@ -324,11 +323,8 @@ def _play(values: Mapping[str, Any], n: int, arms: FloatArray | None) -> JointPl
     if arms is None:
         raise ArgumentValueError("play_mm", _NEEDS_ARM)
     stiffness = values.get("stiffness_Nm_per_rad")
-    return JointPlay(
-        1e-3 * _spread(values["play_mm"], n),
-        arms,
-        None if stiffness is None else _spread(stiffness, n),
-    )
+    spread = None if stiffness is None else _spread(stiffness, n)
+    return JointPlay(1e-3 * _spread(values["play_mm"], n), arms, spread)
 
 
 def _deviations(
@@ -385,13 +381,6 @@ def _in_mm(scene: Reading) -> bool:
     return any(not keys.isdisjoint(scene.given.get(section, {})) for section in sections)
 
 
-_KEYS = {
-    "size": Key(each(Text(), "texts"), "with sizes: which size the joints have"),
-    **OF_SIZE,
-    **OF_DEVIATIONS,
-    **OF_PLAY,
-}
-
 JOINTS: Section[JointsAsBuilt] = Section(
     "joints",
     "sizes and bearings of the joints, for their life and heat, and how they deviate from their "
@@ -402,7 +391,11 @@ JOINTS: Section[JointsAsBuilt] = Section(
             "your own table of sizes, a CSV file with a column size and columns named like the "
             "keys below; path from the folder of the scene",
         ),
-        **{key: replace(entry, per="joint") for key, entry in _KEYS.items()},
+        "size": Key(each(Text(), "texts"), "with sizes: which size the joints have", per="joint"),
+        **{
+            key: replace(entry, per="joint")
+            for key, entry in (OF_SIZE | OF_DEVIATIONS | OF_PLAY).items()
+        },
     },
     _joints,
     together=tuple(IN_DEGREES_OR_MM.values()),

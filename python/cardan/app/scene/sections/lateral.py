@@ -10,16 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.scene.language.rules import (
-    INDEX,
-    NOT_NEGATIVE,
-    POSITIVE,
-    ListOf,
-    Number,
-)
+from cardan.app.scene.language.rules import INDEX, NOT_NEGATIVE, POSITIVE, VECTOR, ListOf, Number
 from cardan.app.scene.language.section import Key, Reading, Section, check_exists
 from cardan.app.scene.language.units import RPM
-from cardan.app.scene.sections.bearing import BEARING, STIFFNESS, check_across
+from cardan.app.scene.sections.bearing import BEARING, STIFFNESS, Bearing, check_across
 from cardan.app.scene.sections.driveline import LENGTHS_NEEDED, has_lengths
 from cardan.app.scene.sections.torsion import SpeedValues
 from cardan.app.scene.sections.tubes import TUBES, Tubes
@@ -31,28 +25,6 @@ from cardan.torsion import Tube, tube
 
 _MASS = Number(0, 1e6, what="a mass")
 _INERTIA = Number(0, 1e6, what="an inertia")
-
-
-@dataclass(frozen=True)
-class Attached:
-    """A point mass or an unbalance as the file gives it.
-
-    Attributes:
-        shaft: that carries it.
-        from_end: whether the distance is from the downstream end of the shaft.
-        distance: from that end in m.
-        given: further arguments of ``PointMass`` or ``Unbalance``.
-    """
-
-    shaft: int
-    from_end: bool
-    distance: float
-    given: Mapping[str, Any]
-
-    def position(self, lengths: FloatArray) -> float:
-        """The distance from the upstream end of its shaft in m."""
-        length = float(lengths[self.shaft])
-        return length - self.distance if self.from_end else self.distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +40,8 @@ class LateralCase:
         rigid: mass, centre and inertias of shafts that do not bend, by shaft.
         supports: for each bearing the arguments of ``ElasticBearing`` but the place; empty of a
             rigid one.
-        masses: point masses.
-        unbalance: unbalances.
+        masses: point masses, each with the arguments of ``PointMass`` but the place.
+        unbalance: likewise of ``Unbalance``.
         tube_loss: loss factor of the tubes; ``None`` if the scene gives none.
         sliding: for each joint the shaft that slides in its spline; ``None`` for the default.
         rigid_bearings: bearings of shafts that move which the scene gives no stiffness. With any
@@ -83,8 +55,8 @@ class LateralCase:
     bending: tuple[int, ...]
     rigid: Mapping[int, Mapping[str, float]]
     supports: tuple[Mapping[str, Any], ...]
-    masses: tuple[Attached, ...]
-    unbalance: tuple[Attached, ...]
+    masses: tuple[Bearing, ...]
+    unbalance: tuple[Bearing, ...]
     tube_loss: float | None
     sliding: tuple[int, ...] | None
     rigid_bearings: tuple[int, ...]
@@ -123,8 +95,10 @@ class LateralCase:
                 for (shaft, position), support in zip(line.bearings, self.supports, strict=True)
                 if support
             ],
-            masses=[PointMass(m.shaft, m.position(lengths), **m.given) for m in self.masses],
-            unbalance=[Unbalance(m.shaft, m.position(lengths), **m.given) for m in self.unbalance],
+            masses=[PointMass(m.shaft, m.position(lengths), **m.support) for m in self.masses],
+            unbalance=[
+                Unbalance(m.shaft, m.position(lengths), **m.support) for m in self.unbalance
+            ],
             sliding=self.sliding,
         )
 
@@ -251,11 +225,8 @@ def _check_place(key: str, value: float, length: float, shaft: int) -> None:
 
 
 def _attached(
-    section: Section[Any],
-    tables: list[dict[str, Any]],
-    moving: set[int],
-    scene: Reading,
-) -> Iterator[Attached]:
+    section: Section[Any], tables: list[dict[str, Any]], moving: set[int], scene: Reading
+) -> Iterator[Bearing]:
     lengths = np.asarray(scene.line.lengths().each)
     for i, given in enumerate(tables):
         with scene.document.within(f"{section.name}.{i}"):
@@ -269,7 +240,7 @@ def _attached(
             own = section.arguments(given)
             if "direction" in own:
                 check_across("direction", own["direction"], scene.line.directions[shaft])
-            yield Attached(shaft, key == _PLACES[1], 1e-3 * given[key], own)
+            yield Bearing(shaft, key, given[key], own)
 
 
 _PLACES = ("position_mm", "from_end_mm")
@@ -298,7 +269,6 @@ MASS: Section[Mapping[str, Any]] = Section(
     needed=(*_NEEDED, ("mass_kg",)),
     repeated=True,
 )
-"""The sections [[lateral.mass]]."""
 
 UNBALANCE: Section[Mapping[str, Any]] = Section(
     "lateral.unbalance",
@@ -307,7 +277,7 @@ UNBALANCE: Section[Mapping[str, Any]] = Section(
         **_PLACED,
         "unbalance_gmm": Key(NOT_NEGATIVE, "mass times distance from the axis", "mass_arm", 1e-6),
         "direction": Key(
-            ListOf(Number(), "three numbers", 3),
+            VECTOR,
             "to which side it is at the drive angle 0; what is along the shaft does not count",
             "direction",
         ),
@@ -317,7 +287,6 @@ UNBALANCE: Section[Mapping[str, Any]] = Section(
     needed=(*_NEEDED, ("unbalance_gmm",), ("direction",)),
     repeated=True,
 )
-"""The sections [[lateral.unbalance]]."""
 
 RIGID: Section[Mapping[str, Any]] = Section(
     "lateral.rigid",
@@ -345,7 +314,6 @@ RIGID: Section[Mapping[str, Any]] = Section(
     needed=(("shaft",),),
     repeated=True,
 )
-"""The sections [[lateral.rigid]]."""
 
 LATERAL: Section[LateralCase | None] = Section(
     "lateral",

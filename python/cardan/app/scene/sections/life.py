@@ -20,7 +20,8 @@ from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
 if TYPE_CHECKING:
-    from cardan.app.scene.study.states import SceneLayout, States
+    from cardan.app.scene.study.states import States
+    from cardan.app.scene.study.study import SceneLayout
 
 _ONE_PER_STEP = ("hours", "speed_rpm", *TORQUES, "bends_deg", "states", "names")
 
@@ -140,11 +141,9 @@ def _load(
         raise ArgumentValueError(
             "output_torque_Nm", "is missing here and in [load]; a life needs a torque"
         )
-    arguments: dict[str, Any] = {
-        f"{end}_torque": np.broadcast_to(moment, shape),
-        "speed": np.broadcast_to(speed, shape),
-    }
-    return Load(inertias=None if load is None else load.inertias, **arguments)
+    torques: dict[str, Any] = {f"{end}_torque": np.broadcast_to(moment, shape)}
+    inertias = None if load is None else load.inertias
+    return Load(speed=np.broadcast_to(speed, shape), inertias=inertias, **torques)
 
 
 def gives(varied: Container[str], what: Literal["speed", "torque"]) -> bool:
@@ -179,11 +178,10 @@ def _bent(given: Sequence[Any], line: Driveline, layout: SceneLayout) -> Driveli
         raise ArgumentValueError(
             "bends_deg", f"needs bends_deg in [driveline], which gives {key}; use states"
         )
-    joints, bends = line.n_joints, []
-    for i, entry in enumerate(given):
-        row = entry if isinstance(entry, list) else [entry] * joints
+    joints = line.n_joints
+    bends = [entry if isinstance(entry, list) else [entry] * joints for entry in given]
+    for i, row in enumerate(bends):
         check_count("bends_deg", row, joints, "one per joint", (i,))
-        bends.append(row)
     return Driveline.from_bends(np.radians([bends]), line.twists, line.phases)
 
 
@@ -199,12 +197,13 @@ def _life(values: Mapping[str, Any], scene: Reading) -> DutyCycle | None:
     if states and not stands(values):
         lines, load = states.drivelines().reshape(-1, 1), states.loads(load)
         load = load and load.at_any_angle()
-    if not values:
-        known = load is not None and layout is not None
-        for what in ("speed", "torque"):
-            known = known and (bool(np.any(getattr(load, what))) or gives(varied, what))
-        if not known:
-            return None
+    if not values and (
+        load is None
+        or layout is None
+        or not (np.any(load.speed) or gives(varied, "speed"))
+        or not (np.any(load.torque) or gives(varied, "torque"))
+    ):
+        return None
     return duty_cycle(values, lines, load, layout, states, varied)
 
 

@@ -1,4 +1,4 @@
-"""The section [limits]: what a check compares with."""
+"""The sections [limits] and [steering]: what a check compares with."""
 
 from __future__ import annotations
 
@@ -6,18 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import (
-    ACUTE,
-    POSITIVE,
-    ListOf,
-    Number,
-    OneOf,
-    OneOrEach,
-    OneOrMore,
-    Text,
-    refused,
-)
+from cardan.app.scene.language import errors, rules
+from cardan.app.scene.language.rules import POSITIVE, START, Number
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.bearing import BEARING, STIFFNESS
 from cardan.arrays.errors import ArgumentValueError
@@ -25,7 +15,7 @@ from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
 
 
 @dataclass(frozen=True)
-class LimitRule(OneOrEach):
+class LimitRule(rules.OneOrEach):
     """A limit, or a list of a limit and a maximum that is not below it.
 
     A schema cannot compare the two; only the reader does.
@@ -33,19 +23,18 @@ class LimitRule(OneOrEach):
 
     name = "limit"
 
-    def read(self, where: Location, value: object) -> float | list[float]:
-        """Return the number or both."""
+    def read(self, where: errors.Location, value: object) -> float | list[float]:
         found: float | list[float] = super().read(where, value)
         if isinstance(found, list) and found[0] > found[1]:
-            raise refused(where, value, "have a maximum that is not below the limit")
+            raise rules.refused(where, value, "have a maximum that is not below the limit")
         return found
 
 
-def _limit(number: Number) -> LimitRule:
-    return LimitRule(ListOf(number, "two numbers, limit and maximum", count=2))
+def _limit(number: rules.Number) -> LimitRule:
+    return LimitRule(rules.ListOf(number, "two numbers, limit and maximum", count=2))
 
 
-_BEND_LIMIT, _LIMIT = _limit(ACUTE), _limit(POSITIVE)
+_BEND_LIMIT, _LIMIT = _limit(rules.ACUTE), _limit(rules.POSITIVE)
 
 OF_PARTS: Mapping[str, Key] = {
     "bearing_force_N": Key(_LIMIT, "largest force of a bearing over the turn"),
@@ -86,7 +75,9 @@ LIMITS: Section[GivenLimits] = Section(
     "limit, tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
-            OneOrMore(ListOf(OneOf(tuple(PRESETS), unknown_preset), "names", distinct=True)),
+            rules.OneOrMore(
+                rules.ListOf(rules.OneOf(tuple(PRESETS), unknown_preset), "names", distinct=True)
+            ),
             f"limits of a kind of machine or of a maker, or of several: {', '.join(PRESETS)}; "
             "default: the limit of the catalogues alone, an equivalent bend of 3 deg",
         ),
@@ -101,9 +92,44 @@ LIMITS: Section[GivenLimits] = Section(
             _LIMIT, "second-order acceleration of all shafts between two joints together"
         ),
         **OF_PARTS,
-        "source": Key(Text(printable=True), "where your own figures come from", default=OWN),
+        "source": Key(rules.Text(printable=True), "where your own figures come from", default=OWN),
     },
     _limits,
     fewest=1,
     always=True,
+)
+
+
+@dataclass(frozen=True)
+class SteeringColumn:
+    """Drive angle straight ahead, and what is permitted: distance from symmetry, left to right."""
+
+    centre_deg: float = 0.0
+    offset_deg: float | None = None
+    ratio_percent: float | None = None
+
+
+STEERING: Section[SteeringColumn | None] = Section(
+    "steering",
+    "the driveline is a steering column: ratio straight ahead, its slope, symmetry left to right",
+    {
+        "centre_deg": Key(
+            START,
+            "drive angle of shaft 0 straight ahead, with the points of [driveline]; "
+            "in other states the yoke is carried along as the column tilts",
+            default=0,
+        ),
+        "offset_deg": Key(
+            Number(0, 45, above=True, unit="deg"),
+            "how far straight ahead may be from the nearest angle at which left and right are "
+            "symmetric; default: not judged",
+        ),
+        "ratio_percent": Key(
+            POSITIVE,
+            "largest difference of the ratio between equal angles to the left and to the right, in "
+            "percent; default: not judged",
+        ),
+    },
+    lambda values, _: SteeringColumn(**values),
+    recorded_bends=False,
 )

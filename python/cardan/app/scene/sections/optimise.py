@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.quantities import KEPT, Keep, QuantityName
-from cardan.app.scene.language.rules import COUNT, ListOf, Number, OneOf, Rule, Schema, refused
+from cardan.app.scene.language.rules import (
+    COUNT,
+    ListOf,
+    Number,
+    OneOf,
+    Rule,
+    Schema,
+    refused,
+    tables,
+)
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import us_keys
 from cardan.app.scene.sections.bearing import POSITIONS
@@ -91,10 +100,9 @@ class Vary(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An object of ranges, by path in quotes or within tables."""
         ends = _RANGE.schema
         phase: Schema = {"anyOf": [ends, {"enum": [FREE]}]}
-        by_axis = _tables("^[xyz]$", ends)
+        by_axis = tables("^[xyz]$", ends)
         by_place = f"^{ENTRIES}$"
         return {
             "type": "object",
@@ -102,14 +110,14 @@ class Vary(Rule):
             "patternProperties": {
                 rf"^{_VECTORS}\.{ENTRIES}\.[xyz]$": ends,
                 rf"^{_VECTORS}\.{ENTRIES}$": by_axis,
-                f"^{_VECTORS}$": _tables(by_place, by_axis),
+                f"^{_VECTORS}$": tables(by_place, by_axis),
                 rf"^{_PHASES}\.{ENTRIES}$": phase,
-                f"^{_PHASES}$": {"anyOf": [phase, _tables(by_place, phase)]},
+                f"^{_PHASES}$": {"anyOf": [phase, tables(by_place, phase)]},
                 rf"^{_LISTS}\.{ENTRIES}$": ends,
-                f"^{_LISTS}$": {"anyOf": [ends, _tables(by_place, ends)]},
+                f"^{_LISTS}$": {"anyOf": [ends, tables(by_place, ends)]},
                 f"^{_OF_BEARING}$": ends,
-                rf"^bearing\.{_BEARING}$": _tables(f"^{_POSITION}$", ends),
-                "^bearing$": _tables(f"^{_BEARING}$", _tables(f"^{_POSITION}$", ends)),
+                rf"^bearing\.{_BEARING}$": tables(f"^{_POSITION}$", ends),
+                "^bearing$": tables(f"^{_BEARING}$", tables(f"^{_POSITION}$", ends)),
             },
             "additionalProperties": False,
         }
@@ -118,15 +126,6 @@ class Vary(Rule):
 _BEARING, _POSITION = "[0-9]{1,9}", _either(*POSITIONS)
 _OF_BEARING = rf"bearing\.{_BEARING}\.{_POSITION}"
 _PATH = rf"{_OF_BEARING}|{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
-
-
-def _tables(pattern: str, entry: Schema) -> Schema:
-    return {
-        "type": "object",
-        "minProperties": 1,
-        "patternProperties": {pattern: entry},
-        "additionalProperties": False,
-    }
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

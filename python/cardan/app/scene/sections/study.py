@@ -17,9 +17,8 @@ from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
-from cardan.app.scene.sections.load import LOAD, TORQUES, check_not_recorded
+from cardan.app.scene.sections.load import ANGLES, LOAD, SWEEP, TORQUES, check_not_recorded
 from cardan.app.scene.sections.output import OUTPUT, caused, has_table
-from cardan.app.scene.sections.sweep import ANGLES, SWEEP
 from cardan.app.scene.sections.wind_up import WIND_UP
 from cardan.app.scene.study.axes import (
     BEARING_AXES,
@@ -33,7 +32,7 @@ from cardan.app.scene.study.axes import (
     grid_of,
 )
 from cardan.app.scene.study.states import States
-from cardan.app.scene.study.study import Study
+from cardan.app.scene.study.study import SceneLayout, Study
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentError, ArgumentValueError, nearest
 
@@ -147,8 +146,8 @@ def _check_units(varied: Varied, scene: Reading) -> None:
     """Refuse what varies in another unit than the scene gives it."""
     for key, places in varied.items():
         for place in places if key == BEARING.name else ("",):
-            at = Location(key, tuple(place.split(".")) if place else ())
-            scene.check_unit(str(at), at)
+            path = f"{key}.{place}" if place else key
+            scene.check_unit(path, Location.of(path))
 
 
 def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
@@ -162,8 +161,8 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
     described, loaded, asked = scene[DRIVELINE], scene[LOAD], scene[OUTPUT]
     angles, recorded = scene[SWEEP], scene[ANGLES]
     keys = described.keys
-    if recorded and recorded.bends_to_reduce is not None:
-        keys = {**keys, described.form.keys[0]: recorded.bends_to_reduce}
+    if recorded and recorded.bends is not None:
+        keys = {**keys, described.form.keys[0]: recorded.bends[recorded.known]}
     lengths = {k: v for k, v in scene.given.get(DRIVELINE.name, {}).items() if k in LENGTHS}
     # Motion is in the closed forms already, unless the scene asks for it.
     quantities = asked.quantities
@@ -174,9 +173,7 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
     every_joint = tuple(range(scene.line.n_joints))
     study = Study(
         grid_of(varied, {**described.keys, **lengths}, loaded.keys, bearings),
-        described.form,
-        keys,
-        loaded.to_reduce,
+        SceneLayout(described.form, keys, loaded.to_reduce, scene[BEARING].mounting),
         angles.to_reduce,
         quantities,
         tuple(output.get("reduce", ("peak",))),
@@ -184,7 +181,6 @@ def _study(varied: Mapping[str, Any], scene: Reading) -> Study | None:
         asked.shafts,
         every_joint if asked.joints is None else asked.joints,
         {**asked.options, **({} if angles.driven is None else {"angle_of": "driven"})},
-        scene[BEARING].mounting,
         scene[JOINTS].deviations,
     )
     # The ends of the grid, so that a value out of range shows before a long run.
@@ -246,7 +242,8 @@ def _states(values: Mapping[str, Any], scene: Reading) -> States:
     names = tuple(values.get("names") or _names(axes))
     if wind_ups := scene[WIND_UP]:
         torque = _torques(axes, layout.load or {}, count)
-        axes += tuple(axis for each in wind_ups for axis in each.axes(torque))
+        for each in wind_ups:
+            axes += axes_of(each.at(torque), layout.driveline, None, "a state")
         check_apart(axes, {**layout.driveline, **(layout.load or {})})
     states = States(names, weights, axes, layout)
     states.drivelines()

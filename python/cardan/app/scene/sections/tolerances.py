@@ -8,19 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.app.scene.language import rules
 from cardan.app.scene.language.quantities import QuantityName
-from cardan.app.scene.language.rules import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    SIZE,
-    TOOTH_COUNTS,
-    ListOf,
-    Number,
-    OneOf,
-    OneOrMore,
-    Whole,
-    each,
-)
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.joints import IN_DEGREES_OR_MM, JOINTS, angles_of, arms_of
 from cardan.app.scene.sections.limits import LIMITS
@@ -28,15 +17,8 @@ from cardan.app.scene.sections.load import largest_speed
 from cardan.app.scene.sections.study import STATES
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
+from cardan.design import quantities
 from cardan.design.limits import Limits
-from cardan.design.quantities import (
-    MOTION_QUANTITIES,
-    MotionQuantity,
-    OrderQuantity,
-    modulus_of_bend,
-    order_quantity,
-    reduced_quantity,
-)
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.tolerances import REDUCTIONS, Tolerances
 from cardan.tolerances.box import GROUPS, Sizes
@@ -135,14 +117,14 @@ def _default(values: Mapping[str, Any], speed: Any) -> list[str]:  # noqa: ANN40
     return found
 
 
-def _motion_of(name: str) -> MotionQuantity | OrderQuantity:
+def _motion_of(name: str) -> quantities.MotionQuantity | quantities.OrderQuantity:
     """The quantity of the motion, or of one order of it."""
-    return order_quantity(name) or MOTION_QUANTITIES[name]
+    return quantities.order_quantity(name) or quantities.MOTION_QUANTITIES[name]
 
 
 def _output_of(name: str) -> Output | None:
     """The output of a figure; ``None`` of one of the motion."""
-    reduced = reduced_quantity(name)
+    reduced = quantities.reduced_quantity(name)
     return reduced.output if reduced else OUTPUTS.get(name)
 
 
@@ -150,13 +132,13 @@ def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  #
     """The limit of each figure in SI units: the scene's own, or those of its section [limits]."""
     found: dict[str, float] = {}
     for name in of:
-        quantity = MOTION_QUANTITIES.get(name)
+        quantity = quantities.MOTION_QUANTITIES.get(name)
         if quantity is None or quantity.limit not in limits.figures:
             continue
         limit = limits.figures[quantity.limit].limit
         if not quantity.needs_speed:
             # All of them follow from the bend of a joint.
-            limit = float(quantity.ratio(modulus_of_bend(np.radians(limit))))
+            limit = float(quantity.ratio(quantities.modulus_of_bend(np.radians(limit))))
         found[name] = limit
     if "limit" in values:
         if len(of) > 1:
@@ -170,7 +152,7 @@ def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  #
 
 
 def _size(meaning: str, argument: str, per: str = "joint") -> Key:
-    return Key(each(NOT_NEGATIVE), meaning, argument, per=per)
+    return Key(rules.each(rules.NOT_NEGATIVE), meaning, argument, per=per)
 
 
 TOLERANCES: Section[Toleranced] = Section(
@@ -205,50 +187,50 @@ TOLERANCES: Section[Toleranced] = Section(
         "cross_mm": _size("likewise in place of cross_deg", "cross"),
         "driven_yoke_mm": _size("likewise in place of driven_yoke_deg", "driven_yoke"),
         "arm_mm": Key(
-            each(SIZE),
+            rules.each(rules.SIZE),
             "distance of the middle of a pin's bearing from the centre of the joint: one number, "
             "or one per joint; default: that of [joints]",
             per="joint",
         ),
         "teeth": Key(
-            TOOTH_COUNTS,
+            rules.TOOTH_COUNTS,
             "teeth of the spline of each intermediate shaft, on which a yoke can only be set to "
             "within half a tooth: one number, or one per shaft",
             per=_BETWEEN,
         ),
         "distribution": Key(
-            OneOf(("uniform", "normal")),
+            rules.OneOf(("uniform", "normal")),
             "uniform, or normal with the tolerance as three standard deviations",
             default="uniform",
         ),
         "of": Key(
-            OneOrMore(ListOf(QuantityName(outputs=True), "names", distinct=True)),
-            f"figures, from {', '.join(MOTION_QUANTITIES)}; orders of the last shaft, as "
-            "angle_error_order_1 or acceleration_order_1; or outputs over a turn, as "
+            rules.OneOrMore(rules.ListOf(QuantityName(outputs=True), "names", distinct=True)),
+            f"figures, from {', '.join(quantities.MOTION_QUANTITIES)}; orders of the last shaft, "
+            "as angle_error_order_1 or acceleration_order_1; or outputs over a turn, as "
             "support_moment_1_peak. Default: equivalent_bend, and with tolerances of joints order "
             "1 of the acceleration, or of the angle error without a speed",
         ),
         "reduce": Key(
-            OneOf(REDUCTIONS),
+            rules.OneOf(REDUCTIONS),
             "of outputs that are named without a reduction, of the last shaft or of all joints: "
             f"{', '.join(REDUCTIONS)}",
             default="peak",
         ),
         "limit": Key(
-            POSITIVE,
+            rules.POSITIVE,
             "of a single figure, in degrees for an angle, else in SI units; default: that of "
             "[limits]. Every driveline within the tolerances must keep it",
         ),
         "share": Key(
-            Number(0, 1, above=True),
+            rules.Number(0, 1, above=True),
             "share of the drivelines that must keep the limit, in place of all",
         ),
         "samples": Key(
-            Whole(1, most=100_000_000),
+            rules.Whole(1, most=100_000_000),
             "random drivelines; default: 100 000, or 16 384 where almost all of these keep the "
             "limit, or almost none",
         ),
-        "seed": Key(Whole(0, most=(1 << 32) - 1), "of their random numbers", default=0),
+        "seed": Key(rules.Whole(0, most=(1 << 32) - 1), "of their random numbers", default=0),
     },
     _toleranced,
     needed=(("bends_deg", "twists_deg", "phases_deg", "points_mm", "teeth", *_OF_JOINTS),),

@@ -66,12 +66,12 @@ class ShaftStiffness(Rule):
     number: Number = _STIFFNESS
     name = "stiffness"
 
-    def read(self, where: Location, value: object) -> float | Literal["tube", "coupling"]:
+    def read(self, where: Location, value: object) -> float | str:
         """Return the stiffness, infinite for a rigid shaft, or a word for what it has."""
         if value == _RIGID:
             return math.inf
         if value in (_TUBE, _COUPLING):
-            return "tube" if value == _TUBE else "coupling"
+            return str(value)
         if isinstance(value, str) or value == math.inf:
             words = f'be a positive number, "{_RIGID}", "{_TUBE}" or "{_COUPLING}"'
             raise refused(where, value, words)
@@ -79,7 +79,6 @@ class ShaftStiffness(Rule):
 
     @property
     def schema(self) -> Schema:
-        """A number or one of the words."""
         return {"oneOf": [self.number.schema, {"enum": [_RIGID, _TUBE, _COUPLING]}]}
 
 
@@ -90,7 +89,6 @@ class Rising(ListOf):
     why: str = ""
 
     def read(self, where: Location, value: object) -> list[Any]:
-        """Return the values."""
         points = super().read(where, value)
         if len(points) < 2:
             raise where.error(f"is {shown(value)}; a curve needs two points at least")
@@ -102,7 +100,6 @@ class Rising(ListOf):
 
     @property
     def schema(self) -> Schema:
-        """An array of two values at least."""
         return {**super().schema, "minItems": 2}
 
 
@@ -127,7 +124,6 @@ class SpeedValues(Rule):
 
     @property
     def schema(self) -> Schema:
-        """An array of speeds or an object."""
         listed = {"type": "array", "items": _SPEED.schema, "minItems": 2, "uniqueItems": True}
         return {"oneOf": [listed, _SPREAD.schema]}
 
@@ -218,11 +214,15 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
     if tubes is not None:
         of_tubes = dict(zip(tubes.shafts, np.asarray(tubes.tube.stiffness).tolist(), strict=True))
         inertias[list(tubes.shafts)] += 0.5 * np.asarray(tubes.tube.inertia)[:, np.newaxis]
-    tables = {key: values.get(key, []) for key in TORSION.inner}
-    couplings = _couplings(tables["coupling"], line.n_joints + 1, scene)
-    harmonics = _harmonics(tables["harmonic"], line.n_joints + 1, scene)
+    shafts = line.n_joints + 1
+    couplings = _couplings(values.get("coupling", []), shafts, scene)
+    harmonics: list[TorqueHarmonic] = []
+    for i, given in enumerate(values.get("harmonic", [])):
+        with scene.document.within(f"{HARMONIC.name}.{i}"):
+            check_exists("shaft", given.get("shaft", 0), shafts)
+            harmonics += _harmonics_of(given)
     drive, at_drive = values.get("drive", ""), values["inertias_kgm2"][0]
-    by_shaft = _stiffnesses(values, line.n_joints + 1, of_tubes, couplings)
+    by_shaft = _stiffnesses(values, shafts, of_tubes, couplings)
     arguments = TORSION.arguments(values) | {
         "inertias": inertias,
         "stiffnesses": [
@@ -230,7 +230,7 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
             for i, own in enumerate(by_shaft)
         ],
         "load_torque": _load_torque(values, scene.load),
-        "harmonics": harmonics,
+        "harmonics": tuple(harmonics),
         "couplings": couplings,
     }
     if not drive and not (at_drive[0] if isinstance(at_drive, list) else at_drive):
@@ -246,7 +246,7 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
     if "dampings" not in arguments:
         arguments.setdefault("damping_ratios", 0.0)
     with (
-        _placed([each["shaft"] for each in tables["coupling"]], scene),
+        _placed([*couplings], scene),
         TORSION.named(TORSION.keys),
         np.errstate(divide="ignore", invalid="ignore"),
     ):
@@ -265,14 +265,18 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
         values.get("resonance_margin"),
         drive,
         tuple(values.get("names", ())),
-        {each["shaft"]: _ratings(each) for each in tables["coupling"]},
-        _motor(tables["motor"], scene) if "motor" in values else None,
-        0.01 * values["unstable_percent"] if "unstable_percent" in values else None,
-        0.01 * values["rattle_percent"] if "rattle_percent" in values else None,
+        {each["shaft"]: _ratings(each) for each in values.get("coupling", ())},
+        _motor(values["motor"], scene) if "motor" in values else None,
+        _share(values.get("unstable_percent")),
+        _share(values.get("rattle_percent")),
         apart=apart,
         springs=tuple(i for i, own in enumerate(by_shaft) if own == _TUBE),
         is_loaded="load_torque_Nm" not in values and scene.load is not None,
     )
+
+
+def _share(percent: float | None) -> float | None:
+    return None if percent is None else 0.01 * percent
 
 
 def _check_limited(system: TorsionalSystem, speed: FloatArray) -> None:
@@ -333,8 +337,7 @@ def _couplings(tables: list[dict[str, Any]], shafts: int, scene: Reading) -> dic
                     check_count(other, values[other], len(values[one]), f"as many as {one}")
             with COUPLING.named(COUPLING.keys):
                 made[shaft] = Coupling(
-                    **COUPLING.arguments(values),
-                    contact_damping=values.get("damper") == "contact",
+                    **COUPLING.arguments(values), contact_damping=values.get("damper") == "contact"
                 )
     lossy = [shaft for shaft, own in made.items() if own.loss_factor > 0.0]
     kinked = [shaft for shaft, own in made.items() if own.play > 0.0 or own.twist is not None]
@@ -352,22 +355,10 @@ def _ratings(values: Mapping[str, Any]) -> Ratings:
     return Ratings(*(values.get(f"{name}_torque_Nm") for name in ("rated", "largest", "vibratory")))
 
 
-def _harmonics(
-    tables: list[dict[str, Any]], shafts: int, scene: Reading
-) -> tuple[TorqueHarmonic, ...]:
-    found: list[TorqueHarmonic] = []
-    for i, values in enumerate(tables):
-        with scene.document.within(f"{HARMONIC.name}.{i}"):
-            check_exists("shaft", values.get("shaft", 0), shafts)
-            found += _harmonics_of(values)
-    return tuple(found)
-
-
 def _harmonics_of(values: Mapping[str, Any]) -> list[TorqueHarmonic]:
     shaft, end, orders = values.get("shaft", 0), values.get("end", "input"), values["order"]
     zeros = [0.0] * len(orders)
-    given = {key: values.get(key, zeros) for key in ("cos_Nm", "sin_Nm", "phase_deg")}
-    given["amplitude_Nm"] = values.get("amplitude_Nm", zeros)
+    given = {k: values.get(k, zeros) for k in ("cos_Nm", "sin_Nm", "phase_deg", "amplitude_Nm")}
     for key, each_order in given.items():
         check_count(key, each_order, len(orders), "as many as orders")
     phases, sizes = np.radians(given["phase_deg"]), np.array(given["amplitude_Nm"])
@@ -457,7 +448,6 @@ HARMONIC: Section[list[TorqueHarmonic]] = Section(
     with_key=(("phase_deg", "amplitude_Nm"), ("strokes", "firing_order")),
     repeated=True,
 )
-"""The sections [[torsion.harmonic]]."""
 
 COUPLING: Section[Ratings] = Section(
     "torsion.coupling",
@@ -530,7 +520,6 @@ COUPLING: Section[Ratings] = Section(
     ),
     repeated=True,
 )
-"""The sections [[torsion.coupling]]."""
 
 MOTOR: Section[tuple[FloatArray, FloatArray]] = Section(
     "torsion.motor",
@@ -542,7 +531,6 @@ MOTOR: Section[tuple[FloatArray, FloatArray]] = Section(
     _motor,
     needed=(("speed_rpm",), ("torque_Nm",)),
 )
-"""The section [torsion.motor]."""
 
 TORSION: Section[TorsionCase | None] = Section(
     "torsion",

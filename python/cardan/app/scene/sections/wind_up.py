@@ -2,58 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import ListOf, Number
+from cardan.app.scene.language.rules import VECTOR, Number
 from cardan.app.scene.language.section import Key, Reading, Section
-from cardan.app.scene.language.units import size_of
+from cardan.app.scene.language.units import size_of, split
 from cardan.app.scene.sections.driveline import DRIVELINE, READINGS
-from cardan.app.scene.study.axes import DIRECTION, ENTRY, Axis, Rotation, entries_of, unit_vector
+from cardan.app.scene.study.axes import DIRECTION, ENTRY, Varied, Varying, entries_of
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 
-_VECTOR = ListOf(Number(), "three numbers", count=3)
 _SLOPES = "slopes_vertical_deg"
 
 
-@dataclass(frozen=True)
-class WindUp:
-    """What turns or moves entries of a key, as axes of states whose values follow the torque.
+class WindUp(NamedTuple):
+    """What turns or moves entries of a key, as the file has it, by place and per kN m of torque."""
 
-    Rates are in the SI unit of the key, or in degrees, per kN m; ``given`` is the key as the file
-    has it.
-    """
+    key: str
+    rates: Mapping[str, Varying]
 
-    name: str
-    given: str
-    place: str
-    entries: slice
-    rate: float | None = None
-    rotation: Rotation | None = None
-    shift: tuple[float, ...] = ()
-
-    def axes(self, torque: FloatArray) -> Iterator[Axis]:
-        """Yield the axes of states with these mean torques in N m."""
-        by, key = 1e-3 * torque, f"{self.given}.{self.place}"
-
-        def axis(ending: str, component: int | None, rate: float, *, is_added: bool = True) -> Axis:
-            rotation = None if is_added else self.rotation
-            size = size_of(self.given) if is_added else 1.0
-            own = (self.name, self.entries, component, rate * by / size, is_added, rotation, size)
-            return Axis(f"{key}.{ending}", "driveline", *own)
-
-        if self.rate is not None and self.rotation is None:
-            yield axis("add", None, self.rate)
-        elif self.rate is not None:
-            yield axis("turn_deg", None, self.rate, is_added=False)
-        for component, rate in enumerate(self.shift):
-            if rate:
-                yield axis(f"{'xyz'[component]}.add", component, rate)
+    def at(self, torque: FloatArray) -> Varied:
+        """Return what varies with these mean torques in N m, one per state."""
+        by = 1e-3 * torque
+        each = self.rates.items()
+        return {
+            self.key: {at: rate._replace(steps=(by * rate.steps[0]).tolist()) for at, rate in each}
+        }
 
 
 def _wind_ups(_: Mapping[str, Any], scene: Reading) -> tuple[WindUp, ...]:
@@ -82,22 +60,25 @@ def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
             if key in values:
                 raise ArgumentValueError(key, "does not go with shafts, which tilt by deg_per_kNm")
         place = values["shafts"]
-        entries = entries_of(Location("shafts"), place, len(keys[name]))
-        return WindUp(name, name, place, entries, rate)
+        entries_of(Location("shafts"), place, len(keys[name]))
+        return WindUp(name, {place: Varying([values["deg_per_kNm"]], "add")})
     name = next((key for key in keys if key.startswith("points")), None)
     if name is None:
         raise ArgumentValueError("points", "need points_mm or points_m in [driveline]")
-    # Rates and places are in mm; the axes are in the unit of the key.
-    unit = 1.0 if name.endswith("_mm") else 1e-3
-    place, rotation = values["points"], None
+    own, place = given.get(name, name), values["points"]
+    # Rates and places are in mm, and what varies is in the unit of the key.
+    unit = (1.0 if name.endswith("_mm") else 1e-3) / size_of(own)
+    rates: dict[str, Varying] = {}
     if rate is not None:
         if "about_mm" not in values:
             raise ArgumentValueError("deg_per_kNm", "needs about_mm, a point of the axis")
-        about = unit * np.array(values["about_mm"])
-        rotation = Rotation(about, unit_vector(values.get("axis", [0.0, 0.0, 1.0])))
-    moves = tuple(unit * each for each in shift or ())
-    entries = entries_of(Location("points"), place, len(keys[name]))
-    return WindUp(name, given.get(name, name), place, entries, rate, rotation, moves)
+        about, axis = unit * np.array(values["about_mm"]), values.get("axis", [0.0, 0.0, 1.0])
+        rates[place] = Varying([rate], "turn_deg", about.tolist(), axis, split(own)[1])
+    for component, each in zip("xyz", shift or (), strict=False):
+        if each:
+            rates[f"{place}.{component}"] = Varying([unit * each], "add")
+    entries_of(Location("points"), place, len(keys[name]))
+    return WindUp(own, rates)
 
 
 WIND_UP: Section[tuple[WindUp, ...]] = Section(
@@ -111,14 +92,14 @@ WIND_UP: Section[tuple[WindUp, ...]] = Section(
             f"or, with {READINGS} or {_SLOPES}: the shafts that tilt, counted from 0: "
             '"2", upwards to the output',
         ),
-        "about_mm": Key(_VECTOR, "of points: a point of the axis about which they turn"),
+        "about_mm": Key(VECTOR, "of points: a point of the axis about which they turn"),
         "axis": Key(
             DIRECTION, 'its direction: "x", "y", "z" or three numbers', default="z", kind="axis"
         ),
         "deg_per_kNm": Key(
             Number(), "angle per kN m of mean torque, right-handed about the axis or upwards"
         ),
-        "mm_per_kNm": Key(_VECTOR, "or, or besides: by how much the points move per kN m"),
+        "mm_per_kNm": Key(VECTOR, "or, or besides: by how much the points move per kN m"),
     },
     _wind_ups,
     together=(("points", "shafts"),),

@@ -11,24 +11,12 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias, TypeGuard
+from typing import Any, Literal, NamedTuple, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.app.scene.language.errors import Location
-from cardan.app.scene.language.rules import (
-    COUNT,
-    INDEX,
-    SPREAD,
-    ListOf,
-    Number,
-    Rule,
-    Schema,
-    Table,
-    shown,
-)
-from cardan.app.scene.language.units import Unit, alike, si_key, size_of, us_keys
+from cardan.app.scene.language import errors, rules, units
 from cardan.app.scene.sections.bearing import POSITIONS
 from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.sections.load import LOAD
@@ -48,84 +36,87 @@ class Spread(NamedTuple):
     steps: int
 
 
-Steps: TypeAlias = Spread | list[float]
-"""The values of an axis, or how much it changes what is there."""
+_ADD, _TURN, _AXIS = "add", "turn_deg", "axis"
 
 
-class Added(NamedTuple):
-    """What a study adds to the values of entries."""
+class Varying(NamedTuple):
+    """What a study gives entries, adds to them, or turns points by, as ``way`` says.
 
-    steps: Steps
+    Points turn about a point of the file's unit and an axis through it.
+    """
+
+    steps: Spread | list[float]
+    way: Literal["", "add", "turn_deg"] = ""
+    about: Sequence[float] = ()
+    axis: Sequence[float] = ()
+    unit: str = ""
+
+    @property
+    def size(self) -> int:
+        """How many values there are, of which no memory is taken."""
+        return self.steps.steps if isinstance(self.steps, Spread) else len(self.steps)
+
+    @property
+    def values(self) -> FloatArray:
+        """The values, ``(size,)``."""
+        if not isinstance(self.steps, Spread):
+            return np.array(self.steps, dtype=np.float64)
+        start, stop, steps = self.steps
+        # Dividing last keeps round values round.
+        spread: FloatArray = start + (stop - start) * np.arange(steps) / max(steps - 1, 1)
+        return spread
 
 
-class Turned(NamedTuple):
-    """By what a study turns points, about a point of the file's unit and an axis through it."""
-
-    steps: Steps
-    about: list[float]
-    axis: list[float]
-    unit: str
-
-
-Varied: TypeAlias = Mapping[str, Mapping[str, Steps | Added | Turned]]
+Varied: TypeAlias = Mapping[str, Mapping[str, Varying]]
 """What varies by key and place, as a section has it."""
 
-_SPREAD = Table(
-    {"from": Number(), "to": Number(), "steps": COUNT}, f"{SPREAD} or a list of numbers"
+_SPREAD = rules.Table(
+    {"from": rules.Number(), "to": rules.Number(), "steps": rules.COUNT},
+    f"{rules.SPREAD} or a list of numbers",
 )
-_LISTED = ListOf(Number(), "numbers")
-_VECTOR = ListOf(Number(), "three numbers", count=3)
-_ADD = "add"
-_TURN, _AXIS = "turn_deg", "axis"
-_ABOUT = tuple(key for si in ("about_mm", "about_m") for key in (si, *us_keys(si)))
+_LISTED = rules.ListOf(rules.Number(), "numbers")
+_ABOUT = tuple(key for si in ("about_mm", "about_m") for key in (si, *units.us_keys(si)))
 _OF_TURN = (_TURN, *_ABOUT, _AXIS)
 _AXES = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
 
 
 @dataclass(frozen=True)
-class Direction(Rule):
+class Direction(rules.Rule):
     """The direction of an axis: its name or a vector of any length."""
 
     name = "axis"
 
-    def read(self, where: Location, value: object) -> list[float]:
-        """Return the vector."""
+    def read(self, where: errors.Location, value: object) -> list[float]:
         if isinstance(value, str):
             if value not in _AXES:
-                raise where.error(f'is {shown(value)}; it is "x", "y", "z" or three numbers')
+                raise where.error(f'is {rules.shown(value)}; it is "x", "y", "z" or three numbers')
             return _AXES[value]
-        axis = _VECTOR.read(where, value)
+        axis = rules.VECTOR.read(where, value)
         if not any(axis):
             raise where.error("is [0, 0, 0]; an axis needs a direction")
         return axis
 
     @property
-    def schema(self) -> Schema:
-        """A name or three numbers."""
-        return {"oneOf": [{"enum": list(_AXES)}, _VECTOR.schema]}
+    def schema(self) -> rules.Schema:
+        return {"oneOf": [{"enum": list(_AXES)}, rules.VECTOR.schema]}
 
 
 DIRECTION = Direction()
 
 
 @dataclass(frozen=True)
-class AxisValues(Rule):
+class AxisValues(rules.Rule):
     """What varies a number: values under no place, listed or evenly spread."""
 
     name = "values"
+    keeps_unit = True
 
-    def of_us_key(self, unit: Unit) -> Rule:
-        """Return the same rule: what varies stays in the unit of its key."""
-        del unit
-        return self
-
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Varying]:
         """Return the values by their place, which is empty."""
-        return {"": _values(where, value)}
+        return {"": Varying(_steps(where, value))}
 
     @property
-    def schema(self) -> Schema:
-        """A reference to the definition."""
+    def schema(self) -> rules.Schema:
         return _VALUES
 
 
@@ -152,29 +143,29 @@ DEFINITIONS = {
 """JSON Schemas of the values of an axis, for the schema to define once."""
 
 
-def _changed(where: Location, value: object) -> Steps | Added:
+def _changed(where: errors.Location, value: object) -> Varying:
     """Values, or with ``add`` changes."""
-    if isinstance(value, dict) and _ADD in value:
-        for key in value:
-            if key != _ADD:
-                raise where.error(f"has an unknown key {shown(key)}; {_ADD} stands alone")
-        return Added(_values(where.at(_ADD), value[_ADD]))
-    return _values(where, value)
+    if not isinstance(value, dict) or _ADD not in value:
+        return Varying(_steps(where, value))
+    for key in value:
+        if key != _ADD:
+            raise where.error(f"has an unknown key {rules.shown(key)}; {_ADD} stands alone")
+    return Varying(_steps(where.at(_ADD), value[_ADD]), "add")
 
 
-def _turned(where: Location, value: Mapping[str, object]) -> Turned:
+def _turned(where: errors.Location, value: Mapping[str, object]) -> Varying:
     """By what points turn, about which point and axis."""
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
-        points = " or ".join(alike(where.key, _ABOUT))
+        points = " or ".join(units.alike(where.key, _ABOUT))
         raise where.error(f"must have {_TURN}, {points}, and {_AXIS}")
     axis = DIRECTION.read(where.at(_AXIS), value[_AXIS])
-    steps = _values(where.at(_TURN), value[_TURN])
-    point = _VECTOR.read(where.at(about[0]), value[about[0]])
-    return Turned(steps, point, axis, about[0].rpartition("_")[2])
+    steps = _steps(where.at(_TURN), value[_TURN])
+    point = rules.VECTOR.read(where.at(about[0]), value[about[0]])
+    return Varying(steps, "turn_deg", point, axis, about[0].rpartition("_")[2])
 
 
-def _values(where: Location, value: object) -> Steps:
+def _steps(where: errors.Location, value: object) -> Spread | list[float]:
     if isinstance(value, list):
         if not value:
             raise where.error("is []; a study needs at least one value")
@@ -187,15 +178,6 @@ def _values(where: Location, value: object) -> Steps:
     return spread
 
 
-def _tables(pattern: str, entry: Schema) -> Schema:
-    return {
-        "type": "object",
-        "patternProperties": {pattern: entry},
-        "additionalProperties": False,
-        "minProperties": 1,
-    }
-
-
 ENTRIES = "[0-9]{1,9}(-[0-9]{1,9})?"
 """Pattern of an entry, or some, of a list."""
 _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
@@ -205,7 +187,7 @@ _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
 class ListAxes(AxisValues):
     """What varies a list of numbers: values for all entries, or for some by their place."""
 
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Varying]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
         if not _is_table(value) or value.keys() & {*_SPREAD.keys, _ADD}:
             return {"": _changed(where, value)}
@@ -215,13 +197,12 @@ class ListAxes(AxisValues):
         return {index: _changed(where.at(index), entry) for index, entry in value.items()}
 
     @property
-    def schema(self) -> Schema:
-        """The values, or an object of them."""
-        return {"anyOf": [_CHANGED, _tables(f"^{ENTRIES}$", _CHANGED)]}
+    def schema(self) -> rules.Schema:
+        return {"anyOf": [_CHANGED, rules.tables(f"^{ENTRIES}$", _CHANGED)]}
 
 
 @dataclass(frozen=True)
-class NestedAxes(Rule):
+class NestedAxes(rules.Rule):
     """What varies a part of an entry, as a component of a vector: values by entry and part.
 
     ``what`` is entry and part in words with an example; ``no_entry`` says what names no entry.
@@ -234,19 +215,14 @@ class NestedAxes(Rule):
     parts: tuple[str, ...]
     changes: bool = False
     name = "values"
+    keeps_unit = True
 
-    def of_us_key(self, unit: Unit) -> Rule:
-        """Return the same rule: what varies stays in the unit of its key."""
-        del unit
-        return self
-
-    def read(self, where: Location, value: object) -> dict[str, Steps | Added | Turned]:
+    def read(self, where: errors.Location, value: object) -> dict[str, Varying]:
         """Return the values by entry and part: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
         if not _is_table(value) or not all(map(_is_table, value.values())):
             words, example = self.what
-            raise where.error(f"is {shown(value)}; name {words}, as in {where}.{example}")
-        axes: dict[str, Steps | Added | Turned] = {}
-        read = _changed if self.changes else _values
+            raise where.error(f"is {rules.shown(value)}; name {words}, as in {where}.{example}")
+        axes: dict[str, Varying] = {}
         for index, parts in value.items():
             at = where.at(index)
             if not re.fullmatch(self.entry, index):
@@ -255,35 +231,39 @@ class NestedAxes(Rule):
             known = (*self.parts, *(_OF_TURN if self.changes else ()))
             for part, entry in parts.items():
                 if part not in known:
-                    raise at.error(f"has no {shown(part)}; {nearest(part, alike(part, known))}")
+                    raise at.error(
+                        f"has no {rules.shown(part)}; {nearest(part, units.alike(part, known))}"
+                    )
                 if part not in turn:
-                    axes[f"{index}.{part}"] = read(at.at(part), entry)
+                    own = at.at(part)
+                    axes[f"{index}.{part}"] = (
+                        _changed(own, entry) if self.changes else Varying(_steps(own, entry))
+                    )
             if turn:
                 axes[index] = _turned(at, turn)
         return axes
 
     @property
-    def schema(self) -> Schema:
-        """An object of objects."""
+    def schema(self) -> rules.Schema:
         values = dict.fromkeys(self.parts, _CHANGED if self.changes else _VALUES)
         parts: dict[str, Any] = {"type": "object", "additionalProperties": False}
         alone = {**parts, "properties": values, "minProperties": 1}
         if not self.changes:
-            return _tables(f"^{self.entry}$", alone)
+            return rules.tables(f"^{self.entry}$", alone)
         turns = [
             {
                 **parts,
                 "properties": {
                     **values,
                     _TURN: _VALUES,
-                    about: _VECTOR.schema,
+                    about: rules.VECTOR.schema,
                     _AXIS: DIRECTION.schema,
                 },
                 "required": [_TURN, about, _AXIS],
             }
             for about in _ABOUT
         ]
-        return _tables(f"^{self.entry}$", {"oneOf": [alone, *turns]})
+        return rules.tables(f"^{self.entry}$", {"oneOf": [alone, *turns]})
 
 
 def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
@@ -291,22 +271,21 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 
 @dataclass(frozen=True)
-class Entry(Rule):
+class Entry(rules.Rule):
     """Which entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
 
     name = "text"
 
-    def read(self, where: Location, value: object) -> str:
+    def read(self, where: errors.Location, value: object) -> str:
         """Return it as text."""
         index = str(value) if isinstance(value, int) and not isinstance(value, bool) else value
         if not isinstance(index, str) or not re.search(f"^{ENTRIES}$", index):
-            raise where.error(f'is {shown(value)}; it must be as 2 or "2-3", counted from 0')
+            raise where.error(f'is {rules.shown(value)}; it must be as 2 or "2-3", counted from 0')
         return index
 
     @property
-    def schema(self) -> Schema:
-        """A number or such a string."""
-        return {"anyOf": [INDEX.schema, {"type": "string", "pattern": f"^{ENTRIES}$"}]}
+    def schema(self) -> rules.Schema:
+        return {"anyOf": [rules.INDEX.schema, {"type": "string", "pattern": f"^{ENTRIES}$"}]}
 
 
 ENTRY = Entry()
@@ -317,7 +296,7 @@ BEARING_AXES = NestedAxes(
     ("number and key", "0.position_mm"),
     "[0-9]{1,9}",
     "does not exist; write 0 for the first bearing",
-    tuple(key for si in POSITIONS for key in (si, *us_keys(si))),
+    tuple(key for si in POSITIONS for key in (si, *units.us_keys(si))),
 )
 
 
@@ -326,10 +305,6 @@ class Rotation(NamedTuple):
 
     about: FloatArray
     axis: FloatArray
-
-    def of(self, points: FloatArray, angle: FloatArray) -> FloatArray:
-        """Return points ``(rows, ..., 3)`` turned by angles ``(rows, ..., 1)`` in rad."""
-        return turned(points, self.about, self.axis, angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -361,9 +336,9 @@ class Axis:
     size: float = 1.0
 
     @property
-    def location(self) -> Location:
+    def location(self) -> errors.Location:
         """Where the file gives the values, for errors."""
-        return _location(*self.key.partition(".")[::2])
+        return errors.Location.of(self.key)
 
     @property
     def where(self) -> tuple[Any, ...]:
@@ -383,7 +358,7 @@ class Axis:
         own = entries[self.where]
         rows = (self.size * column).reshape(-1, *[1] * (own.ndim - 1))
         if self.rotation:
-            rows = self.rotation.of(own, np.radians(rows))
+            rows = turned(own, *self.rotation, np.radians(rows))
         elif self.is_added:
             rows = own + rows
         entries[self.where] = rows
@@ -402,15 +377,14 @@ def grid_of(
 ) -> tuple[Axis, ...]:
     """Return the axes of the grid that the section [study] describes; it has not too many rows."""
     sizes = {
-        _location(name, place): steps.steps if isinstance(steps, Spread) else len(steps)
+        _location(name, place): varying.size
         for name, places in given.items()
-        for place, values in places.items()
-        for steps in [_steps(values)]
+        for place, varying in places.items()
     }
     rows = math.prod(sizes.values())
     if rows > MOST_ROWS:
-        product = " x ".join(map(shown, sizes.values()))
-        count = f"{product} = {shown(rows)}" if len(sizes) > 1 else shown(rows)
+        product = " x ".join(map(rules.shown, sizes.values()))
+        count = f"{product} = {rules.shown(rows)}" if len(sizes) > 1 else rules.shown(rows)
         largest = max(sizes, key=lambda key: sizes[key])
         raise largest.error(
             f"makes the study {count} rows; it takes at most {MOST_ROWS}: "
@@ -423,32 +397,38 @@ def axes_of(
     given: Varied,
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
-    varying: str,
+    of: str,
     bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
-    """Return the keys that vary, given by key and place; ``varying`` says in words what does it."""
+    """Return the keys that vary, given by key and place; ``of`` says in words what varies them."""
     axes = []
-    for name, places in given.items():
+    for name, place, varying in (
+        (n, p, v) for n, places in given.items() for p, v in places.items()
+    ):
+        where = _location(name, place)
         if name == "bearing":
-            axes += [_of_bearing(place, _steps(own), bearings) for place, own in places.items()]
+            axes.append(_of_bearing(where, varying, bearings))
             continue
         section = "driveline" if name in DRIVELINE.keys else "load"
-        base = _base(name, driveline if section == "driveline" else load, section, varying)
-        own, size = si_key(name), size_of(name)
-        for place, values in places.items():
-            index, _, component = place.partition(".")
-            entries = _entries(_location(name, place), index, base)
-            number = "xyz".index(component) if component else None
-            how: dict[str, Any] = {}
-            key = str(_location(name, place))
-            if isinstance(values, Added):
-                key, how = f"{key}.{_ADD}", {"is_added": True}
-            elif isinstance(values, Turned):
-                key, how = f"{key}.{_TURN}", {"rotation": _rotation(name, place, values)}
-            if not isinstance(values, Turned):
-                how["size"] = size
-            steps = _listed(_steps(values))
-            axes.append(Axis(key, section, own, entries, number, steps, **how))
+        base = _base(name, driveline if section == "driveline" else load, section, of)
+        index, _, component = place.partition(".")
+        entries = None if base is None else slice(None)
+        if base is not None and index:
+            entries = entries_of(where, index, len(base))
+        rotation = _rotation(where, varying) if varying.way == _TURN else None
+        axes.append(
+            Axis(
+                f"{where}.{varying.way}".rstrip("."),
+                section,
+                units.si_key(name),
+                entries,
+                "xyz".index(component) if component else None,
+                varying.values,
+                varying.way == _ADD,
+                rotation,
+                1.0 if rotation else units.size_of(name),
+            )
+        )
     check_apart(axes, {**driveline, **(load or {})})
     return tuple(axes)
 
@@ -465,49 +445,42 @@ def check_apart(axes: Sequence[Axis], values: Mapping[str, Any]) -> None:
             taken.add(own)
 
 
-def _steps(values: Steps | Added | Turned) -> Steps:
-    return values.steps if isinstance(values, Added | Turned) else values
-
-
-def _rotation(name: str, place: str, values: Turned) -> Rotation:
+def _rotation(where: errors.Location, varying: Varying) -> Rotation:
     """About what points turn, in the SI unit of their key."""
-    location = _location(name, place)
+    name, unit = where.key, varying.unit
     if not name.startswith("points"):
-        raise location.error(f"turns; only points can turn, and {name} are none")
-    if name != f"points_{values.unit}":
-        raise location.error(f"has about_{values.unit}; the point is in the unit of {name}")
-    return Rotation(size_of(name) * np.array(values.about), unit_vector(values.axis))
+        raise where.error(f"turns; only points can turn, and {name} are none")
+    if name != f"points_{unit}":
+        raise where.error(f"has about_{unit}; the point is in the unit of {name}")
+    along = np.array(varying.axis) / np.linalg.norm(varying.axis)
+    return Rotation(units.size_of(name) * np.array(varying.about), along)
 
 
-def unit_vector(direction: list[float]) -> FloatArray:
-    """Return a vector of length 1 along a direction."""
-    return np.asarray(np.array(direction) / np.linalg.norm(direction))
-
-
-def _of_bearing(place: str, values: Steps, bearings: Sequence[Mapping[str, Any]]) -> Axis:
-    index, _, key = place.partition(".")
-    location, number = _location("bearing", place), int(index)
+def _of_bearing(
+    where: errors.Location, varying: Varying, bearings: Sequence[Mapping[str, Any]]
+) -> Axis:
+    number, key = int(where.place[0]), str(where.place[1])
     if number >= len(bearings):
-        raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
-    name = si_key(key)
+        raise where.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
+    name = units.si_key(key)
     if name not in bearings[number]:
         used = next(name for name in bearings[number] if name != "shaft")
-        raise location.error(f"does not go with {used} of that bearing; vary that")
-    entries, size = slice(number, number + 1), size_of(key)
-    return Axis(str(location), "bearing", name, entries, None, _listed(values), size=size)
+        raise where.error(f"does not go with {used} of that bearing; vary that")
+    entries, size = slice(number, number + 1), units.size_of(key)
+    return Axis(str(where), "bearing", name, entries, None, varying.values, size=size)
 
 
-def _location(name: str, place: str) -> Location:
-    return Location(name, tuple(place.split(".")) if place else ())
+def _location(name: str, place: str) -> errors.Location:
+    return errors.Location.of(f"{name}.{place}" if place else name)
 
 
 def _base(
-    name: str, values: Mapping[str, Any] | None, section: str, varying: str
+    name: str, values: Mapping[str, Any] | None, section: str, of: str
 ) -> Sequence[Any] | None:
     """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
     if values is None:
         raise ArgumentValueError(name, f"needs a section [{section}]")
-    own = si_key(name)
+    own = units.si_key(name)
     if own in values:
         entries: Sequence[Any] | None = values[own] if isinstance(values[own], list) else None
         if entries == []:
@@ -522,31 +495,16 @@ def _base(
                     raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")
         return None
     there = ", ".join(values)
-    raise ArgumentValueError(name, f"is not in [{section}]; {varying} can vary {there}")
+    raise ArgumentValueError(name, f"is not in [{section}]; {of} can vary {there}")
 
 
-def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:
-    if base is None:
-        return None
-    return entries_of(key, index, len(base)) if index else slice(None)
-
-
-def entries_of(key: Location, index: str, count: int) -> slice:
+def entries_of(key: errors.Location, index: str, count: int) -> slice:
     """Return which of so many entries ``"2"`` or ``"2-3"`` names."""
     ends = [int(end) for end in index.split("-")]
     first, last = ends[0], ends[-1]
     if not first <= last < count:
         raise key.error(f"does not exist; there are {count}, counted from 0")
     return slice(first, last + 1)
-
-
-def _listed(values: Steps) -> FloatArray:
-    if isinstance(values, list):
-        return np.array(values, dtype=np.float64)
-    start, stop, steps = values
-    # Dividing last keeps round values round.
-    spread: FloatArray = start + (stop - start) * np.arange(steps) / max(steps - 1, 1)
-    return spread
 
 
 def values_at(axes: Sequence[Axis], rows: Any) -> list[FloatArray]:  # noqa: ANN401 - integers

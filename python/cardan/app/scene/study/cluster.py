@@ -136,12 +136,11 @@ def write_study(
     distributed = import_optional("distributed", "dask")
     folder = Path(folder).absolute()
     rows = math.prod(study.shape)
-    manifest = _open_manifest(
-        folder, _fingerprint(study, radians, units), part_rows or _part_rows(study)
-    )
-    parts = [
-        range(rows)[i : i + manifest["part_rows"]] for i in range(0, rows, manifest["part_rows"])
-    ]
+    planes = study.planes * len(study.reductions)
+    many = min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * len(study.angle))))
+    manifest = _open_manifest(folder, _fingerprint(study, radians, units), part_rows or many)
+    step = manifest["part_rows"]
+    parts = [range(rows)[i : i + step] for i in range(0, rows, step)]
     missing = [number for number in range(len(parts)) if not _file(folder, number).exists()]
     written = Written(folder, rows, len(parts), len(parts) - len(missing))
     done = rows - sum(len(parts[number]) for number in missing)
@@ -194,11 +193,6 @@ def _file(folder: Path, number: int) -> Path:
     return folder / f"part-{number:06}.parquet"
 
 
-def _part_rows(study: Study) -> int:
-    planes = study.planes * len(study.reductions)
-    return min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * len(study.angle))))
-
-
 def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) -> dict[str, Any]:
     """The manifest of a folder, which is made if it is not there."""
     path = folder / MANIFEST
@@ -234,11 +228,11 @@ def _fingerprint(study: Study, radians: bool, units: System = "si") -> dict[str,
     fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},
         "turns": {axis.key: axis.rotation for axis in study.axes if axis.rotation} or None,
-        "driveline": study.driveline,
+        "driveline": study.layout.driveline,
         # A key that a folder lacks counts as null.
-        "bearings": study.mounting.given or None,
-        "lengths": study.mounting.lengths,
-        "load": study.load,
+        "bearings": study.layout.mounting.given or None,
+        "lengths": study.layout.mounting.lengths,
+        "load": study.layout.load,
         "drive angles": study.angle,
         "quantities": study.quantities,
         "reductions": study.reductions,

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.app.files.columns import write_columns
-from cardan.app.files.tables import ROWS, write_pieces
+from cardan.app.files.columns import ROWS, write_columns, write_pieces
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.units import System, converted
 from cardan.app.scene.recording.signals import Signal, Way, joined
@@ -31,11 +30,11 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
     gives angles of the driven shaft has them as ``driven_angle_deg``, before the drive angles.
     """
     scene = result.scene
-    table = _driven(scene, radians=radians)
-    if radians:
-        table["drive_angle_rad"] = scene.drive_angle
-    else:
-        table["drive_angle_deg"] = scene.drive_angle_deg
+    unit, angle = "rad" if radians else "deg", scene.driven_angle_deg
+    table: dict[str, FloatArray] = {}
+    if angle is not None:
+        table[f"driven_angle_{unit}"] = np.radians(angle) if radians else angle
+    table[f"drive_angle_{unit}"] = scene.drive_angle if radians else scene.drive_angle_deg
     table |= _drive(scene, with_units=True)
     for output, item, values in result.curves():
         last = output.per == "shaft" and scene.shafts is None
@@ -47,14 +46,6 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
             suffix, in_unit = converted(curve, output.unit, radians, scene.units)
             table[f"{part}{suffix}"] = in_unit
     return table
-
-
-def _driven(scene: Scene, *, radians: bool) -> dict[str, FloatArray]:
-    """The angles of the driven shaft, if the scene gives those."""
-    angle = scene.driven_angle_deg
-    if angle is None:
-        return {}
-    return {"driven_angle_rad": np.radians(angle)} if radians else {"driven_angle_deg": angle}
 
 
 def _drive(scene: Scene, *, with_units: bool) -> dict[str, FloatArray]:

@@ -21,7 +21,8 @@ from cardan.app.scene.sections.driveline import DRIVELINE, make_driveline
 from cardan.app.scene.sections.load import largest_speed
 from cardan.app.scene.sections.study import STATES, STUDY
 from cardan.app.scene.study.axes import BEARING_AXES, Axis, axes_of
-from cardan.app.scene.study.states import SceneLayout, States
+from cardan.app.scene.study.states import States
+from cardan.app.scene.study.study import SceneLayout
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.quantities import MOTION_QUANTITIES
@@ -280,22 +281,18 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
-    paths: dict[str, Any] = {}
+    paths, there = dict[str, Any](), ", ".join(layout.driveline)
     for name, places in nested({path: [0.0] for path in ranges}).items():
         where = Location("vary", (name,))
         if name == BEARING.name:
             paths[name] = BEARING_AXES.read(Location(name), places)
             continue
         if name not in STUDY.keys or name not in DRIVELINE.keys:
-            raise where.error(f"is no key that can change; those of the scene are {_there(layout)}")
+            raise where.error(f"is no key that can change; those of the scene are {there}")
         if si_key(name) not in layout.driveline:
-            raise where.error(f"is not in [driveline]; what can change is {_there(layout)}")
+            raise where.error(f"is not in [driveline]; what can change is {there}")
         paths[name] = STUDY.keys[name].rule.read(Location(name), places)
     return axes_of(paths, layout.driveline, None, "an optimisation", layout.mounting.given)
-
-
-def _there(layout: SceneLayout) -> str:
-    return ", ".join(layout.driveline)
 
 
 def _variable(
@@ -307,15 +304,12 @@ def _variable(
         return Variable(axis, position / axis.size, low, high)
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
     base = float(np.ravel(values[axis.where])[0]) / axis.size
-    own = 0
-    if axis.name == "phases_deg" and teeth:
-        counts = set(teeth[axis.place or slice(None)])
-        if len(counts) > 1:
-            raise Location("vary", (axis.key,)).error(
-                "turns yokes on splines of different teeth together; vary one phase at a time"
-            )
-        own = counts.pop()
-    return Variable(axis, base, low, high, own, len(values) - 1)
+    counts = set(teeth[axis.place or slice(None)]) if axis.name == "phases_deg" else set()
+    if len(counts) > 1:
+        raise Location("vary", (axis.key,)).error(
+            "turns yokes on splines of different teeth together; vary one phase at a time"
+        )
+    return Variable(axis, base, low, high, counts.pop() if counts else 0, len(values) - 1)
 
 
 def _check_states(axis: Axis, varied: Sequence[Axis], count: int) -> None:

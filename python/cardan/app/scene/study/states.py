@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,78 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.app.files.whole_file import Progress
-from cardan.app.scene.language.errors import StudyPointError
-from cardan.app.scene.language.units import si_key
-from cardan.app.scene.sections.bearing import Mounting
-from cardan.app.scene.sections.driveline import Form, make_driveline, points_of
+from cardan.app.scene.sections.driveline import points_of
 from cardan.app.scene.sections.load import make_load
-from cardan.app.scene.study.axes import Axis, axes_of, check_apart, put
-from cardan.app.scene.study.study import Study, StudyResult
+from cardan.app.scene.study.axes import Axis
+from cardan.app.scene.study.study import SceneLayout, Study, StudyResult, Values
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 
 STATE = "state"
 """The key of a table over states: the number of the state, counted from 0."""
-
-
-@dataclass(frozen=True, eq=False)
-class SceneLayout:
-    """How a scene describes its driveline and its load: values by key as the file has them.
-
-    Twists and phases that it leaves out are zeros.
-    """
-
-    form: Form
-    driveline: Mapping[str, Any]
-    load: Mapping[str, Any] | None
-    mounting: Mounting
-
-    def of(self, values: Mapping[str, Any]) -> Driveline:
-        """Return the drivelines of values by key, each ``(count, entries, [3])``."""
-        return self.mounting.on(make_driveline(self.form, values))
-
-    def values(
-        self,
-        axes: Sequence[Axis] = (),
-        count: int = 1,
-        changes: Mapping[str, ArrayLike] | None = None,
-    ) -> dict[str, FloatArray]:
-        """Return values by key, each ``(count, entries, [3])``, with those of axes and changes.
-
-        Changes are by path (``"points_mm.2.y"``, ``"phases_deg.0"``) in the unit of the key: one
-        for all drivelines, or one each, ``(count,)``. The scene must use the path, and no axis may.
-        """
-        own = {axis.key for axis in axes}
-        for path in changes or {}:
-            if path in own:
-                raise ArgumentValueError(path, "varies from state to state; it has no value to set")
-            if si_key(path.partition(".")[0]) not in self.driveline:
-                there = ", ".join(self.driveline)
-                raise ArgumentValueError(path, f"is not in [driveline]; what can be set is {there}")
-        given: dict[str, dict[str, list[float]]] = {}
-        for path, column in (changes or {}).items():
-            name, _, place = path.partition(".")
-            whole = np.broadcast_to(np.asarray(column, dtype=np.float64), (count,))
-            given.setdefault(name, {})[place] = whole.tolist()
-        changed = axes_of(given, self.driveline, None, "a layout")
-        varied = [*(axis for axis in axes if axis.section == "driveline"), *changed]
-        check_apart(varied, self.driveline)
-        values: dict[str, Any] = dict(self.driveline)
-        for axis in sorted(varied, key=lambda axis: axis.turn):
-            put(values, axis, axis.values)
-        return {
-            key: _rows(value, count, 2 if key.startswith(("points", "directions")) else 1)
-            for key, value in values.items()
-        }
-
-
-def _rows(value: ArrayLike, count: int, core: int) -> FloatArray:
-    """A list of the file, or what varies of it, ``(count, 1, …)``, as ``(count, …)``."""
-    array = np.asarray(value, dtype=np.float64)
-    rows = array if array.ndim == core else array[:, 0]
-    return np.broadcast_to(rows, (count, *array.shape[-core:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,18 +75,13 @@ class States:
             ValueError: a path that the scene does not use, or that varies from state to state;
                 values that make no driveline in one of the states, which the message names.
         """
-        values = self.layout.values(self.axes, self.count, changes)
-        try:
-            return self.layout.of(values)
-        except ArgumentValueError:
-            # One by one, so that the message can name the state.
-            for i in range(self.count):
-                self._one(values, i)
-            raise
+        axes = (*self.axes, *self.layout.changed(self.axes, self.count, changes))
+        line, _ = self.layout.made(axes, [axis.values for axis in axes], self.names)
+        return line.reshape(self.count)
 
     def driveline(self, state: int) -> Driveline:
         """Return the driveline in one state, without a batch axis."""
-        return self._one(self.layout.values(self.axes, self.count), state)
+        return self.drivelines()[state]
 
     def points(self, state: int) -> FloatArray | None:
         """Return ends and joint centres in one state as the scene gives them, if it does."""
@@ -157,7 +90,11 @@ class States:
 
     def load(self, state: int) -> Load | None:
         """Return the load in one state, if there is one."""
-        return None if self.layout.load is None else make_load(self._loads(self.layout.load, state))
+        _, values, _ = self._at(self.layout, state)
+        varied = {axis.name for axis in self.axes}
+        if values is None:
+            return None
+        return make_load({k: own[0, 0] if k in varied else own for k, own in values.items()})
 
     def loads(self, load: Load | None) -> Load | None:
         """Return the load of all states, ``(count,)`` if they vary that of the scene."""
@@ -176,30 +113,11 @@ class States:
 
     def study(self, of_one: Study, state: int) -> Study:
         """Return what a study without keys that vary computes of one state."""
-        values = self.layout.values(self.axes, self.count)
-        load = None if of_one.load is None else self._loads(of_one.load, state)
-        driveline = {key: value[state] for key, value in values.items()}
-        return replace(of_one, driveline=driveline, load=load)
+        driveline, load, _ = self._at(of_one.layout, state)
+        return replace(of_one, layout=replace(of_one.layout, driveline=driveline, load=load))
 
-    def _loads(self, load: Mapping[str, Any], state: int) -> dict[str, Any]:
-        values: dict[str, Any] = dict(load)
-        for axis in self.axes:
-            if axis.section == "load" and axis.place is None:
-                values[axis.name] = axis.size * float(axis.values[state])
-            elif axis.section == "load":
-                entries = np.array([values[axis.name]], dtype=np.float64)
-                axis.change(entries, axis.values[[state]])
-                values[axis.name] = entries[0]
-        return values
-
-    def _one(self, values: Mapping[str, FloatArray], state: int) -> Driveline:
-        try:
-            return self.layout.of({key: value[state] for key, value in values.items()})
-        except ArgumentValueError as error:
-            point = {axis.key: float(axis.values[state]) for axis in self.axes}
-            section = "driveline" if error.argument in values else "bearing"
-            what = (error.argument, error.problem, error.place, section, point)
-            raise StudyPointError(*what, self.names[state]) from None
+    def _at(self, layout: SceneLayout, state: int) -> Values:
+        return layout.varied(self.axes, [axis.values[[state]] for axis in self.axes])
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,15 +141,6 @@ class StatesResult(StudyResult):
 
 def states_result(states: States, of_one: Study, progress: Progress | None = None) -> StatesResult:
     """Evaluate a study without keys that vary in every state, and report progress after each."""
-    results = []
-    for state in range(states.count):
-        results.append(states.study(of_one, state).run())
-        if progress:
-            progress(state + 1, states.count)
-    columns = results[0].columns
-    values = {
-        column.name: np.array([float(each.values[column.name]) for each in results])
-        for column in columns
-    }
+    found = replace(of_one, axes=states.axes, names=states.names).run(progress)
     axis = Axis(STATE, "states", STATE, None, None, np.arange(float(states.count)))
-    return StatesResult((axis,), columns, values, states)
+    return StatesResult((axis,), found.columns, found.values, states)

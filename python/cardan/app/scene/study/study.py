@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cardan.app.files.whole_file import Progress
 from cardan.app.scene.language.errors import StudyPointError
-from cardan.app.scene.language.units import converted, split
+from cardan.app.scene.language.units import converted, si_key, split
 from cardan.app.scene.sections.bearing import BEARING, Mounting
 from cardan.app.scene.sections.driveline import DRIVELINE, LENGTHS, Form, make_driveline
 from cardan.app.scene.sections.load import LOAD, make_load
 from cardan.app.scene.sections.output import CLOSED_FORMS, LENGTH
 from cardan.app.scene.study.axes import Axis as Axis
-from cardan.app.scene.study.axes import per_row, put, values_at
+from cardan.app.scene.study.axes import Varying, axes_of, check_apart, per_row, put, values_at
 from cardan.arrays import FloatArray, import_optional
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
@@ -126,19 +126,149 @@ class StudyPart:
         return dict(zip(keys, values_at(self.axes, self.rows), strict=True))
 
 
+Values: TypeAlias = tuple[dict[str, Any], dict[str, Any] | None, Mounting]
+"""Values of driveline and load by key, and the mounting."""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneLayout:
+    """How a scene describes its driveline and its load: values by key as the file has them.
+
+    Twists and phases that it leaves out are zeros.
+    """
+
+    form: Form
+    driveline: Mapping[str, Any]
+    load: Mapping[str, Any] | None
+    mounting: Mounting
+
+    def of(self, values: Mapping[str, Any]) -> Driveline:
+        """Return the drivelines of values by key, each ``(count, entries, [3])``."""
+        return self.mounting.on(make_driveline(self.form, values))
+
+    def _is_mounted(self, axis: Axis) -> bool:
+        """Whether an axis places bearings or gives lengths that the layout does not need."""
+        lengths = axis.name in LENGTHS and axis.name not in self.driveline
+        return lengths or axis.section == "bearing"
+
+    def varied(self, axes: Sequence[Axis], columns: Sequence[FloatArray]) -> Values:
+        """Return the values of driveline and load by key, and the mounting, with those of axes.
+
+        The columns have one value per row. What varies is ``(rows, 1, …)``, all else as it was.
+        """
+        driveline, mounting = dict(self.driveline), self.mounting
+        load = None if self.load is None else dict(self.load)
+        for axis, column in sorted(zip(axes, columns, strict=True), key=lambda each: each[0].turn):
+            if self._is_mounted(axis):
+                mounting = mounting.varied(axis, column)
+            else:
+                values = driveline if axis.section == "driveline" else load
+                assert values is not None
+                put(values, axis, column)
+        return driveline, load, mounting
+
+    def made(
+        self,
+        axes: Sequence[Axis],
+        columns: Sequence[FloatArray],
+        names: Sequence[str] = (),
+        check: Callable[[Driveline], object] = bool,
+    ) -> tuple[Driveline, Load | None]:
+        """Return the drivelines and loads of values of axes, one per row: ``(rows, 1)``.
+
+        Without axes there is one row. An error, which ``check`` may raise too, is about the first
+        row that is wrong, and has its values and its name.
+        """
+        rows = len(columns[0]) if axes else 1
+        try:
+            driveline, load, mounting = self.varied(axes, columns)
+            if not axes:
+                driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
+            elif all(axis.section != "driveline" or self._is_mounted(axis) for axis in axes):
+                key = self.form.keys[0]
+                driveline[key] = per_row(driveline[key], rows)
+            line = mounting.on(make_driveline(self.form, driveline))
+            check(line)
+            return line, None if load is None else make_load(load)
+        except ArgumentValueError as error:
+            for part in (slice(rows // 2), slice(rows // 2, None)) if rows > 1 else ():
+                self.made(axes, [column[part] for column in columns], names[part], check)
+            if rows > 1:
+                raise
+            # The first two places count rows of the block, which the reader has not seen.
+            place = error.place[2:] if error.place[:2] == (0, 0) else error.place
+            if not axes:
+                raise ArgumentValueError(error.argument, error.problem, place) from None
+            point = {axis.key: float(own[0]) for axis, own in zip(axes, columns, strict=True)}
+            owners = (own.name for own in (DRIVELINE, BEARING) if error.argument in own.keys)
+            what = (error.argument, error.problem, place, next(owners, LOAD.name), point)
+            raise StudyPointError(*what, *names) from None
+
+    def values(
+        self,
+        axes: Sequence[Axis] = (),
+        count: int = 1,
+        changes: Mapping[str, ArrayLike] | None = None,
+    ) -> dict[str, FloatArray]:
+        """Return values by key, each ``(count, entries, [3])``, with those of axes and changes."""
+        varied = [axis for axis in axes if axis.section == "driveline"]
+        varied += self.changed(axes, count, changes)
+        driveline, _, _ = self.varied(varied, [axis.values for axis in varied])
+        return {key: _rows(key, value, count) for key, value in driveline.items()}
+
+    def changed(
+        self, axes: Sequence[Axis], count: int, changes: Mapping[str, ArrayLike] | None
+    ) -> tuple[Axis, ...]:
+        """Return the axes of changes, which none of some others may vary.
+
+        Changes are by path (``"points_mm.2.y"``, ``"phases_deg.0"``) in the unit of the key: one
+        for all drivelines, or one each, ``(count,)``. The scene must use the path.
+        """
+        given: dict[str, dict[str, Varying]] = {}
+        for path, column in (changes or {}).items():
+            if any(axis.key == path for axis in axes):
+                raise ArgumentValueError(path, "varies from state to state; it has no value to set")
+            name, _, place = path.partition(".")
+            if si_key(name) not in self.driveline:
+                there = ", ".join(self.driveline)
+                raise ArgumentValueError(path, f"is not in [driveline]; what can be set is {there}")
+            whole = np.broadcast_to(np.asarray(column, dtype=np.float64), (count,))
+            given.setdefault(name, {})[place] = Varying(whole.tolist())
+        found = axes_of(given, self.driveline, None, "a layout")
+        check_apart((*axes, *found), {**self.driveline, **(self.load or {})})
+        return found
+
+
+def _core(key: str) -> int:
+    """The dimensions of the values of a key: 2 of vectors."""
+    return 2 if DRIVELINE.keys[key].kind == "vectors" else 1
+
+
+def _rows(key: str, value: ArrayLike, count: int) -> FloatArray:
+    """A list of the file, or what varies of it, ``(count, 1, …)``, as ``(count, …)``."""
+    array, core = np.asarray(value, dtype=np.float64), _core(key)
+    rows = array if array.ndim == core else array[:, 0]
+    return np.broadcast_to(rows, (count, *array.shape[-core:]))
+
+
+def _one_row(key: str, value: ArrayLike) -> FloatArray:
+    """A list of the file as a batch of one; recorded bends have their samples already."""
+    array = np.asarray(value, dtype=np.float64)
+    return array.reshape((1,) * (_core(key) + 2 - array.ndim) + array.shape)
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
     """What a scene varies and which figures it wants of each driveline.
 
-    Driveline and load have the values of their keys as they stand in the file. The drive angles to
-    reduce over are in rad. Without shafts it is of the last one, without its number in the names.
-    All drivelines have the deviations, ``(n, 3)`` in rad; closed forms are those of ideal joints.
+    The axes make a grid or, with names, vary together from state to state. Layout and load have the
+    values of their keys as they stand in the file. The drive angles to reduce over are in rad.
+    Without shafts it is of the last one, without its number in the names. All drivelines have the
+    deviations, ``(n, 3)`` in rad; closed forms are those of ideal joints.
     """
 
     axes: tuple[Axis, ...]
-    form: Form
-    driveline: Mapping[str, Any]
-    load: Mapping[str, Any] | None
+    layout: SceneLayout
     angle: FloatArray | Sweep
     quantities: tuple[str, ...]
     reductions: tuple[Reduction, ...]
@@ -146,13 +276,13 @@ class Study:
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...]
     options: Mapping[str, Any]
-    mounting: Mounting
     deviations: FloatArray | None = None
+    names: tuple[str, ...] = ()
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values of each axis."""
-        return tuple(len(axis.values) for axis in self.axes)
+        """Number of values of each axis, or of the states."""
+        return (len(self.names),) if self.names else tuple(len(axis.values) for axis in self.axes)
 
     @property
     def planes(self) -> int:
@@ -160,7 +290,7 @@ class Study:
         items = {
             "shaft": len(self.shafts or [-1]),
             "joint": len(self.joints),
-            "bearing": len(self.mounting.bearings),
+            "bearing": len(self.layout.mounting.bearings),
         }
         outputs = (OUTPUTS[name] for name in self.quantities)
         return sum(items[output.per] * output.components for output in outputs)
@@ -196,14 +326,10 @@ class Study:
             text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
         if self.quantities:
             first, *others = self.reductions
-            plan = self._as_built(line).plan(
-                self.quantities,
-                reduce=first,
-                load=load,
-                shafts=None if self.shafts is None else list(self.shafts),
-                joints=list(self.joints),
-                **self.options,
-            )
+            how = self._how(line, load)
+            if self.shafts is None:
+                how["shafts"] = None
+            plan = self._as_built(line).plan(self.quantities, reduce=first, **how)
             likewise = f", likewise {', '.join(others)}" if others else ""
             text += f"\n{first} over {len(self.angle)} drive angles{likewise}:\n"
             text += plan.explain(self.angle)
@@ -211,66 +337,34 @@ class Study:
 
     def check_ends(self) -> None:
         """Refuse a study with values out of range at either end of an axis."""
-        for row in sorted({0, *self._extremes()}):
-            self._block(np.array([row]))
-
-    def _extremes(self) -> Iterator[int]:
-        """The row of each axis's largest and smallest value, the others at their first."""
+        rows = {0}
         for number, axis in enumerate(self.axes):
+            # The others are at their first value.
             step = math.prod(self.shape[number + 1 :])
-            yield int(np.argmax(axis.values)) * step
-            yield int(np.argmin(axis.values)) * step
+            rows |= {int(end(axis.values)) * step for end in (np.argmax, np.argmin)}
+        for row in sorted(rows):
+            self._block(np.array([row]))
 
     def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
         """Yield first row, ideal drivelines ``(rows, 1)`` and load of each block."""
         rows = range(math.prod(self.shape)) if rows is None else rows
         # The geometry of one joint takes some 30 doubles itself, several times over.
-        geometry = 64 * len(self.driveline[self.form.keys[0]])
+        geometry = 64 * len(self.layout.driveline[self.layout.form.keys[0]])
         block = max(1, _BLOCK // max(geometry, self.planes * len(self.angle)))
+        if self.names:
+            # The steepest driveline of a block determines how its other ones are computed.
+            block = 1
         for first in rows[::block]:
             yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 
-    def _is_mounted(self, axis: Axis) -> bool:
-        """Whether an axis places bearings or gives lengths that the layout does not need."""
-        lengths = axis.name in LENGTHS and axis.name not in self.driveline
-        return lengths or axis.section == "bearing"
-
-    def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
+    def _block(self, rows: NDArray[np.int_]) -> tuple[Driveline, Load | None]:
         """The drivelines and loads of some rows of the grid."""
-        columns = values_at(self.axes, rows)
-        driveline, load, mounting = dict(self.driveline), dict(self.load or {}), self.mounting
-        try:
-            of_axes = zip(self.axes, columns, strict=True)
-            for axis, column in sorted(of_axes, key=lambda each: each[0].turn):
-                if self._is_mounted(axis):
-                    mounting = mounting.varied(axis, column)
-                    continue
-                values = driveline if axis.section == "driveline" else load
-                put(values, axis, column)
-            if not self.axes:
-                driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
-            elif all(axis.section != "driveline" or self._is_mounted(axis) for axis in self.axes):
-                key = self.form.keys[0]
-                driveline[key] = per_row(driveline[key], len(rows))
-            line = mounting.on(make_driveline(self.form, driveline))
-            self._as_built(line)
-            return line, None if self.load is None else make_load(load)
-        except ArgumentValueError as error:
-            if len(rows) == 1:
-                argument, problem, place = error.argument, error.problem, error.place
-                # The first two count rows of the block, which the reader has not seen.
-                place = place[2:] if place[:2] == (0, 0) else place
-                keys = (axis.key for axis in self.axes)
-                point = dict(zip(keys, map(float, np.ravel(columns)), strict=True))
-                if not point:
-                    raise ArgumentValueError(argument, problem, place) from None
-                owners = (own.name for own in (DRIVELINE, BEARING) if argument in own.keys)
-                section = next(owners, LOAD.name)
-                raise StudyPointError(argument, problem, place, section, point) from None
-            half = len(rows) // 2
-            for part in (rows[:half], rows[half:]):
-                self._block(part)
-            raise
+        if not self.names:
+            columns = values_at(self.axes, rows)
+            return self.layout.made(self.axes, columns, check=self._as_built)
+        names = [self.names[row] for row in rows]
+        columns = [axis.values[rows] for axis in self.axes]
+        return self.layout.made(self.axes, columns, names, self._as_built)
 
     def _as_built(self, line: Driveline) -> Driveline:
         """Drivelines with the deviations of their joints, which must be able to turn with them."""
@@ -280,17 +374,22 @@ class Study:
             return line.with_deviations(*self.deviations.T)
         except ArgumentValueError as error:
             problem = f"and the deviations in [joints] {error.problem}"
-            raise ArgumentValueError(self.form.keys[0], problem) from None
+            raise ArgumentValueError(self.layout.form.keys[0], problem) from None
+
+    def _how(self, line: Driveline, load: Load | None) -> dict[str, Any]:
+        shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
+        return {"load": load, "shafts": shafts, "joints": list(self.joints), **self.options}
 
     def _figures(self, line: Driveline, load: Load | None) -> Iterator[tuple[Column, FloatArray]]:
-        shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
+        how = self._how(line, load)
+        shafts = how["shafts"]
         equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
         for name in self.closed_forms:
             field, unit = CLOSED_FORMS[name]
             scale = 1.0
             if name == LENGTH:
                 # Drivelines of scenes have lengths in metres.
-                unit = split(self.form.keys[0])[1]
+                unit = split(self.layout.form.keys[0])[1]
                 scale = 1e3 if unit == "mm" else 1.0
             for shaft, joint in zip(shafts, equivalent, strict=True):
                 number = "" if self.shafts is None else f"_{shaft}"
@@ -299,14 +398,11 @@ class Study:
                 yield column, scale * own[:, 0]
         if not self.quantities:
             return
-        bearings = list(range(line.n_bearings))
-        items = {"shaft": shafts, "joint": list(self.joints), "bearing": bearings}
-        arguments: dict[str, Any] = {"load": load, "shafts": shafts, "joints": items["joint"]}
-        arguments |= self.options
+        items = {"shaft": shafts, "joint": how["joints"], "bearing": range(line.n_bearings)}
         as_built = self._as_built(line)
         found = {
-            how: as_built.evaluate(self.angle, self.quantities, reduce=how, **arguments)
-            for how in self.reductions
+            reduction: as_built.evaluate(self.angle, self.quantities, reduce=reduction, **how)
+            for reduction in self.reductions
         }
         for name, reduction in itertools.product(self.quantities, self.reductions):
             output = OUTPUTS[name]
@@ -319,10 +415,3 @@ class Study:
                         yield column, figures[:, i]
                 else:
                     yield Column(f"{name}{number}_{reduction}", *what), figures
-
-
-def _one_row(key: str, value: ArrayLike) -> FloatArray:
-    """A list of the file as a batch of one; recorded bends have their samples already."""
-    array = np.asarray(value, dtype=np.float64)
-    core = 2 if DRIVELINE.keys[key].kind == "vectors" else 1
-    return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
