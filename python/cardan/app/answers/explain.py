@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.identification.figures import Identified
+from cardan.app.answers.identification import Identified
 from cardan.app.answers.printed import aligned, bound_of, cell
 from cardan.app.answers.rows import UNITS, Entry, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS, Part

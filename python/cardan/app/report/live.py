@@ -15,7 +15,7 @@ import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
 from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
-from cardan.app.answers.moves.figures import search, set_by_states
+from cardan.app.answers.moves import search, set_by_states
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Table
+from cardan.app.answers.page import Table
 from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends, with_unit
 from cardan.app.answers.rounding import alike, is_cancelled
 from cardan.app.answers.rows import UNITS, key_of

@@ -12,7 +12,7 @@ from cardan.app.answers.ball_joint.figures import (
     ball_joint_figures,
     pressure_curve,
 )
-from cardan.app.answers.charts import Curve, Panel, chart
+from cardan.app.answers.page import Curve, Panel, chart
 from cardan.app.answers.printed import given, quantity, with_unit
 from cardan.app.answers.rows import UNITS
 from cardan.app.pictures.style import THIN, arrow, check_kind, drawing, finish, line_style, page
@@ -88,7 +88,7 @@ def _curves(case: BallJointCase, found: BallJointFigures) -> tuple[FloatArray, d
 
 
 def drawn(answer: Answer, found: BallJointFigures) -> dict[str, Any]:
-    """Return the section and the curves of the pressure as plain data for ``page.html``."""
+    """Return the section and the curves of the pressure as plain data for ``ball_joint.html``."""
     case = answer.of.ball_joint
     assert case
     degrees, curves = _curves(case, found)

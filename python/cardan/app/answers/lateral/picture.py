@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, chart, some
 from cardan.app.answers.lateral.figures import BearingResponse, LateralFigures
 from cardan.app.answers.lateral.vibration import Group
-from cardan.app.answers.page import CLASSES
+from cardan.app.answers.page import CLASSES, Curve, Panel, chart, some
 from cardan.app.answers.printed import listed, quantity, with_unit
 from cardan.app.answers.rows import UNITS, worst_of
 from cardan.app.pictures.style import (

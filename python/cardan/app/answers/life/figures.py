@@ -11,7 +11,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, drivelines, over
 from cardan.app.answers.rows import Judged, count, figure, flag, item, parts, word
-from cardan.app.answers.tubes.figures import speed_of
+from cardan.app.answers.tubes import speed_of
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.joints import BearingType, Joints, JointSize

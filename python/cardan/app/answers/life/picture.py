@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, bars, chart
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
+from cardan.app.answers.page import Curve, Panel, bars, chart
 from cardan.app.answers.printed import curves_text, given, quantity, with_unit
 from cardan.app.answers.rounding import is_steady, signed
 from cardan.app.pictures.style import (

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, Table, chart
 from cardan.app.answers.names import key_name
 from cardan.app.answers.optimise.figures import Optimised
 from cardan.app.answers.optimise.text import by_state
+from cardan.app.answers.page import Curve, Panel, Table, chart
 from cardan.app.answers.printed import plain_text, symbol_of, table_of, with_unit
 from cardan.app.answers.rows import NotFound
-from cardan.app.answers.states.figures import without_common
+from cardan.app.answers.states import without_common
 from cardan.app.pictures.style import (
     THIN,
     check_kind,

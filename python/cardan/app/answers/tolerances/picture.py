@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, Table, bars, chart
-from cardan.app.answers.page import tables_of
+from cardan.app.answers.page import Curve, Panel, Table, bars, chart, tables_of
 from cardan.app.answers.printed import capital, given, with_unit
 from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.tolerances.figures import (

@@ -23,8 +23,13 @@ from cardan.app.answers.rows import (
     parts,
     word,
 )
-from cardan.app.answers.torsion.remedy import SofterCoupling, softer
-from cardan.app.answers.torsion.search import Search, search_over, torques_of
+from cardan.app.answers.torsion.search import (
+    Search,
+    SofterCoupling,
+    search_over,
+    softer,
+    torques_of,
+)
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray

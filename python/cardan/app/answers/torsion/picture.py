@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, chart
+from cardan.app.answers.page import Curve, Panel, chart
 from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rows import UNITS
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures, motions_of

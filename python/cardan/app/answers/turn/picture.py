@@ -14,12 +14,11 @@ import numpy as np
 from cardan.app.answers.printed import curves_text
 from cardan.app.answers.rounding import MAGNITUDES, is_steady, signed
 from cardan.app.answers.rows import UNITS
-from cardan.app.answers.states.picture import height_mm, plot_states
-from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.figures import SummaryRow, summary
 from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, frame_values
 from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
+from cardan.app.pictures.study import height_mm, plot_states, plot_study
 from cardan.app.pictures.style import (
     LINES,
     MM,

@@ -8,8 +8,8 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from cardan.app.answers.limits.check import check_states
-from cardan.app.answers.limits.figures import motion_of
+from cardan.app.answers.limits import motion_of
+from cardan.app.answers.over import check_states
 from cardan.app.answers.printed import judged_text
 from cardan.app.answers.rounding import ROUNDING, equivalent_bend_deg
 from cardan.app.answers.rows import (
