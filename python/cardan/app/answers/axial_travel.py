@@ -127,7 +127,6 @@ def plot_slides(slides: Slides, of: SlideName = "shaft", *, ax: Axes | None = No
     Args:
         slides: the slides of one driveline, as ``Driveline.slides`` returns them.
         of: what slides, as for ``Slides.at``.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: the slides of a batch, an unknown slide, more joints than can be told apart.
@@ -172,7 +171,6 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"axial_travel": _whole}
-"""The pictures of the part by name."""
 
 
 def _names(rows: FloatArray) -> list[str]:

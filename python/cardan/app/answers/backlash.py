@@ -9,19 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
 from cardan.app.answers.printed import angle_text, given, quantity, with_unit
 from cardan.app.answers.rows import Judged, figure, word
-from cardan.app.pictures.style import (
-    THIN,
-    check_kind,
-    drawing,
-    finish,
-    line_style,
-    stacked,
-    value_ticks,
-)
 from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -195,18 +187,17 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
 
     Args:
         found: lash and wind-up, from ``cardan.app.answers.backlash``.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Returns:
         the axes, with the angle in degrees from the middle of the play.
     """
-    check_kind("found", found, Backlash)
+    style.check_kind("found", found, Backlash)
     most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
     apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]
     turn = np.degrees(np.asarray(TURN))
-    with drawing(ax, height_mm=55.0) as axes:
-        axes.axhline(0.0, **THIN)
-        axes.axvline(0.0, **THIN)
+    with style.drawing(ax, height_mm=55.0) as axes:
+        axes.axhline(0.0, **style.THIN)
+        axes.axvline(0.0, **style.THIN)
         for place, sample in enumerate((most, least) if apart else (most,)):
             angle, torque = found.loop(sample)
             torque = as_shown(torque, "N m")[0]
@@ -215,11 +206,11 @@ def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
                 torque,
                 label=f"at {angle_text(float(turn[sample]), radians=False)}: loose by "
                 f"{quantity(float(found.lash[sample]), 'deg')}",
-                **line_style(place),
+                **style.line_style(place),
             )
         held = "angle of the last shaft, drive held [deg]"
-        finish(axes, held, with_unit(f"torque at the {found.end}", "Nm"), ncols=2)
-        value_ticks(axes.xaxis)
+        style.finish(axes, held, with_unit(f"torque at the {found.end}", "Nm"), ncols=2)
+        style.value_ticks(axes.xaxis)
     return axes
 
 
@@ -228,16 +219,16 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
 
     Arguments and errors are those of ``plot_backlash``.
     """
-    check_kind("found", found, Backlash)
+    style.check_kind("found", found, Backlash)
     turn = np.degrees(np.asarray(TURN))
-    with drawing(ax, height_mm=45.0) as axes:
-        axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))
+    with style.drawing(ax, height_mm=45.0) as axes:
+        axes.plot(turn, np.degrees(found.lash), label="loose by", **style.line_style(0))
         both = found.lash + 2.0 * found.wind_up
         if np.any(found.wind_up):
             label = f"from {given(found.torque, 'Nm')} to \N{MINUS SIGN}{given(found.torque, 'Nm')}"
-            axes.plot(turn, np.degrees(both), label=label, **line_style(1))
+            axes.plot(turn, np.degrees(both), label=label, **style.line_style(1))
         ends = (0.0, 360.0), (0.0, 1.1 * float(np.degrees(np.max(both))))
-        finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)
+        style.finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)
     return axes
 
 
@@ -248,8 +239,7 @@ def _whole(answer: Answer) -> Figure:
         (60.5, lambda axes: plot_backlash(found, ax=axes)),
         (49.5, lambda axes: plot_lash(found, ax=axes)),
     )
-    return stacked(panels, answer.of.title)
+    return style.stacked(panels, answer.of.title)
 
 
 PICTURES = {"backlash": _whole}
-"""The pictures of the part by name."""

@@ -171,7 +171,6 @@ def plot_drive_speed(
         line: one driveline.
         inertias: moment of inertia of each shaft in kg m², ``(n + 1,)``, or several such rows.
         labels: what to call the rows; by default the inertia of shaft 0.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: labels that are not one per row, more rows than can be told apart, and as for
@@ -209,4 +208,3 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"drive_speed": _whole}
-"""The pictures of the part by name."""

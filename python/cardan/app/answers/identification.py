@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from cardan._core import Integral
-from cardan.app.answers.rows import count, figure, flag, item, optional, parts, word
+from cardan.app.answers.rows import count, figure, flag, item, optional, parts, taken, word
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
 from cardan.arrays import FloatArray
@@ -185,32 +185,27 @@ def identified(
         found = identify(angle, angle=columns[driven], drive_speed=speed, degrees=not radians)
     # Speed ratios have no unit.
     unit = "" if is_ratio else "rad" if radians else "deg"
-    return Identified(
-        fspath(path),
-        found.samples,
-        len(angle) - found.samples,
-        found.turns,
-        found.mean_ratio,
-        found.bend,
-        _known(found.std),
-        *found.interval,
-        found.detection_limit,
-        found.detected,
-        found.angle_offset,
-        None if both is None else _known(both.phase_less_twist),
-        _known(found.purity),
-        _known(found.std_purity),
-        unit,
-        found.residual,
-        "speed ratio" if is_ratio else "angle error",
-        tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
-        ()
-        if both is None
-        else tuple(
+    joints: tuple[JointBend, ...] = ()
+    if both is not None:
+        joints = tuple(
             JointBend(n, both.bends[n], _known(both.std[n]), *both.intervals[n]) for n in range(2)
-        ),
-        found.changes,
-        tuple(map(_of_part, found.parts)) if found.changes or speed is not None else (),
+        )
+    return taken(
+        *(Identified, found),
+        path=fspath(path),
+        missing_samples=len(angle) - found.samples,
+        equivalent_bend=found.bend,
+        standard_deviation=_known(found.std),
+        interval_low=found.interval[0],
+        interval_high=found.interval[1],
+        phase_less_twist=None if both is None else _known(both.phase_less_twist),
+        purity=_known(found.purity),
+        purity_standard_deviation=_known(found.std_purity),
+        unit=unit,
+        recorded="speed ratio" if is_ratio else "angle error",
+        orders=tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
+        joints=joints,
+        by_part=tuple(map(_of_part, found.parts)) if found.changes or speed is not None else (),
     )
 
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer, JudgedFigure
-from cardan.app.answers.printed import judged_text, listed
+from cardan.app.answers.printed import bullets, judged_text, listed
 from cardan.app.answers.rows import UNITS, Judged, count, figure, item, parts, word
 from cardan.app.answers.table import PARTS
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
 from cardan.design.quantities import label
-from cardan.design.wrapping import fill, wrap
+from cardan.design.wrapping import fill
 
 # Findings have their own units; figures are in SI.
 _UNITS = {"deg": UNITS["deg"].factor, "rad/s²": 1.0}
@@ -240,11 +240,6 @@ def check_text(answer: Answer, advice: Sequence[str] = ()) -> str:
     }
     blocks = [fill(verdict_text(answer), 79)]
     for heading, sentences in lists.items():
-        lines = [
-            line
-            for text in sentences
-            for line in wrap(f"- {text}", 79, subsequent_indent="  ", break_on_hyphens=False)
-        ]
-        blocks += ["\n".join([heading, *lines])] if lines else []
+        blocks += ["\n".join([heading, *bullets(sentences)])] if sentences else []
     parts = (PARTS[part.name].text(found, brief=True) for part, found in answer.parts("check"))
     return "\n\n".join([*blocks, *filter(None, parts)])

@@ -363,6 +363,12 @@ def filled(sentences: Iterable[str]) -> list[str]:
     return [fill(text, _WIDTH, break_on_hyphens=False) for text in sentences]
 
 
+def bullets(texts: Iterable[str], **layout: Any) -> list[str]:  # noqa: ANN401 - of textwrap
+    """Return texts as the points of a list, 79 wide."""
+    layout = {"subsequent_indent": "  ", "break_on_hyphens": False, **layout}
+    return [fill(f"- {text}", _WIDTH, **layout) for text in texts]
+
+
 def _blocks(found: Any, radians: bool) -> Iterator[str]:  # noqa: ANN401 - any part
     """The figures of a part and those of its parts below their headings."""
     if isinstance(found, tuple):

@@ -13,14 +13,13 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import varies
-from cardan.app.answers.printed import given, quantity
+from cardan.app.answers.printed import bullets, given, quantity
 from cardan.app.answers.rows import item, word
 from cardan.app.answers.turn.extremes import signed_ends
 from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
-from cardan.design.wrapping import wrap
 from cardan.evaluation.load import Load
 from cardan.torsion.tube import WIDEST
 
@@ -69,12 +68,8 @@ def find(answer: Answer) -> tuple[Remark, ...]:
 
 def words(found: tuple[Remark, ...], *, radians: bool = False) -> str:
     """Return the remarks as plain text, 79 wide."""
-    lines = [
-        line
-        for each in found
-        for line in wrap(f"- {each.about}: {each.remark}", 79, subsequent_indent="  ")
-    ]
-    return "\n".join([heading(found), *lines])
+    lines = (f"{each.about}: {each.remark}" for each in found)
+    return "\n".join([heading(found), *bullets(lines, break_on_hyphens=True)])
 
 
 def heading(_: tuple[Remark, ...]) -> str:

@@ -10,11 +10,12 @@ import dataclasses
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple, get_args, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_type_hints
 
 from cardan.app.scene.language.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
+_T = TypeVar("_T")
 Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts", "place"]
 Rounds = Literal["nearest", "up", "down"]
 
@@ -223,6 +224,12 @@ def flag(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # n
 def parts(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
     """Declare further figures: a dataclass, or a tuple of one kind of dataclass."""
     return field(metadata={"row": Row("parts", label, meaning=meaning, is_detail=is_detail)})
+
+
+def taken(of: type[_T], found: object, **more: Any) -> _T:  # noqa: ANN401 - of any field
+    """Return a dataclass with the fields of the same names of a result, and with some more."""
+    names = (each.name for each in dataclasses.fields(of) if each.name not in more)  # type: ignore[arg-type]
+    return of(**{name: getattr(found, name) for name in names}, **more)
 
 
 @dataclass(frozen=True)

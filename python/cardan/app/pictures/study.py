@@ -8,18 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.rounding import ROUNDING, flat_limits
-from cardan.app.pictures.style import (
-    LINES,
-    THIN,
-    check_kind,
-    degree_ticks,
-    drawing,
-    legend_above,
-    number,
-    value_ticks,
-)
 from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.study.states import StatesResult
 from cardan.app.scene.study.study import StudyResult
@@ -56,7 +47,6 @@ def plot_states(
         column: name of one of its columns.
         limit: a value to mark, in SI units; bars beyond it are hatched. By default that of the
             catalogues for the equivalent bend, none for other columns.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Returns:
         the axes, with angles in degrees.
@@ -64,7 +54,7 @@ def plot_states(
     Raises:
         ValueError: an unknown column.
     """
-    check_kind("states", states, StatesResult)
+    style.check_kind("states", states, StatesResult)
     if column not in states.values:
         raise ArgumentValueError("column", f"is {column!r}; {nearest(column, states.values)}")
     of = next(known for known in states.columns if known.name == column)
@@ -72,21 +62,23 @@ def plot_states(
         limit = MAX_EQUIVALENT_BEND
     values, unit = as_shown(states.values[column], of.unit)
     names = states.states.names
-    with drawing(ax, height_mm=height_mm(len(names))) as axes:
+    with style.drawing(ax, height_mm=height_mm(len(names))) as axes:
         places = np.arange(len(names))
-        bars = axes.barh(places, values, height=0.62, color=LINES[0]["color"])
+        bars = axes.barh(places, values, height=0.62, color=style.LINES[0]["color"])
         if limit is not None:
             bound = float(as_shown(np.array(limit), of.unit)[0])
             for bar, value in zip(bars, values, strict=True):
                 if value > bound * (1.0 + 1e-9):
-                    bar.set(facecolor="white", edgecolor=LINES[1]["color"], hatch="/////")
-            axes.axvline(bound, label=f"limit {number(round(bound, 9))} {unit}".strip(), **THIN)
-            legend_above(axes)
+                    bar.set(facecolor="white", edgecolor=style.LINES[1]["color"], hatch="/////")
+            axes.axvline(
+                bound, label=f"limit {style.number(round(bound, 9))} {unit}".strip(), **style.THIN
+            )
+            style.legend_above(axes)
         axes.set_yticks(places, names, parse_math=False)
         axes.invert_yaxis()
         axes.tick_params(axis="y", length=0)
         axes.set_xlabel(column_name(of))
-        value_ticks(axes.xaxis)
+        style.value_ticks(axes.xaxis)
         axes.grid(visible=True, axis="x")
         axes.set_axisbelow(True)
     return axes
@@ -114,7 +106,6 @@ def plot_study(
         column: name of one of its columns.
         limit: a value to mark, in SI units; by default that of the catalogues for the equivalent
             bend, none for other columns.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Returns:
         the axes, with angles in degrees.
@@ -122,7 +113,7 @@ def plot_study(
     Raises:
         ValueError: an unknown column, a study of no key or more than two.
     """
-    check_kind("study", study, StudyResult)
+    style.check_kind("study", study, StudyResult)
     if column not in study.values:
         raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
     varied = [axis for axis in study.axes if len(axis.values) > 1]
@@ -138,13 +129,13 @@ def plot_study(
     if limit is not None:
         limit = float(as_shown(np.array(limit), unit)[0])
     values, unit = as_shown(values, unit)
-    marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
+    marked = "" if limit is None else f"limit {style.number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
     keys = [axis.key for axis in varied]
     grid = [axis.values[order] for axis, order in zip(varied, orders, strict=True)]
     if len(grid) == 2 and len(grid[0]) < len(grid[1]) and len(grid[0]) <= _FEW:
         keys, grid, values = keys[::-1], grid[::-1], values.T
-    with drawing(ax, height_mm=62.0) as axes:
+    with style.drawing(ax, height_mm=62.0) as axes:
         if len(grid) == 2 and len(grid[1]) > _FEW:
             _map(axes, grid[0], grid[1], values.T, limit)
             # Contours are nothing for a legend.
@@ -154,18 +145,18 @@ def plot_study(
             title = ""
         else:
             rows = np.atleast_2d(values.T)
-            names = [number(value) for value in grid[1]] if len(grid) == 2 else [""]
+            names = [style.number(value) for value in grid[1]] if len(grid) == 2 else [""]
             for i, (name, row) in enumerate(zip(names, rows, strict=True)):
-                axes.plot(grid[0], row, label=name, **LINES[i])
+                axes.plot(grid[0], row, label=name, **style.LINES[i])
             if limit is not None:
-                axes.axhline(limit, label=marked, **THIN)
+                axes.axhline(limit, label=marked, **style.THIN)
             axes.grid(visible=True)
             axes.set_ylabel(heading)
-            value_ticks(axes.yaxis)
+            style.value_ticks(axes.yaxis)
             title = key_name(keys[1]) if len(grid) == 2 else ""
         _label(axes.xaxis, keys[0])
         if axes.get_legend_handles_labels()[1]:
-            legend_above(axes, title=title, alignment="right", ncols=4)
+            style.legend_above(axes, title=title, alignment="right", ncols=4)
     return axes
 
 
@@ -185,14 +176,14 @@ def _map(axes: Axes, x: FloatArray, y: FloatArray, z: FloatArray, limit: float |
     taken = math.inf if limit is None else limit
     inner = [level for level in levels if low < level < high and abs(level - taken) > near]
     lines = axes.contour(x, y, z, levels=inner, colors="0.15", linewidths=0.5)
-    for text in axes.clabel(lines, fmt=number, fontsize="small", manual=_middles(lines)):
+    for text in axes.clabel(lines, fmt=style.number, fontsize="small", manual=_middles(lines)):
         # A 6 on its side could be a 9; long figures need the direction of their lines.
         if len(text.get_text()) < 3:
             text.set_rotation(0.0)
     if limit is not None and low < limit < high:
         # Contours have their styles in the plural.
-        style: Mapping[str, Any] = {f"{name}s": [value] for name, value in _LIMIT.items()}
-        axes.contour(x, y, z, levels=[limit], **style)
+        look: Mapping[str, Any] = {f"{name}s": [value] for name, value in _LIMIT.items()}
+        axes.contour(x, y, z, levels=[limit], **look)
 
 
 def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
@@ -209,6 +200,6 @@ def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
 def _label(axis: Axis, key: str) -> None:
     axis.set_label_text(key_name(key))
     if key_name(key).endswith("[deg]"):
-        degree_ticks(axis, *axis.get_view_interval())
+        style.degree_ticks(axis, *axis.get_view_interval())
     else:
-        value_ticks(axis)
+        style.value_ticks(axis)

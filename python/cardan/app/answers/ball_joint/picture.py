@@ -139,7 +139,6 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"ball_joint": _whole}
-"""The pictures of the part by name."""
 
 
 def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
@@ -150,7 +149,6 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
 
     Args:
         case: the ball joint of a scene.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
     """
     check_kind("case", case, BallJointCase)
     found = ball_joint_figures(case)

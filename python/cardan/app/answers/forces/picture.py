@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import FORCES, ForceSource, force_source, unknown
 from cardan.app.answers.printed import quantity, with_unit
@@ -17,18 +18,6 @@ from cardan.app.answers.rounding import first_peak
 from cardan.app.answers.rows import UNITS
 from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.figures import noise
-from cardan.app.pictures.style import (
-    LINES,
-    THIN,
-    arrow,
-    check_kind,
-    check_single,
-    drawing,
-    finish,
-    page,
-    value_ticks,
-    write_angle,
-)
 from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -209,18 +198,17 @@ def plot_force_hodograph(
         per: ``"joint"`` or ``"bearing"``.
         item: index of the joint or bearing.
         load: a constant load.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         IndexError: a joint or bearing that does not exist.
         ValueError: a batch, forces that are not determinate, lengths that are missing.
     """
-    check_single(line)
+    style.check_single(line)
     if per not in ("joint", "bearing"):
         raise ArgumentValueError("per", f"is {per!r}; it must be 'joint' or 'bearing'")
     count = line.n_joints if per == "joint" else line.n_bearings
     path = force_path(line, per, item_index("item", item, count), load)
-    with drawing(ax, height_mm=76.0) as axes:
+    with style.drawing(ax, height_mm=76.0) as axes:
         draw_path(axes, path)
     return axes
 
@@ -232,15 +220,15 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
         paths: what to draw.
         title: heading.
     """
-    check_kind("paths", paths, list, tuple)
+    style.check_kind("paths", paths, list, tuple)
     if not paths:
         raise ArgumentValueError("paths", "is empty; there must be at least one")
     for path in paths:
-        check_kind("paths", path, ForcePath)
+        style.check_kind("paths", path, ForcePath)
     columns = min(_COLUMNS, len(paths))
     rows = -(-len(paths) // columns)
     width, height = _PANEL
-    with page(columns * width, rows * height + 6.0, title, 30 * columns) as figure:
+    with style.page(columns * width, rows * height + 6.0, title, 30 * columns) as figure:
         for number, path in enumerate(paths, 1):
             draw_path(figure.add_subplot(rows, columns, number), path)
     return figure
@@ -252,24 +240,23 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"forces": _whole}
-"""The pictures of the part by name."""
 
 
 def draw_path(axes: Axes, path: ForcePath) -> None:
     """Draw one path, with the vector of the largest force from 0."""
     factor = UNITS[shown_unit("N")].factor
     x, y = factor * path.across, factor * path.upwards
-    style = LINES[0]
-    axes.axhline(0.0, zorder=1.0, **THIN)
-    axes.axvline(0.0, zorder=1.0, **THIN)
-    axes.plot(x, y, **style)
+    curve = style.LINES[0]
+    axes.axhline(0.0, zorder=1.0, **style.THIN)
+    axes.axvline(0.0, zorder=1.0, **style.THIN)
+    axes.plot(x, y, **curve)
     size = factor * path.size
     if size > 0.0:
         head = "-|>,head_width=0.18,head_length=0.4"
-        arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
+        style.arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
     span = max(float(np.ptp(x)), float(np.ptp(y)))
     if span > _SMALL * size:
-        axes.plot(x[_MARKS], y[_MARKS], "o", color=style["color"])
+        axes.plot(x[_MARKS], y[_MARKS], "o", color=curve["color"])
         _name_angles(axes, path, np.stack([x, y], axis=-1))
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
@@ -278,9 +265,9 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
         with_unit(label, "N")
         for label in ("force to the right", f"force upwards, towards {path.up}")
     )
-    finish(axes, across, upwards)
-    value_ticks(axes.xaxis, 4)
-    value_ticks(axes.yaxis, 4)
+    style.finish(axes, across, upwards)
+    style.value_ticks(axes.xaxis, 4)
+    style.value_ticks(axes.yaxis, 4)
     heading = f"{path.per.capitalize()} {path.item}, up to {quantity(path.size, 'N')}"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
     text = f"{heading}\n{state}seen along shaft {path.shaft}"
@@ -295,4 +282,4 @@ def _name_angles(axes: Axes, path: ForcePath, points: FloatArray) -> None:
         outwards /= max(float(np.linalg.norm(outwards)), 1e-300)
         # Above the horizontal axis and the arrow, beside the vertical one.
         aside = np.where(np.abs(outwards) < _ON_AXIS, _ASIDE, 0.0)
-        write_angle(axes, path.angle_deg[mark], points[mark], _AWAY * outwards + aside)
+        style.write_angle(axes, path.angle_deg[mark], points[mark], _AWAY * outwards + aside)

@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.app.answers.optimise.figures import InState, Optimised
 from cardan.app.answers.printed import (
+    bullets,
     capital,
     given,
     listed,
@@ -19,7 +20,6 @@ from cardan.app.answers.printed import (
 from cardan.app.answers.rows import UNITS, NotFound
 from cardan.app.scene.study.optimisation import Variable
 from cardan.design.quantities import label
-from cardan.design.wrapping import fill
 from cardan.motion.workshop import VIEW
 
 # Digits that a change may have beside those of its unit.
@@ -38,11 +38,14 @@ _QUANTITIES = {
 
 def words(found: Optimised, *, radians: bool = False) -> str:
     """Say what to change, what that brings in each state, and what limits it, 79 wide."""
-    changes = [f"Changes (senses of rotation {VIEW}):", *_bullets(change_lines(found))]
+    changes = [
+        f"Changes (senses of rotation {VIEW}):",
+        *bullets(change_lines(found), break_long_words=False),
+    ]
     tables = [
         part_text(caption, states, (), radians=radians) for caption, states in by_state(found)
     ]
-    limits = "\n".join(_bullets(limit_lines(found)))
+    limits = "\n".join(bullets(limit_lines(found), break_long_words=False))
     return "\n\n".join([_result(found), "\n".join(changes), *tables, limits])
 
 
@@ -189,8 +192,3 @@ def limit_lines(found: Optimised) -> list[str]:
 def _unit(variable: Variable) -> str:
     symbol = UNITS[variable.unit].symbol
     return symbol if symbol in ("°", "") else f" {symbol}"
-
-
-def _bullets(texts: Iterator[str] | list[str]) -> list[str]:
-    layout = {"subsequent_indent": "  ", "break_on_hyphens": False, "break_long_words": False}
-    return [fill(f"- {text}", 79, **layout) for text in texts]
