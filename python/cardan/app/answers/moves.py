@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer, JudgedFigure
+from cardan.app.answers.names import point_name
 from cardan.app.answers.printed import given, number_text, quantity, turn_text
 from cardan.app.answers.rows import count, figure, optional, word
 from cardan.app.scene.machine import machine_of, moving, rules_of
@@ -176,8 +177,7 @@ def _move(change: Change, scene: Scene, untried: str) -> Move:
 
 def _of(change: Change, joints: int) -> str:
     if change.variable == "point":
-        ends = {0: "the upstream end", joints + 1: "the downstream end"}
-        return ends.get(change.item, f"joint {change.item - 1}")
+        return point_name(change.item, joints)
     whose = {"phase": "shaft", "bearing": "bearing", "engaged": "the spline of shaft"}
     return f"{whose.get(change.variable, 'joint')} {change.item}"
 

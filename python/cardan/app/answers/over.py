@@ -55,15 +55,14 @@ def over(
     elif scene.study and scene.study.axes and values.size > 1:
         at = at_keys(scene.study.axes, values, place)
         if values.size <= MOST_LISTED:
-            each = dict(zip(_rows(scene.study.axes), map(float, values), strict=True))
+            points = product(*(axis.values.tolist() for axis in scene.study.axes))
+            rows = (dict(zip(scene.study.axes, point, strict=True)) for point in points)
+            called = [
+                place_text({axis.key: own for axis, own in row.items() if axis.values.size > 1})
+                for row in rows
+            ]
+            each = dict(zip(called, map(float, values), strict=True))
     return replace(found, state=state, at=at, each=each)
-
-
-def _rows(axes: Sequence[Axis]) -> Iterator[str]:
-    """What the drivelines of a study are called: ``"speed_rpm = 540, bends_deg.0 = 10"``."""
-    for values in product(*(axis.values.tolist() for axis in axes)):
-        point = zip(axes, values, strict=True)
-        yield place_text({axis.key: value for axis, value in point if axis.values.size > 1})
 
 
 def limit_of(scene: Scene, key: str) -> dict[str, Any]:
@@ -200,7 +199,7 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
             progress(first + line.shape[0], rows)
     findings = []
     for parts in zip(*blocks, strict=True):
-        joined = _with(parts[0], _joined, *parts[1:])
+        joined = _with(parts[0], lambda *own: np.concatenate([*map(np.ravel, own)]), *parts[1:])
         if np.isfinite(joined.value).any():
             at = at_keys(scene.study.axes, np.asarray(joined.value), joined.worst_place)
             joined = replace(joined, worst_at=at)
@@ -250,7 +249,3 @@ def _with(finding: Finding, made: Callable[..., FloatArray], *more: Finding) -> 
         if each[0] is not None:
             arrays[name] = made(*each)
     return replace(finding, **arrays)
-
-
-def _joined(*parts: FloatArray) -> FloatArray:
-    return np.concatenate([np.ravel(np.asarray(part)) for part in parts])

@@ -20,7 +20,6 @@ from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
-from cardan.evaluation.load import Load
 from cardan.torsion.tube import WIDEST
 
 _LONGEST, _SHORTEST = 50.0, 1e-3
@@ -51,17 +50,8 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     """Return the remarks on a scene."""
     scene = answer.scene
     found = (
-        _commas,
-        _lengths,
-        _angles,
-        _recorded,
-        _tubes,
-        _wind_up,
-        _small,
-        _speeds,
-        _states,
-        _torques,
-        _units,
+        *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
+        *(_small, _speeds, _states, _torques, _units),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -265,7 +255,9 @@ def _torques(scene: Scene) -> Iterator[Remark]:
         found = []
         for name, one in zip(scene.states.names if scene.states else ("",), each, strict=True):
             load = one.load_case
-            if load is None or load.inertias is None or one.line.shape or _is_recorded(load):
+            if load is None or load.inertias is None or one.line.shape:
+                continue
+            if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
                 continue
             low, high = signed_ends(one.line_as_built, "torque", shaft, load)
             least = noise(one)
@@ -280,7 +272,3 @@ def _torques(scene: Scene) -> Iterator[Remark]:
                 f"{quantity(high, 'Nm')}{where}: splines and gears change their flanks and may "
                 "rattle",
             )
-
-
-def _is_recorded(load: Load) -> bool:
-    return any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration))

@@ -11,7 +11,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits import FIGURES
 from cardan.app.answers.printed import aligned, kind_of, number_text, settled, table_text
 from cardan.app.answers.rounding import alike
-from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, word, worst_of
+from cardan.app.answers.rows import as_shown, figure, item, numbers, parts, taken, word, worst_of
 from cardan.app.answers.study import End, Extremes, extremes
 from cardan.app.scene.language.units import in_shown, shown_unit
 from cardan.app.scene.study.states import STATE, StatesResult
@@ -158,17 +158,13 @@ def _of_states(table: StatesResult, found: Extremes, radians: bool) -> FigureOfS
         state = table.states.names[int(of.at[STATE])] if STATE in of.at else ""
         return StateEnd(of.unit, of.value, state)
 
-    return FigureOfStates(
-        found,
-        found.per,
-        found.least.unit,
-        found.column,
-        found.quantity,
-        found.item,
-        found.statistic,
-        tuple(table.figure(found.source, radians=radians)[1].tolist()),
-        end(found.least),
-        end(found.largest),
+    return taken(
+        *(FigureOfStates, found),
+        source=found,
+        unit=found.least.unit,
+        values=tuple(table.figure(found.source, radians=radians)[1].tolist()),
+        least=end(found.least),
+        largest=end(found.largest),
     )
 
 

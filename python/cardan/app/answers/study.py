@@ -12,7 +12,17 @@ import numpy as np
 from cardan.app.answers.over import at_keys
 from cardan.app.answers.printed import aligned, kind_of, place_text, range_ends
 from cardan.app.answers.rounding import CANCELLED, ROUNDING, alike
-from cardan.app.answers.rows import as_shown, count, figure, item, optional, parts, place, word
+from cardan.app.answers.rows import (
+    as_shown,
+    count,
+    figure,
+    item,
+    optional,
+    parts,
+    place,
+    taken,
+    word,
+)
 from cardan.app.answers.turn.figures import DriveAngles
 from cardan.app.answers.turn.text import angles_text
 from cardan.app.scene.language.units import in_shown, shown_unit
@@ -132,17 +142,13 @@ def extremes(table: StudyTable, *, radians: bool = False) -> Iterator[Extremes]:
         least, largest = (
             _end(table.axes, values, sign, share * size, ending[1:]) for sign in (1.0, -1.0)
         )
-        yield Extremes(
-            column,
-            column.per,
-            f"{column.name}{ending and '_'}{shown_unit(ending[1:])}",
-            column.quantity,
-            column.item,
-            column.statistic,
-            "turn" if column.statistic == "value" else "samples",
-            column.component,
-            least,
-            largest,
+        yield taken(
+            *(Extremes, column),
+            source=column,
+            column=f"{column.name}{ending and '_'}{shown_unit(ending[1:])}",
+            of="turn" if column.statistic == "value" else "samples",
+            least=least,
+            largest=largest,
         )
 
 

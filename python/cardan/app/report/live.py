@@ -122,7 +122,11 @@ def live(answer: Answer) -> dict[str, Any] | None:
             {
                 "name": each.name,
                 "verdict": each.value.verdict,
-                "words": _in_units(_with_source, each.value, each.entry.row),
+                "words": _in_units(
+                    lambda value, row: f"{judged_text(value, row)} ({value.source})",
+                    each.value,
+                    each.entry.row,
+                ),
             }
             for each in judged.values()
             if each.value.limit is not None
@@ -378,10 +382,6 @@ def _shims(answer: Answer) -> list[str]:
     parts = [PARTS[name].sentences(answer[name]) for name in ("moves", "readings")]
     found = [sentence for sentences in parts for sentence in sentences]
     return [*found, "Of the scene as sent. Enter new readings to see what a shim does."]
-
-
-def _with_source(value: Judged, row: Row) -> str:
-    return f"{judged_text(value, row)} ({value.source})"
 
 
 def _in_units(text: Callable[[Judged, Row], str], value: Judged, row: Row) -> dict[str, str]:

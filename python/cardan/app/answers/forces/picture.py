@@ -57,16 +57,6 @@ class ForcePath:
     state: str = ""  # over states, the name of the one in which the force is largest
 
     @property
-    def label(self) -> str:
-        """What it is a force of, in words."""
-        return f"{self.per} {self.item}{self.state and f', in {self.state}'}"
-
-    @property
-    def part_of_turn(self) -> str:
-        """Over which part of a turn it goes, in words."""
-        return "a turn" if self.angle_deg[-1] > 180.0 else "half a turn"
-
-    @property
     def largest(self) -> int:
         """Index of the first sample at which the force is largest, except for rounding."""
         return first_peak(np.hypot(self.across, self.upwards))[0]

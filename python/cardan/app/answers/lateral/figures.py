@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.forces.figures import length
 from cardan.app.answers.forces.figures import unknown as forces_unknown
 from cardan.app.answers.lateral.remedy import Remedy, remedies
 from cardan.app.answers.lateral.vibration import (
     ALL,
     Met,
     Vibration,
-    length,
 )
 from cardan.app.answers.over import limit_of, over
 from cardan.app.answers.printed import listed, quantity

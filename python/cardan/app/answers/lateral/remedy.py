@@ -11,7 +11,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan.app.answers.lateral.vibration import Complex, Met, Vibration, length
+from cardan.app.answers.forces.figures import length
+from cardan.app.answers.lateral.vibration import Complex, Met, Vibration
 from cardan.app.answers.printed import listed, quantity
 from cardan.app.answers.rows import count, figure, item
 from cardan.arrays import FloatArray

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cardan.app.answers.forces.figures import length
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
-from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR, length
+from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR
 from cardan.app.answers.printed import bullets, capital, given, items_text, listed, quantity
 
 _STILL = 1e-3  # of the couples, that is no excitation

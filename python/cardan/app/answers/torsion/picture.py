@@ -244,7 +244,7 @@ def _draw_orders(axes: Axes, found: TorsionFigures, right: float, top: float) ->
 
 def _name_modes(axes: Axes, found: TorsionFigures) -> None:
     """Write frequency and shaft of each mode beside the axes, where no line crosses them."""
-    top = axes.get_ylim()[1]
+    top, names = axes.get_ylim()[1], found.torsion.names
     # Two lines each, and as far from each other as they need.
     height = _PANEL - _AROUND / 2.0
     apart = 2.2 * 25.4 / 72.0 * 7.0 / height * top
@@ -252,8 +252,9 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
     for mode in sorted(found.modes, key=lambda mode: mode.frequency):
         frequency = mode.frequency / math.tau
         below = max(frequency, below + apart)
+        name = names[mode.shaft] if names else f"shaft {mode.shaft}"
         axes.annotate(
-            f"{quantity(mode.frequency, 'Hz')}\n{_name(found, mode.shaft)}",
+            f"{quantity(mode.frequency, 'Hz')}\n{name}",
             (1.0, below),
             xycoords=axes.get_yaxis_transform(),
             xytext=(3.0, 0.0),
@@ -262,11 +263,6 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
             linespacing=1.0,
             annotation_clip=False,
         )
-
-
-def _name(found: TorsionFigures, shaft: int) -> str:
-    names = found.torsion.names
-    return names[shaft] if names else f"shaft {shaft}"
 
 
 def plot_stability(

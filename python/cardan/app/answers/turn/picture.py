@@ -147,13 +147,12 @@ def _title(figure: Figure, scene: Scene) -> float:
     said = [f"{shaft} angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
     if scene.speed:
-        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)}"]
+        rpm = float(f"{scene.speed / RPM:.6g}")
+        said += [
+            f"drive at {'up to ' * scene.speed_recorded}{style.number(rpm)} {UNITS['rpm'].symbol}"
+        ]
     _text(figure, _MARGIN, y - 0.5, ", ".join(said))
     return y - 5.0
-
-
-def _rpm(speed: float) -> str:
-    return f"{style.number(float(f'{speed / RPM:.6g}'))} {UNITS['rpm'].symbol}"
 
 
 def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
@@ -374,7 +373,9 @@ def quantities(result: SceneResult) -> list[DrawnQuantity]:
             panels.append(DrawnQuantity(name, unit, "shaft", (0,), (values,), name, ends=ends))
     for output, items, curves in found.values():
         if output.vector:
-            along = _along(result)
+            # Torque goes along the axis that the driveline follows most, bending across.
+            directions = scene.line.directions.reshape(-1, 3)
+            along = int(np.argmax(np.abs(np.mean(directions, axis=0))))
             for i, axis in enumerate(output.axes):
                 part = [values[:, i] for values in curves]
                 scale = f"{output.name} {'along' if i == along else 'across'}"
@@ -441,9 +442,3 @@ def _torques(result: SceneResult, joints: Sequence[int]) -> FloatArray:
 def _extent(values: FloatArray) -> float:
     known = values[~np.isnan(values)]
     return float(np.ptp(known)) if known.size else 0.0
-
-
-def _along(result: SceneResult) -> int:
-    """The axis that the driveline follows most: torque goes along it, bending across."""
-    directions = result.scene.line.directions
-    return int(np.argmax(np.abs(np.mean(directions.reshape(-1, 3), axis=0))))
