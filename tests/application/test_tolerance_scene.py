@@ -20,10 +20,12 @@ from cardan.app.answers.schema import answer, answers_schema, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigures,
+    percent,
+    permitted_texts,
     permitted_tolerances,
+    sentences,
     tolerance_figures,
 )
-from cardan.app.answers.tolerances.text import percent, permitted_texts, sentences
 from cardan.app.command import commands
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
 from cardan.app.report import write_report

@@ -20,11 +20,7 @@ from typing import TYPE_CHECKING
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel import plot_slide_orders, plot_slides
 from cardan.app.answers.backlash import plot_backlash, plot_lash
-from cardan.app.answers.ball_joint.picture import (
-    plot_ball_joint,
-    plot_seat_pressure,
-    plot_seat_section,
-)
+from cardan.app.answers.ball_joint import plot_ball_joint, plot_seat_pressure, plot_seat_section
 from cardan.app.answers.drive_speed import plot_drive_speed
 from cardan.app.answers.forces.picture import plot_force_hodograph, plot_forces
 from cardan.app.answers.life.picture import plot_heat, plot_pin_load, plot_sizes

@@ -63,17 +63,16 @@ def find(answer: Answer) -> AxialTravel | None:
     if scene.offsets is None:
         return None
     slides = scene.offsets.slides(scene.drivelines())
-    names: tuple[SlideName, ...] = ("shaft", "driving_pin", "driven_pin")
-    return AxialTravel(*(_of_joints(scene, slides, name) for name in names))
 
+    def of_joints(name: SlideName) -> tuple[Slide, ...]:
+        # Scenes give offsets in mm.
+        travels, sizes = 1e-3 * slides.travel(name), 1e-3 * slides.amplitudes(_ORDERS, name)
+        return tuple(
+            Slide(joint, over(scene, travel), *sizes[joint, np.argmax(travel)].tolist())
+            for joint, travel in enumerate(travels)
+        )
 
-def _of_joints(scene: Scene, slides: Slides, name: SlideName) -> tuple[Slide, ...]:
-    # Scenes give offsets in mm.
-    travels, amplitudes = 1e-3 * slides.travel(name), 1e-3 * slides.amplitudes(_ORDERS, name)
-    return tuple(
-        Slide(joint, over(scene, travel), *amplitudes[joint, np.argmax(travel)].tolist())
-        for joint, travel in enumerate(travels)
-    )
+    return AxialTravel(of_joints("shaft"), of_joints("driving_pin"), of_joints("driven_pin"))
 
 
 def drawn_slides(scene: Scene) -> Slides:

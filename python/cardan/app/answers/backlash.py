@@ -14,21 +14,18 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
 from cardan.app.answers.printed import angle_text, given, quantity, with_unit
 from cardan.app.answers.rows import Judged, figure, word
+from cardan.app.answers.turn.panel import TURN
 from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-TURN = Sweep.revolutions(721 / 720, 720)
-"""A turn in steps of half a degree, both ends included."""
 
 # Drivelines of a study at a time.
 _ROWS = 256

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from os import PathLike, fspath
@@ -15,7 +15,6 @@ from cardan._core import Integral
 from cardan.app.answers.rows import count, figure, flag, item, optional, parts, taken, word
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
-from cardan.arrays import FloatArray
 from cardan.motion.identification import Part, identify, identify_two_joints
 
 _LARGEST_ORDER = 4
@@ -158,14 +157,23 @@ def identified(
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{fspath(path)}: column {twice[0]!r} is named for two signals")
     columns = dict(zip(names, read_columns(path, names), strict=True))
-    _check_unlike(fspath(path), {name: columns[name] for name in names if name != time})
+    angles = [(name, column) for name, column in columns.items() if name != time]
+    for (name, one), (other, another) in combinations(angles, 2):
+        # One signal under two names would show a bend of 0.
+        if np.array_equal(one, another, equal_nan=True):
+            raise ValueError(
+                f"{fspath(path)}: columns {name!r} and {other!r} are the same in all rows; "
+                "each shaft needs its own encoder"
+            )
     speed = None if drive_speed is None else columns[drive_speed] * RPM
     if drive is not None:
         angle = columns[drive]
     else:
         assert time is not None
         assert speed is not None
-        angle = _integrated(fspath(path), time, columns[time], speed)
+        if np.any(np.diff(columns[time][~np.isnan(columns[time])]) <= 0.0):
+            raise ValueError(f"{fspath(path)}: column {time!r}: times must increase")
+        angle = np.asarray(Integral(0.0).at(columns[time], speed), np.float64)
         angle = angle if radians else np.degrees(angle)
     is_ratio, both = driven is None, None
     if driven is None:
@@ -178,8 +186,8 @@ def identified(
                 ratio = columns[driven_speed] * RPM / speed
         found = identify(angle, speed_ratio=ratio, drive_speed=speed, degrees=not radians)
     elif intermediate is not None:
-        angles = (angle, columns[intermediate], columns[driven])
-        both = identify_two_joints(*angles, drive_speed=speed, degrees=not radians)
+        shafts = (angle, columns[intermediate], columns[driven])
+        both = identify_two_joints(*shafts, drive_speed=speed, degrees=not radians)
         found = both.whole
     else:
         found = identify(angle, angle=columns[driven], drive_speed=speed, degrees=not radians)
@@ -216,23 +224,6 @@ def _of_part(part: Part) -> BendOfPart:
     # The largest speed ratio of a joint is 1/cos of its bend, the least one cos.
     slow = math.cos(bend)
     return BendOfPart(part.speed, part.speed * slow, part.speed / slow, None, bend, std)
-
-
-def _check_unlike(path: str, columns: Mapping[str, FloatArray]) -> None:
-    """Refuse one signal under two names, which would show a bend of 0."""
-    for (name, one), (other, another) in combinations(columns.items(), 2):
-        if np.array_equal(one, another, equal_nan=True):
-            raise ValueError(
-                f"{path}: columns {name!r} and {other!r} are the same in all rows; "
-                "each shaft needs its own encoder"
-            )
-
-
-def _integrated(path: str, name: str, time: FloatArray, speed: FloatArray) -> FloatArray:
-    known = time[~np.isnan(time)]
-    if np.any(np.diff(known) <= 0.0):
-        raise ValueError(f"{path}: column {name!r}: times must increase")
-    return np.asarray(Integral(0.0).at(time, speed), np.float64)
 
 
 def _known(value: float) -> float | None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan.app.answers.answer import Answer, JudgedFigure
+from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import bullets, judged_text, listed
 from cardan.app.answers.rows import UNITS, Judged, count, figure, item, parts, word
 from cardan.app.answers.table import PARTS
@@ -185,7 +185,7 @@ def verdict_text(answer: Answer) -> str:
     """Return the verdict on everything that has a limit in one sentence."""
     found = answer.of_verdict(answer.verdict)
     # By several presets a figure can have several limits.
-    names = [*dict.fromkeys(f"the {each.name}" for each in found if _is_limited(each))]
+    names = [*dict.fromkeys(f"the {each.name}" for each in found if each.value.limit is not None)]
     if len(names) > _NAMED + 1:
         names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
     if answer.verdict == "beyond":
@@ -211,7 +211,7 @@ def not_judged(answer: Answer) -> Iterator[str]:
     without: dict[str, list[str]] = {}
     said = set()
     for each in answer.of_verdict("not judged"):
-        if _is_limited(each):
+        if each.value.limit is not None:
             text = f"{each.name}: {each.value.why or 'it is not a number'}"
             if text not in said:
                 yield text
@@ -224,10 +224,6 @@ def not_judged(answer: Answer) -> Iterator[str]:
             for key, names in without.items()
         ]
         yield f"no limit is given for: {'; '.join(keys)}"
-
-
-def _is_limited(each: JudgedFigure) -> bool:
-    return each.value.limit is not None
 
 
 def check_text(answer: Answer, advice: Sequence[str] = ()) -> str:

@@ -141,19 +141,15 @@ def section_of(part: Part, found: Any) -> dict[str, Any]:  # noqa: ANN401 - any 
 
 def judged_lines(entries: Iterable[Entry]) -> list[dict[str, str]]:
     """Return the judged of some figures as plain data for the macro ``judged``, a line each."""
-    lines = []
-    for entry in entries:
-        value, row = entry.value, entry.row
-        if isinstance(value, Judged):
-            words = f"{row.label}: {judged_text(value, row)}"
-            lines.append(
-                {
-                    "class": CLASSES[value.verdict],
-                    "sign": _SIGNS[value.verdict],
-                    "words": words,
-                }
-            )
-    return lines
+    return [
+        {
+            "class": CLASSES[value.verdict],
+            "sign": _SIGNS[value.verdict],
+            "words": f"{entry.row.label}: {judged_text(value, entry.row)}",
+        }
+        for entry in entries
+        if isinstance(value := entry.value, Judged)
+    ]
 
 
 def judged_table(figures: Iterable[JudgedFigure]) -> Table:

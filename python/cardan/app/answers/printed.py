@@ -299,7 +299,7 @@ def table_of(
     return head, rows
 
 
-def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
+def wherever_text(entries: Iterable[Entry]) -> str:
     """Return the judged figures in each place where they differ, as tables; "" without any.
 
     The places are the states, the steps of a duty cycle or the drivelines of a study. If the scene
@@ -313,7 +313,7 @@ def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
         if len(set(value.each.values())) > 1:
             label = ", ".join(filter(None, (row.label, entry.item)))
             every = (replace(value, value=each) for each in value.each.values())
-            cells = (row_text(each, row, radians=radians) for each in every)
+            cells = (row_text(each, row) for each in every)
             tables.setdefault(tuple(value.each), []).append((label, *cells))
     blocks: list[str] = []
     for places, rows in tables.items():

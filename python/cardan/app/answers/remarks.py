@@ -15,7 +15,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import varies
 from cardan.app.answers.printed import bullets, given, quantity
 from cardan.app.answers.rows import item, word
-from cardan.app.answers.turn.extremes import signed_ends
+from cardan.app.answers.turn.extremes import torque_ends
 from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
@@ -259,7 +259,7 @@ def _torques(scene: Scene) -> Iterator[Remark]:
                 continue
             if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
                 continue
-            low, high = signed_ends(one.line_as_built, "torque", shaft, load)
+            low, high = torque_ends(one.line_as_built, shaft, load)
             least = noise(one)
             if load.torque and low < -least and high > least:
                 found.append((high - low, name, low, high))

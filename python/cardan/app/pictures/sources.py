@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,7 +10,6 @@ import numpy as np
 import cardan.app.answers.turn.panel as panel
 import cardan.app.pictures.style as style
 from cardan.app.answers.printed import number_text
-from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.panel import TURN
 from cardan.arrays import FloatArray, finite, one_number
 from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
@@ -222,9 +220,6 @@ def _moments(component: str, bend_deg: float) -> tuple[FloatArray, FloatArray]:
 
 # --- vectors: bends at both ends of a shaft, and the path of a joint's moment ---------------------
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None) -> Axes:
     """Draw the bends at both ends of a shaft as vectors, the catalogues' Bild 18.
@@ -302,10 +297,6 @@ def _view(along: FloatArray) -> FloatArray:
     return np.stack([np.cross(along, up), up])
 
 
-_PER_DEGREE = 2
-_MARKS = np.arange(0, 180, 30) * _PER_DEGREE
-
-
 def plot_hodograph(
     line: Driveline, joint: int = 0, *, load: Load | None = None, ax: Axes | None = None
 ) -> Axes:
@@ -328,10 +319,8 @@ def plot_hodograph(
     style.check_single(line)
     item = item_index("joint", joint, line.n_joints)
     # A second time round would fill the gaps of the dashes.
-    per_turn = 360 * _PER_DEGREE
-    angle_deg = np.arange(round(period_of(line) / math.tau * per_turn) + 1) / _PER_DEGREE
+    angle_deg, period = panel.period(line)
     given = Load(drive_torque=1.0) if load is None else load
-    period = Sweep.revolutions(len(angle_deg) / per_turn, per_turn)
     moment = line.evaluate(period, "moment", joints=item, load=given).moment
     normal = line.normals[item]
     with style.drawing(ax, height_mm=60.0) as axes:
@@ -339,9 +328,11 @@ def plot_hodograph(
             across = np.cross(normal, line.directions[item + i])
             x, y = moment @ across, moment @ normal
             axes.plot(x, y, label=f"{side} shaft {item + i}", **style.LINES[i])
-            axes.plot(x[_MARKS], y[_MARKS], style.MARKERS[i], color=style.LINES[i]["color"])
+            axes.plot(
+                x[panel.MARKS], y[panel.MARKS], style.MARKERS[i], color=style.LINES[i]["color"]
+            )
             middle = np.array([np.ptp(x) / 2.0 + np.min(x), np.ptp(y) / 2.0 + np.min(y)])
-            for mark in _MARKS:
+            for mark in panel.MARKS:
                 inwards = middle - (x[mark], y[mark])
                 inwards /= max(float(np.linalg.norm(inwards)), 1e-300)
                 point = np.array([x[mark], y[mark]])

@@ -13,7 +13,7 @@ from cardan.app.answers.page import CLASSES, judged_lines
 from cardan.app.answers.printed import angle_text, quantity, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
-from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
+from cardan.app.answers.tolerances.figures import sentences as tolerance_sentences
 from cardan.app.answers.yokes.figures import YokeFigures, advice, limit_of
 from cardan.app.answers.yokes.text import (
     BEST_OF_STATES,

@@ -189,8 +189,7 @@ def _kind(name: str, scene: Scene) -> dict[str, Any]:
     row = _row(name, scene)
     return {
         "label": row.label,
-        "factor": UNITS[row.unit].factor,
-        **_shown(row.unit, row.digits),
+        **_scaled(row.unit, row.digits),
         "meaning": row.meaning,
         "source": row.source,
         "path": _place(name, scene),
@@ -233,9 +232,9 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
         "is_loaded": case.is_loaded and changeable["torque"] is not None,
         "springs": list(case.springs),
         "shear_modulus": shear.tolist(),
-        "frequency": {"factor": UNITS["Hz"].factor, **_shown("Hz")},
-        "speed": {"factor": UNITS["rpm"].factor, **_shown("rpm")},
-        "away": {"factor": UNITS["percent"].factor, **_shown("percent")},
+        "frequency": _scaled("Hz"),
+        "speed": _scaled("rpm"),
+        "away": _scaled("percent"),
     }
 
 
@@ -265,15 +264,10 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
         "orders": list(ORDERS),
         "known": [[loss >= KNOWN for loss in each.loss] for each in found.vibration.groups],
         "range": [float(case.speed[0]), float(case.speed[-1])],
-        **{
-            name: {"factor": UNITS[unit].factor, **_shown(unit, digits)}
-            for name, unit, digits in (
-                ("frequency", "Hz", ""),
-                ("speed", "rpm", ""),
-                ("force", "N", ""),
-                ("moved", "mm", "small"),
-            )
-        },
+        "frequency": _scaled("Hz"),
+        "speed": _scaled("rpm"),
+        "force": _scaled("N"),
+        "moved": _scaled("mm", "small"),
     }
 
 
@@ -327,16 +321,15 @@ def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
     shafts = range(scene.line.n_joints + 1)
     here, asked = _state_of_rows(scene), scene.shafts or shafts[-1:]
 
+    def item(per: str, number: int, shaft: int, paths: list[str]) -> dict[str, Any]:
+        return {"number": number, "name": f"{per} {number}", "shaft": shaft, "paths": paths}
+
     def rows(quantity: str, ending: str) -> list[dict[str, Any]]:
         items = []
         for shaft in shafts:
             path = f"run:rows[quantity={quantity},shaft={shaft},statistic=peak].value{ending}"
-            paths = [
-                path if shaft in asked and i == here else "derived:" for i in range(len(names))
-            ]
-            items.append(
-                {"number": shaft, "name": f"shaft {shaft}", "shaft": shaft, "paths": paths}
-            )
+            own = [path if shaft in asked and i == here else "derived:" for i in range(len(names))]
+            items.append(item("shaft", shaft, shaft, own))
         return items
 
     runs = any(data["speed"])
@@ -361,9 +354,7 @@ def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
             path = f"run:forces.bearings[bearing={bearing}].largest"
             each = [f".states[state={name}]" if scene.states else "" for name in names]
             paths = [f"{path}{in_state}.value_N" for in_state in each]
-            items.append(
-                {"number": bearing, "name": f"bearing {bearing}", "shaft": shaft, "paths": paths}
-            )
+            items.append(item("bearing", bearing, shaft, paths))
         yield {"output": "bearing_force", "heading": "Bearing force", "items": items} | _shown("N")
 
 
@@ -375,6 +366,11 @@ def _shown(unit: str, digits: str = "") -> dict[str, Any]:
         own = DIGITS[f"{digits}_{us}" if f"{digits}_{us}" in DIGITS else digits or us]._asdict()
         found["us"] = {"unit": ENDINGS[us].symbol, "size": ENDINGS[us].size, "digits": own}
     return found
+
+
+def _scaled(unit: str, digits: str = "") -> dict[str, Any]:
+    """A unit with its digits, and how many of it are one inside."""
+    return {"factor": UNITS[unit].factor, **_shown(unit, digits)}
 
 
 def _shims(answer: Answer) -> list[str]:

@@ -111,7 +111,8 @@ def environment() -> Environment:
     )
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     made.filters["digest"] = _digest
-    made.filters["minus"] = _true_minus
+    # The numbers of a text have a true minus sign.
+    made.filters["minus"] = lambda text: re.sub(r"(?<!\S)-(?=[\d.])", "\N{MINUS SIGN}", text)
     return made
 
 
@@ -119,11 +120,6 @@ def part(name: str) -> str:
     """Return a template, a style or a script by its name."""
     path = resources.files("cardan.app").joinpath("report/templates", name)
     return path.read_text(encoding="utf-8")
-
-
-def _true_minus(text: str) -> str:
-    """Write the numbers of a text with a true minus sign."""
-    return re.sub(r"(?<!\S)-(?=[\d.])", "\N{MINUS SIGN}", text)
 
 
 def _digest(text: str) -> str:

@@ -26,7 +26,7 @@ from cardan.app.answers.page import (
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.rounding import ROUNDING
 from cardan.app.answers.states import StateFigures, StatesFigures, states_figures, without_common
-from cardan.app.answers.study import End, extremes
+from cardan.app.answers.study import extremes
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import YokeFigures
 from cardan.app.scene.language.units import as_shown
@@ -44,24 +44,17 @@ def states(answer: Answer, table: StatesResult, yokes: YokeFigures | None) -> di
     """Return verdicts, tables and charts of the states as plain data for ``states.html``."""
     each: tuple[StateFigures, ...] = answer["states"]
     heading, found = PARTS["states"].heading(each), states_figures(table)
+    verdicts = []
+    for state in each:
+        bounds = [] if state.limit is None else [state.limit]
+        bend = quantity(state.equivalent_bend or 0.0, "deg", bounds=bounds)
+        words = f"{bend}, {state.verdict}"
+        verdicts.append({"class": CLASSES[state.verdict], "state": state.state, "words": words})
     return {
-        "verdicts": [
-            {
-                "class": CLASSES[state.verdict],
-                "state": state.state,
-                "words": f"{_bend(state)}, {state.verdict}",
-            }
-            for state in each
-        ],
+        "verdicts": verdicts,
         "tables": [*tables_of(heading, each), _values(found), _worst(found)],
         "charts": _charts(answer.scene, table, yokes),
     }
-
-
-def _bend(state: StateFigures) -> str:
-    return quantity(
-        state.equivalent_bend or 0.0, "deg", bounds=[] if state.limit is None else [state.limit]
-    )
 
 
 def _values(found: StatesFigures) -> Table:
@@ -158,14 +151,11 @@ def _extremes(result: StudyResult) -> Table:
             rows.append([name, "", found.texts[0], *("any" for _ in result.axes)])
         else:
             for which, text, end in zip(("least", "largest"), found.texts, ends, strict=True):
-                rows.append([name, which, text, *_places(result, end)])
+                # A figure does not depend on every key.
+                at = [f"{end.at[a.key]:.6g}" if a.key in end.at else "any" for a in result.axes]
+                rows.append([name, which, text, *at])
     keys = [f"at {key_name(axis.key)}" for axis in result.axes]
     return Table("Extremes", ("Figure", "", "Value", *keys), rows)
-
-
-def _places(result: StudyResult, end: End) -> list[str]:
-    """The value of each key there; "any" of one on which the figure does not depend."""
-    return [f"{end.at[axis.key]:.6g}" if axis.key in end.at else "any" for axis in result.axes]
 
 
 def _best(found: Check) -> tuple[int, int]:

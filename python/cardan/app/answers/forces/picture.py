@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -10,13 +9,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+import cardan.app.answers.turn.panel as panel
 import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import FORCES, ForceSource, force_source, unknown
 from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rounding import first_peak
 from cardan.app.answers.rows import UNITS
-from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.scene import Scene
@@ -25,14 +24,10 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-PER_DEGREE = 2
-"""Samples of a path per degree of drive angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,10 +67,7 @@ def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> Forc
 
     A ``ValueError`` says that the force is not determinate, or that lengths are missing.
     """
-    per_turn = 360 * PER_DEGREE
-    count = round(period_of(line) / math.tau * per_turn) + 1
-    name = f"{per}_force"
-    period = Sweep.revolutions(count / per_turn, per_turn)
+    name, (angle_deg, period) = f"{per}_force", panel.period(line)
     force = line.evaluate(period, name, load=load)[name][item]
     if per == "bearing":
         shaft = line.bearings[item][0]
@@ -86,7 +78,6 @@ def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> Forc
         shaft = item + (driven <= driving)
     along = line.directions[shaft]
     up, across, upwards = _axes_across(along)
-    angle_deg = np.arange(count) / PER_DEGREE
     return ForcePath(per, item, shaft, up, angle_deg, force @ across, force @ upwards)
 
 
@@ -159,7 +150,6 @@ def _largest_paths(scene: Scene, names: Sequence[str]) -> list[ForcePath]:
 
 # --- pictures ------------------------------------------------------------------------------------
 
-_MARKS = np.arange(0, 180, 30) * PER_DEGREE
 _COLUMNS, _PANEL = 3, (56.0, 58.0)  # mm
 # A path that is smaller than this share of its distance from 0 has no room for drive angles.
 _SMALL = 0.15
@@ -246,7 +236,7 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
         style.arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
     span = max(float(np.ptp(x)), float(np.ptp(y)))
     if span > _SMALL * size:
-        axes.plot(x[_MARKS], y[_MARKS], "o", color=curve["color"])
+        axes.plot(x[panel.MARKS], y[panel.MARKS], "o", color=curve["color"])
         _name_angles(axes, path, np.stack([x, y], axis=-1))
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
@@ -267,7 +257,7 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
 def _name_angles(axes: Axes, path: ForcePath, points: FloatArray) -> None:
     """Write drive angles outside the path, beside their marks."""
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2.0
-    for mark in _MARKS:
+    for mark in panel.MARKS:
         outwards = points[mark] - middle
         outwards /= max(float(np.linalg.norm(outwards)), 1e-300)
         # Above the horizontal axis and the arrow, beside the vertical one.

@@ -9,8 +9,7 @@ import numpy as np
 import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.names import key_name
-from cardan.app.answers.optimise.figures import Optimised
-from cardan.app.answers.optimise.text import by_state
+from cardan.app.answers.optimise.figures import Optimised, by_state
 from cardan.app.answers.page import Curve, Panel, Table, chart
 from cardan.app.answers.printed import plain_text, symbol_of, table_of, with_unit
 from cardan.app.answers.rows import NotFound
@@ -146,11 +145,7 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
 
 
 def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
-    """Draw the quantity in each state as bars, before and after.
-
-    Args:
-        found: the optimum of a scene.
-    """
+    """Draw the quantity in each state as bars, before and after."""
     style.check_kind("found", found, Optimised)
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)

@@ -16,11 +16,12 @@ from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigure,
     ToleranceFigures,
+    by_state,
     called,
     in_its_unit,
+    percent,
     shares_of,
 )
-from cardan.app.answers.tolerances.text import by_state, percent
 from cardan.app.scene.language.units import shown_unit
 from cardan.arrays.errors import ArgumentValueError
 from cardan.tolerances import Tolerances

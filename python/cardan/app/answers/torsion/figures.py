@@ -399,10 +399,9 @@ def find(answer: Answer) -> TorsionBasics | None:
         near = [i * count + place for i, (*_, place) in enumerate(own) if place is not None]
         nearest = min(near, key=lambda place: away[place], default=None)
     met = [(order, mode) for order in given.orders for mode in modes]
+    by = {order: _excited_by(given, order) for order in given.orders}
     critical = tuple(
-        CriticalSpeed(
-            mode.number, order, speed, mode.shaft, distance == 0.0, None, _excited_by(given, order)
-        )
+        CriticalSpeed(mode.number, order, speed, mode.shaft, not distance, None, by[order])
         for (order, mode), speed, distance in zip(met, at, away, strict=True)
     )
     margin = Judged(None, given.margin, sense="least", why="[torsion] orders lists no even order")
@@ -440,35 +439,32 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     given, system = found.torsion, found.torsion.system
     search = found.search or search_over(given)
     response = search.response
-    speed, steady = response.speed, response.steady
     largest = largest_of(search)
     known = [torque.size for torque in largest if math.isfinite(torque.size)]
     critical_speeds = tuple(_with_amplitudes(found, _ROUNDING * max(known, default=0.0)))
     unstable = tuple(taken(Unstable, each) for each in search.unstable if not each.runs_away)
     runaway = runaway_of(search)
-    missing = tuple(_missing(response))
-    verdict: TorsionVerdict = "clear"
-    if unstable:
-        verdict = "unstable"
-    elif runaway:
-        verdict = "runaway"
-    elif any(each.reversals for each in largest):
-        verdict = "reversing"
-    elif any(each.inside for each in critical_speeds):
-        verdict = "resonant"
+    happens: dict[TorsionVerdict, bool] = {
+        "unstable": bool(unstable),
+        "runaway": bool(runaway),
+        "reversing": any(each.reversals for each in largest),
+        "resonant": any(each.inside for each in critical_speeds),
+        "clear": True,
+    }
+    verdict = next(word for word, is_so in happens.items() if is_so)
     basics = replace(found, search=search, critical_speeds=critical_speeds)
     searched = list(_worst(basics.resonances, largest, unstable))
     return TorsionFigures(
         **vars(basics),
-        speed=speed,
-        steady=steady,
+        speed=response.speed,
+        steady=response.steady,
         verdict=verdict,
         largest=largest,
         unstable=unstable,
         runaway=runaway,
-        missing=missing,
+        missing=tuple(_missing(response)),
         motions=tuple(motions_of(each) for each in system.side_by_side(searched)),
-        response=_response(speed, steady),
+        response=_response(response.speed, response.steady),
     )
 
 

@@ -191,9 +191,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
 
     Where a line of an order crosses a natural frequency there is a critical speed. Orders of
     harmonic torques are dashed. The speed range of the scene is shaded.
-
-    Args:
-        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
+    ``found`` is as for ``plot_torsion_response``.
     """
     style.check_kind("found", found, TorsionFigures)
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM

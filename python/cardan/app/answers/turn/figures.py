@@ -173,16 +173,14 @@ def drive_angles(scene: Scene) -> DriveAngles:
     degrees = scene.without_missing().drive_angle_deg
     ends = (float(degrees[0]), float(degrees[-1]))
     samples, missing = len(scene.drive_angle_deg), scene.missing
+    turns, extent = float(np.sum(np.abs(np.diff(degrees)))) / 360.0, None
     if scene.recording:
         way = Way()
         way.add(degrees)
-        found = recorded_angles(samples, missing, ends, way.turns, scene.signals, way.extent)
-    else:
-        turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
-        found = recorded_angles(samples, missing, ends, turns, scene.signals)
-        found = replace(found, source="sweep")
+        turns, extent = way.turns, way.extent
     return replace(
-        found,
+        recorded_angles(samples, missing, ends, turns, scene.signals, extent),
+        source="recording" if scene.recording else "sweep",
         angle_of="" if scene.driven_angle_deg is None else "driven",
         period=None if scene.deviations is None else 360.0,
     )
