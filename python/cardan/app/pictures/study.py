@@ -1,4 +1,4 @@
-"""A figure of every state as a bar, beside its limit."""
+"""A figure of every state as a bar, and of a study as a map or as curves, with its limit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cardan.app.answers.names import column_name, key_name
 from cardan.app.answers.rounding import ROUNDING, flat_limits
 from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.study.states import StatesResult
-from cardan.app.scene.study.study import StudyResult
+from cardan.app.scene.study.study import Column, StudyResult
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError, nearest
 from cardan.design.limits import MAX_EQUIVALENT_BEND
@@ -55,18 +55,12 @@ def plot_states(
         ValueError: an unknown column.
     """
     style.check_kind("states", states, StatesResult)
-    if column not in states.values:
-        raise ArgumentValueError("column", f"is {column!r}; {nearest(column, states.values)}")
-    of = next(known for known in states.columns if known.name == column)
-    if limit is None and column == "equivalent_bend":
-        limit = MAX_EQUIVALENT_BEND
-    values, unit = as_shown(states.values[column], of.unit)
+    of, values, unit, bound = _shown(states, column, limit)
     names = states.states.names
     with style.drawing(ax, height_mm=height_mm(len(names))) as axes:
         places = np.arange(len(names))
         bars = axes.barh(places, values, height=0.62, color=style.LINES[0]["color"])
-        if limit is not None:
-            bound = float(as_shown(np.array(limit), of.unit)[0])
+        if bound is not None:
             for bar, value in zip(bars, values, strict=True):
                 if value > bound * (1.0 + 1e-9):
                     bar.set(facecolor="white", edgecolor=style.LINES[1]["color"], hatch="/////")
@@ -82,6 +76,19 @@ def plot_states(
         axes.grid(visible=True, axis="x")
         axes.set_axisbelow(True)
     return axes
+
+
+def _shown(
+    study: StudyResult, column: str, limit: float | None
+) -> tuple[Column, FloatArray, str, float | None]:
+    """A column with its values, their unit as axes have it, and its limit in that unit."""
+    if column not in study.values:
+        raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
+    of = next(known for known in study.columns if known.name == column)
+    if limit is None and column == "equivalent_bend":
+        limit = MAX_EQUIVALENT_BEND
+    values, unit = as_shown(study.values[column], of.unit)
+    return of, values, unit, None if limit is None else float(as_shown(np.array(limit), of.unit)[0])
 
 
 _FEW = 5
@@ -114,21 +121,14 @@ def plot_study(
         ValueError: an unknown column, a study of no key or more than two.
     """
     style.check_kind("study", study, StudyResult)
-    if column not in study.values:
-        raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
+    _, found, unit, limit = _shown(study, column, limit)
     varied = [axis for axis in study.axes if len(axis.values) > 1]
     if len(varied) not in (1, 2):
         count = f"{len(varied)} keys" if varied else "no key"
         raise ValueError(f"the study varies {count}; a picture shows 1 or 2")
-    unit = next(known.unit for known in study.columns if known.name == column)
     # A list in a scene need not rise.
     orders = [np.argsort(axis.values) for axis in varied]
-    values: Any = np.ma.masked_invalid(study.values[column].squeeze()[np.ix_(*orders)])
-    if limit is None and column == "equivalent_bend":
-        limit = MAX_EQUIVALENT_BEND
-    if limit is not None:
-        limit = float(as_shown(np.array(limit), unit)[0])
-    values, unit = as_shown(values, unit)
+    values: Any = np.ma.masked_invalid(found.squeeze()[np.ix_(*orders)])
     marked = "" if limit is None else f"limit {style.number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
     keys = [axis.key for axis in varied]
