@@ -9,7 +9,7 @@ import machines
 import mechanisms
 
 import cardan
-from cardan.app.answers.readings.picture import picture
+from cardan.app.answers.readings import picture
 
 folder = Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)

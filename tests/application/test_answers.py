@@ -12,8 +12,7 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
-from cardan.app.answers.json_schema import VERSION
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import VERSION, answers_schema
 from cardan.app.command import commands
 from cardan.app.scene import Scene, starters
 from example_scenes import ANSWERS, EXAMPLES, SHORT, Answers, each_driveline, each_example

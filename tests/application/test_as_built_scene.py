@@ -14,10 +14,9 @@ from click.testing import CliRunner, Result
 
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.as_built.figures import BY_DRAWING, ORDERS, OrderFigures
-from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.as_built import BY_DRAWING, ORDERS, OrderFigures
+from cardan.app.answers.schema import check_data, run_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
-from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import SummaryRow, summary, turn_figures
 from cardan.app.command import commands
 from cardan.app.report import write_report

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backlash
+from cardan.app.answers.backlash import Backlash, backlash, drawn_backlash
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_backlash, plot_lash, plot_part, save

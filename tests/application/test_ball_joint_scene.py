@@ -14,10 +14,7 @@ from click.testing import CliRunner
 
 from cardan import BallJoint, Scene
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.ball_joint.figures import (
-    ball_joint_figures,
-    pressure_curve,
-)
+from cardan.app.answers.ball_joint import ball_joint_figures, pressure_curve
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_ball_joint

@@ -22,8 +22,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 
 from cardan.app.answers.data import data_of  # noqa: E402
 from cardan.app.answers.schema import answers_schema  # noqa: E402
-from cardan.app.answers.study.figures import study_figures  # noqa: E402
-from cardan.app.answers.study.text import study_text  # noqa: E402
+from cardan.app.answers.study import study_figures, study_text  # noqa: E402
 from cardan.app.answers.turn.figures import drive_angles  # noqa: E402
 from cardan.app.command import commands  # noqa: E402
 from cardan.app.scene import Scene  # noqa: E402

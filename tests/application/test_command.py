@@ -22,9 +22,8 @@ from click.testing import Result
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.explain import explain_text
-from cardan.app.answers.json_schema import VERSION
-from cardan.app.answers.limits.data import check_data, check_schema
-from cardan.app.answers.limits.text import check_text
+from cardan.app.answers.limits import check_text
+from cardan.app.answers.schema import VERSION, answers_schema, check_data
 from cardan.app.command import commands
 from cardan.app.command.run import wrote
 from cardan.app.files.columns import write_columns
@@ -428,7 +427,7 @@ def test_advice_follows_the_verdict() -> None:
 @each_driveline
 def test_the_answer_of_check_fits_its_schema(path: Path, answered: Answers) -> None:
     data = answered(path).data("check")
-    jsonschema.Draft202012Validator(check_schema()).validate(data)
+    jsonschema.Draft202012Validator(answers_schema()["$defs"]["check"]).validate(data)
 
 
 def test_check_of_a_study_is_of_every_driveline(

@@ -17,14 +17,8 @@ from hypothesis import strategies as st
 from test_rows import OTHERS
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.text import check_text
-from cardan.app.answers.printed import (
-    number_text,
-    quantity,
-    range_ends,
-    row_text,
-    use_text,
-)
+from cardan.app.answers.limits import check_text
+from cardan.app.answers.printed import number_text, quantity, range_ends, row_text, use_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Rounds, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice, yoke_settings

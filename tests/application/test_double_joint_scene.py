@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan.app.answers.moves.figures import held_in
+from cardan.app.answers.moves import held_in
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text
 from cardan.app.scene import Scene, SceneError

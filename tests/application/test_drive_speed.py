@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import cardan
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.drive_speed.figures import SHARE, DriveSpeed
+from cardan.app.answers.drive_speed import SHARE, DriveSpeed
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_drive_speed

@@ -13,9 +13,7 @@ import pytest
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.json_schema import answer
-from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answer, answers_schema, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
     TorsionBasics,

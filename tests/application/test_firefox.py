@@ -20,7 +20,7 @@ import websocket
 from test_live_page import at, close, edited, texts
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.data import check_data
+from cardan.app.answers.schema import check_data
 from cardan.app.report.moving import moving_page
 from cardan.app.scene import Scene
 from example_scenes import DRIVELINES, Answers, example

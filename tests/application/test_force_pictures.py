@@ -197,7 +197,7 @@ def test_joints_and_bearings_without_force_have_no_path(tmp_path: Path) -> None:
         )
     )
     paths = scene_force_paths(Scene.parse(text))
-    assert [path.label for path in paths] == [f"bearing {i}" for i in range(4)]
+    assert [(path.per, path.item) for path in paths] == [("bearing", i) for i in range(4)]
     straight = text.replace("[10]", "[0]")
     assert "forces are all 0" in plot(tmp_path, straight, "--what", "forces")[1]
 

@@ -15,10 +15,9 @@ from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import BearingForce, Forces, JointForce, force_figures
 from cardan.app.answers.forces.picture import scene_force_paths
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answers_schema, run_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import tolerance_figures
-from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import summary, turn_figures
 from cardan.app.command import commands
 from cardan.app.plots import plot_force_hodograph, plot_hodograph

@@ -18,11 +18,10 @@ import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, needed
 from cardan.app.answers.life.text import sentences
-from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.rows import Judged
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answers_schema, check_data
 from cardan.app.answers.table import PARTS
-from cardan.app.answers.tubes.figures import TubeFigures
+from cardan.app.answers.tubes import TubeFigures
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene

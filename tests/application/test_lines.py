@@ -17,7 +17,7 @@ import pytest
 from click.testing import CliRunner
 
 import tiers
-from cardan.app.answers.identification.figures import Identified
+from cardan.app.answers.identification import Identified
 from cardan.app.answers.rows import element_of, rows_of
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands

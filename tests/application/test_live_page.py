@@ -30,9 +30,9 @@ import cardan
 import tiers
 from cardan import Coupling, __version__
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import number_text, quantity, row_text, use_text
 from cardan.app.answers.rows import DIGITS
+from cardan.app.answers.schema import check_data
 from cardan.app.report import write_report
 from cardan.app.report.live import coupling_data, live
 from cardan.app.report.moving import moving_page

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cardan import Driveline, Load
 from cardan._core import Integral
-from cardan.app.answers.limits.check import check_scene
+from cardan.app.answers.over import check_scene
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.text import signals_text
 from cardan.app.command import commands

@@ -14,8 +14,7 @@ import pytest
 from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
-from cardan.app.answers.optimise.figures import optimised
-from cardan.app.answers.optimise.text import by_state, change_lines
+from cardan.app.answers.optimise.figures import by_state, change_lines, optimised
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.schema import answers_schema
 from cardan.app.command import commands

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import cardan
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.axial_travel import drawn_slides
 from cardan.app.answers.life.figures import LifeFigures, needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.printed import quantity

@@ -11,10 +11,9 @@ import pytest
 
 import cardan
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.moves.figures import Move
-from cardan.app.answers.moves.text import sentences as moves_in_words
-from cardan.app.answers.readings.figures import ReadingFigures, sentences
-from cardan.app.answers.readings.picture import picture
+from cardan.app.answers.moves import Move
+from cardan.app.answers.moves import sentences as moves_in_words
+from cardan.app.answers.readings import ReadingFigures, picture, sentences
 from cardan.app.report.live import live
 from cardan.app.scene.starters import STARTERS
 

@@ -27,18 +27,18 @@ from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.wait import WebDriverWait
 
 from cardan import Driveline, Limits, Load, __version__
-from cardan.app.answers.charts import Curve, Panel, chart
-from cardan.app.answers.limits.figures import MotionFigures
+from cardan.app.answers.limits import MotionFigures
 from cardan.app.answers.names import column_name, key_name
+from cardan.app.answers.page import Curve, Panel, chart
 from cardan.app.answers.printed import number_text
 from cardan.app.answers.rows import rows_of
-from cardan.app.answers.study.page import heat_map
 from cardan.app.command import commands
 from cardan.app.pictures.space import pins
 from cardan.app.report import write_report
 from cardan.app.report.live import script, views
 from cardan.app.report.page import environment
 from cardan.app.report.samples import NOMINAL_TORQUE, evaluated
+from cardan.app.report.study import heat_map
 from cardan.app.scene import Scene
 from cardan.app.scene.study.study import Column
 from cardan.design.judged import Finding

@@ -13,7 +13,7 @@ import pytest
 import cardan
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.axial_travel import drawn_slides
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.tolerances.figures import tolerance_figures

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from cardan.app.answers.identification.figures import Identified
+from cardan.app.answers.identification import Identified
 from cardan.app.answers.rows import UNITS, element_of, rows_of
-from cardan.app.answers.states.figures import StatesFigures
-from cardan.app.answers.study.figures import StudyFigures
+from cardan.app.answers.states import StatesFigures
+from cardan.app.answers.study import StudyFigures
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.turn.figures import TurnFigures
 from cardan.app.answers.yokes.figures import YokeFigures

@@ -17,9 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.study.figures import study_figures
-from cardan.app.answers.study.text import study_text
-from cardan.app.answers.turn.data import run_data
+from cardan.app.answers.schema import run_data
+from cardan.app.answers.study import study_figures, study_text
 from cardan.app.answers.turn.figures import turn_figures
 from cardan.app.answers.turn.text import summary_text
 from cardan.app.command import commands

@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 import cardan
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.axial_travel.figures import drawn_slides
+from cardan.app.answers.axial_travel import drawn_slides
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_part, plot_slide_orders, plot_slides, save

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.check import check_scene
+from cardan.app.answers.over import check_scene
 from cardan.app.answers.table import PARTS
 from cardan.app.command import commands
 from cardan.app.plots import plot_states, write_picture

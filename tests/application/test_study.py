@@ -12,8 +12,7 @@ import pytest
 
 from cardan import Driveline, Load
 from cardan.app.answers.data import data_of
-from cardan.app.answers.study.figures import End, extremes, study_figures
-from cardan.app.answers.study.text import study_text
+from cardan.app.answers.study import End, extremes, study_figures, study_text
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.scene import Scene
 from cardan.app.scene.study import axes, study

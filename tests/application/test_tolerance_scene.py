@@ -16,19 +16,15 @@ from click.testing import CliRunner, Result
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.json_schema import answer
-from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answer, answers_schema, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigures,
-    permitted_tolerances,
-    tolerance_figures,
-)
-from cardan.app.answers.tolerances.text import (
     percent,
     permitted_texts,
+    permitted_tolerances,
     sentences,
+    tolerance_figures,
 )
 from cardan.app.command import commands
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances

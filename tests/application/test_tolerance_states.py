@@ -15,16 +15,10 @@ from click.testing import CliRunner
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.json_schema import answer
-from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import quantity
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answer, answers_schema, check_data
 from cardan.app.answers.table import PARTS
-from cardan.app.answers.tolerances.figures import (
-    ToleranceFigure,
-    tolerance_figures,
-)
-from cardan.app.answers.tolerances.text import sentences
+from cardan.app.answers.tolerances.figures import ToleranceFigure, sentences, tolerance_figures
 from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene

@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.json_schema import answer
-from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import answer, answers_schema, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import TorsionBasics, TorsionFigures, torsion_figures
 from cardan.app.answers.torsion.text import sentences, torsion_advice

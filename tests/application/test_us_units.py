@@ -13,9 +13,9 @@ from click.testing import CliRunner
 from test_live_page import Run, at, in_node, moves_of, run, sent, told_after, without_slow_parts
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.printed import row_text
 from cardan.app.answers.rows import UNITS, Judged
+from cardan.app.answers.schema import check_data
 from cardan.app.answers.turn.picture import quantities
 from cardan.app.command import commands
 from cardan.app.scene import Scene

@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 import tiers
 from cardan.app.answers.answer import Answer, JudgedFigure
-from cardan.app.answers.limits.check import check_scene
-from cardan.app.answers.limits.text import verdict_text
+from cardan.app.answers.limits import verdict_text
+from cardan.app.answers.over import check_scene
 from cardan.app.answers.rows import element_of, rows_of
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.command import commands

@@ -15,8 +15,7 @@ from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
 from cardan import Driveline, approximations
-from cardan.app.answers.json_schema import VERSION
-from cardan.app.answers.schema import answers_schema
+from cardan.app.answers.schema import VERSION, answers_schema
 from cardan.app.answers.yokes.figures import advice, scene_advice
 from cardan.app.answers.yokes.text import remedies
 from cardan.app.command import commands

@@ -18,14 +18,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.axial_travel.picture import plot_slide_orders, plot_slides
-from cardan.app.answers.backlash.picture import plot_backlash, plot_lash
-from cardan.app.answers.ball_joint.picture import (
-    plot_ball_joint,
-    plot_seat_pressure,
-    plot_seat_section,
-)
-from cardan.app.answers.drive_speed.picture import plot_drive_speed
+from cardan.app.answers.axial_travel import plot_slide_orders, plot_slides
+from cardan.app.answers.backlash import plot_backlash, plot_lash
+from cardan.app.answers.ball_joint import plot_ball_joint, plot_seat_pressure, plot_seat_section
+from cardan.app.answers.drive_speed import plot_drive_speed
 from cardan.app.answers.forces.picture import plot_force_hodograph, plot_forces
 from cardan.app.answers.life.picture import plot_heat, plot_pin_load, plot_sizes
 from cardan.app.answers.optimise.picture import (
@@ -33,8 +29,6 @@ from cardan.app.answers.optimise.picture import (
     plot_optimised_states,
     plot_over_variable,
 )
-from cardan.app.answers.states.picture import plot_states
-from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.table import PARTS, pictures
 from cardan.app.answers.tolerances.picture import plot_tolerance_shares, plot_tolerances
 from cardan.app.answers.torsion.picture import (
@@ -58,6 +52,7 @@ from cardan.app.pictures.sources import (
     plot_small_angle,
     plot_torque_ratio,
 )
+from cardan.app.pictures.study import plot_states, plot_study
 from cardan.app.pictures.style import STYLE, check_kind, save
 from cardan.app.scene.language.units import shown_in
 from cardan.app.scene.scene import BallJointScene, Scene

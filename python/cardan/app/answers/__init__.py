@@ -1,1 +1,1 @@
-"""Answers to scenes: each part has a room with its numbers, sentences and pictures."""
+"""Answers to scenes: each part has a module or a room of modules."""

@@ -7,7 +7,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from cardan.app.answers.limits.check import check_scene
+from cardan.app.answers.over import check_scene
 from cardan.app.answers.rows import Entry, Judged
 from cardan.app.answers.table import PARTS, Part
 from cardan.app.files.whole_file import Progress

@@ -8,8 +8,18 @@ from dataclasses import replace
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
-from cardan.app.answers.json_schema import one_of, record
 from cardan.app.answers.rows import SI_UNITS, Judged, Row, element_of, rows_of
+
+
+def record(needed: Mapping[str, Any], optional: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return the schema of an object with these keys and no others."""
+    return {
+        "type": "object",
+        "properties": {**needed, **(optional or {})},
+        "required": list(needed),
+        "additionalProperties": False,
+    }
+
 
 _NUMBER = {"type": ["number", "null"]}
 _PLACE = {
@@ -103,7 +113,11 @@ def schema_of(of: type) -> dict[str, Any]:
             choices.append(keys)
         else:
             needed |= keys
-    return one_of(needed, *choices, optional=optional)
+    chosen = {key: value for choice in choices for key, value in choice.items()}
+    schema = record(needed, {**chosen, **optional})
+    if choices:
+        schema["allOf"] = [{"oneOf": [{"required": [key]} for key in keys]} for keys in choices]
+    return schema
 
 
 def _keys(name: str, row: Row, hint: Any) -> list[str]:  # noqa: ANN401 - any annotation

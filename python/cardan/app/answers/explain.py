@@ -6,10 +6,9 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.identification.figures import Identified
+from cardan.app.answers.identification import Identified
 from cardan.app.answers.printed import aligned, bound_of, cell
 from cardan.app.answers.rows import UNITS, Entry, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS, Part
@@ -22,10 +21,8 @@ _MOST = 6
 def explain_text(answer: Answer, key: str, path: Path) -> str:
     """Return what a figure of a scene is, from what it follows, and what limits it, 79 wide.
 
-    Args:
-        answer: the answer to the scene.
-        key: the key of the figure: ``"spline.travel"``, ``"tubes.1.stress"``.
-        path: the scene file.
+    The key is that of the figure, ``"spline.travel"`` or ``"tubes.1.stress"``; the path is that of
+    the scene file.
 
     Raises:
         ValueError: the answer has no such figure.
@@ -66,13 +63,8 @@ def _inputs(part: Part, path: Path) -> Iterator[tuple[str, str]]:
     given = tomllib.loads(path.read_text(encoding="utf-8"))
     for section in dict.fromkeys(("driveline", *part.sections)):
         for key, value in given.get(section, {}).items():
-            yield f"[{section}] {key}", _shown(value)
-
-
-def _shown(value: Any) -> str:  # noqa: ANN401 - any value of TOML
-    if isinstance(value, list) and len(value) > _MOST:
-        return f"{len(value)} values"
-    return str(value)
+            is_long = isinstance(value, list) and len(value) > _MOST
+            yield f"[{section}] {key}", f"{len(value)} values" if is_long else str(value)
 
 
 def reference() -> str:

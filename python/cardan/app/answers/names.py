@@ -50,7 +50,7 @@ def key_name(key: str, joints: int | None = None) -> str:
         return f"{quantity}, bearing {number}" + _bracketed(ENDINGS[ending].symbol)
     quantity, ending = split(name)
     if joints is not None and quantity == "points" and len(places) == 2:
-        ends = [_point_name(int(end), joints) for end in places[0].split("-")]
+        ends = [point_name(int(end), joints) for end in places[0].split("-")]
         what = {"y": "height"}.get(places[1], f"{places[1]} coordinate")
         return f"{what} of {' to '.join(ends)}" + _bracketed(ENDINGS[ending].symbol)
     entry, of, first = _ENTRIES.get(quantity, (quantity, "", 0))
@@ -64,7 +64,8 @@ def key_name(key: str, joints: int | None = None) -> str:
     return ", ".join(filter(None, words)) + _bracketed(ENDINGS[ending].symbol if ending else "")
 
 
-def _point_name(point: int, joints: int) -> str:
+def point_name(point: int, joints: int) -> str:
+    """Return what is at a point of a driveline, counted from upstream."""
     ends = {0: "the upstream end", joints + 1: "the downstream end"}
     return ends.get(point, f"joint {point - 1}")
 

@@ -68,13 +68,9 @@ def quantity(
 ) -> str:
     """Return a value in SI with its unit, a key of ``UNITS``: ``"41.3 MPa"``, ``"2.71°"``.
 
-    Args:
-        value: a number, or a judged one, which is told apart from its limits.
-        unit: in which it is shown.
-        radians: whether angles are in radians.
-        digits: the key of ``DIGITS``; by default the unit.
-        rounds: up or down in magnitude if the value must still do what it promises.
-        bounds: what it is told apart from, in SI as well.
+    It is told apart from the ``bounds``, in SI as well, and a judged one from its limits. It has
+    the digits of a key of ``DIGITS``, by default of the unit, and is rounded up or down in
+    magnitude if it must still do what it promises.
     """
     row = Row("figure", "", unit, digits=digits, rounds=rounds, bounds=tuple(bounds))
     return row_text(value, row, radians=radians)
@@ -216,18 +212,15 @@ def judged_text(value: Judged, row: Row) -> str:
     if value.maximum is not None and value.verdict == "beyond":
         bound, limit = "maximum", value.maximum
     side = "above" if value.sense == "most" else "below"
+    past = f"{side} the {bound} of {given(limit, row.unit)}"
     if math.isinf(value.value):
-        return f"{figure}, {side} the {bound} of {given(limit, row.unit)}"
-    return f"{figure}, {_excess(value, row, number)} {side} the {bound} of {given(limit, row.unit)}"
-
-
-def _excess(value: Judged, row: Row, number: str) -> str:
-    """How far a figure is past its bound, with as many decimals as its number has."""
+        return f"{figure}, {past}"
+    # As many decimals as the number has.
     decimals = sum(map(str.isdigit, number.split()[0].partition(".")[2]))
     unit = shown_unit(row.unit)
     excess = UNITS[unit].factor * value.excess
     text = f"{excess:.{decimals}f}"
-    return in_unit([text if float(text) else number_text(excess, unit)], unit)
+    return f"{figure}, {in_unit([text if float(text) else number_text(excess, unit)], unit)} {past}"
 
 
 def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401 - of any field
@@ -306,7 +299,7 @@ def table_of(
     return head, rows
 
 
-def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
+def wherever_text(entries: Iterable[Entry]) -> str:
     """Return the judged figures in each place where they differ, as tables; "" without any.
 
     The places are the states, the steps of a duty cycle or the drivelines of a study. If the scene
@@ -320,7 +313,7 @@ def wherever_text(entries: Iterable[Entry], *, radians: bool = False) -> str:
         if len(set(value.each.values())) > 1:
             label = ", ".join(filter(None, (row.label, entry.item)))
             every = (replace(value, value=each) for each in value.each.values())
-            cells = (row_text(each, row, radians=radians) for each in every)
+            cells = (row_text(each, row) for each in every)
             tables.setdefault(tuple(value.each), []).append((label, *cells))
     blocks: list[str] = []
     for places, rows in tables.items():
@@ -336,13 +329,15 @@ def _in_blocks(columns: Sequence[tuple[str, ...]]) -> Iterator[str]:
     """A table of a first column and others, as many side by side as are 79 wide."""
     first, *others = columns
     while others:
-        count = next((n for n in range(len(others), 1, -1) if _is_narrow(first, others[:n])), 1)
-        yield indent(table_text([*zip(first, *others[:count], strict=True)]), "  ")
+        for count in range(len(others), 0, -1):
+            text = table_text([*zip(first, *others[:count], strict=True)])
+            if count == 1 or _is_narrow(text):
+                break
+        yield indent(text, "  ")
         others = others[count:]
 
 
-def _is_narrow(first: Sequence[str], others: Sequence[Sequence[str]]) -> bool:
-    text = table_text([*zip(first, *others, strict=True)])
+def _is_narrow(text: str) -> bool:
     return max(map(len, text.splitlines())) <= _WIDTH - 2
 
 
@@ -361,6 +356,12 @@ def part_text(
 def filled(sentences: Iterable[str]) -> list[str]:
     """Return sentences 79 wide."""
     return [fill(text, _WIDTH, break_on_hyphens=False) for text in sentences]
+
+
+def bullets(texts: Iterable[str], **layout: Any) -> list[str]:  # noqa: ANN401 - of textwrap
+    """Return texts as the points of a list, 79 wide."""
+    layout = {"subsequent_indent": "  ", "break_on_hyphens": False, **layout}
+    return [fill(f"- {text}", _WIDTH, **layout) for text in texts]
 
 
 def _blocks(found: Any, radians: bool) -> Iterator[str]:  # noqa: ANN401 - any part
@@ -383,7 +384,7 @@ def _several(found: Sequence[Any], radians: bool) -> str:
     turned = [(f"  {label}", *cells) for label, *cells in zip(head, *rows, strict=True)]
     for table in (turned, whole) if len(found) > len(rows) else (whole, turned):
         text = table_text(table)
-        if max(map(len, text.splitlines())) <= _WIDTH - 2:
+        if _is_narrow(text):
             return text
     half = len(found) // 2
     if not half:
@@ -409,19 +410,12 @@ def aligned(lines: Iterable[tuple[str, str]], width: int = 0, indent: str = "") 
     """Return pairs of a label and a text as two columns, filled to 79 characters."""
     lines = list(lines)
     width = width or max(len(label) for label, _ in lines) + len(indent) + 2
-    return "\n".join(_filled(lines, width, indent))
-
-
-def _filled(lines: Iterable[tuple[str, str]], width: int, indent: str) -> Iterator[str]:
-    for label, text in lines:
-        yield fill(
-            text,
-            width=79,
-            initial_indent=f"{indent + label:{width}}",
-            subsequent_indent=" " * width,
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
+    layout: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+    layout["subsequent_indent"] = " " * width
+    return "\n".join(
+        fill(text, _WIDTH, initial_indent=f"{indent + label:{width}}", **layout)
+        for label, text in lines
+    )
 
 
 def number_text(
@@ -501,45 +495,34 @@ def _rounded(number: float, fewest: int, more: int, rounds: Rounds) -> str:
         return f"{number:.{2 + more}e}"
     decimals = fewest + more
     if rounds != "nearest":
-        steps, slack = abs(number) * 10.0**decimals, 1e-12
-        steps = (
-            math.ceil(steps * (1.0 - slack))
-            if rounds == "up"
-            else math.floor(steps * (1.0 + slack))
-        )
+        # A little off, so that a number stays which only rounding keeps from so many digits.
+        nearest, slack = (math.ceil, -1e-12) if rounds == "up" else (math.floor, 1e-12)
+        steps = nearest(abs(number) * 10.0**decimals * (1.0 + slack))
         number = math.copysign(steps * 10.0**-decimals, number)
     return f"{number:.{decimals}f}"
 
 
-def range_decimals(low: float, high: float, kind: str) -> int:
-    """Return the decimals of both ends of a range: of its kind, and two digits of its width."""
-    size = max(abs(low), abs(high))
-    own = _decimals(size, DIGITS[kind]) if 0.0 < size < math.inf else 0
-    width = high - low
-    if not 0.0 < width < math.inf or 1 - _exponent(width) > _MOST_DECIMALS:
-        return own
-    return max(own, 1 - _exponent(width))
-
-
 def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
-    """Write both ends of a range, in the unit that is shown, with as many decimals."""
+    """Write both ends of a range, in the unit that is shown, with as many decimals.
+
+    These are those of its kind, or what gives its width two digits.
+    """
     low, high = settled(low, kind), settled(high, kind)
-    decimals = range_decimals(low, high, kind)
-    first, last = (_end(end, decimals, kind) for end in (low, high))
+    rule, size, width = DIGITS[kind], max(abs(low), abs(high)), high - low
+    decimals = _decimals(size, rule) if 0.0 < size < math.inf else 0
+    if 0.0 < width < math.inf and 1 - _exponent(width) <= _MOST_DECIMALS:
+        decimals = max(decimals, 1 - _exponent(width))
+
+    def written(end: float) -> str:
+        text = f"{end:.{decimals}f}"
+        is_plain = end != 0.0 and _is_readable(end) and _stands(text, end, _landmarks(rule))
+        return text if is_plain else number_text(end, kind)
+
+    first, last = written(low), written(high)
     # Zeros after the point of both ends say nothing.
     if all(text.partition(".")[2].strip("0") == "" for text in (first, last)):
         return first.partition(".")[0], last.partition(".")[0]
     return first, last
-
-
-def _end(end: float, decimals: int, kind: str) -> str:
-    text = f"{end:.{decimals}f}"
-    is_plain = end != 0.0 and _is_readable(end)
-    return (
-        text
-        if is_plain and _stands(text, end, _landmarks(DIGITS[kind]))
-        else number_text(end, kind)
-    )
 
 
 def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:
@@ -560,8 +543,8 @@ def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: floa
         middle = 0.5 * (low + high) if 0.5 * abs(low + high) > noise else 0.0
         is_range = high - low > noise
         ends = range_ends(low, high, kind) if is_range else (plain_text(middle, kind),)
-        texts[label] = in_unit([" to ".join(ends)], "deg" if unit == "deg" else "", radians=False)
-        texts[label] += "" if unit in ("", "deg") else f" {unit}"
+        text = " to ".join(ends)
+        texts[label] = f"{text}°" if unit == "deg" else f"{text} {unit}".rstrip()
     if len(set(texts.values())) == 1:
         return next(iter(texts.values()))
     return ", ".join(f"{label}: {text}" for label, text in texts.items())

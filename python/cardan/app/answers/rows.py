@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple, get_args, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_type_hints
 
 from cardan.app.scene.language.units import ENDINGS, RPM, ending_of
 from cardan.design.judged import VERDICTS, is_within
 
+_T = TypeVar("_T")
 Kind = Literal["figure", "numbers", "item", "count", "word", "flag", "parts", "place"]
 Rounds = Literal["nearest", "up", "down"]
 
@@ -148,27 +149,13 @@ class Row:
         return value * (1.0 if turned else UNITS[self.unit].factor)
 
 
-def figure(
-    label: str,
-    unit: str = "",
-    meaning: str = "",
-    *,
-    source: str = "",
-    limit: str = "",
-    digits: str = "",
-    rounds: Rounds = "nearest",
-    apart: str = "",
-    is_detail: bool = False,
-) -> Any:  # noqa: ANN401 - the type of a field is that of its annotation
+def figure(label: str, unit: str = "", meaning: str = "", **more: Any) -> Any:  # noqa: ANN401
     """Declare a number: ``float``, ``float | None`` where it may be unknown, or ``Judged``.
 
     The unit is a key of ``UNITS``. It is ``"own"`` if the field ``unit`` of the same part holds
-    that key, and ``"each"`` if the keys of the JSON end in it as well. It is shown with the digits
-    of its unit, or of another key of ``DIGITS``.
+    that key, and ``"each"`` if the keys of the JSON end in it as well. More is what ``Row`` has.
     """
-    return _declared(
-        Row("figure", label, unit, meaning, source, limit, digits, rounds, apart, is_detail)
-    )
+    return _declared(Row("figure", label, unit, meaning, **more))
 
 
 def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
@@ -192,9 +179,25 @@ def as_shown(declared: Any) -> Any:  # noqa: ANN401 - as of figure
     return field(metadata={"row": replace(declared.metadata["row"], is_shown=True)})
 
 
-def place(label: str, meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
-    """Declare where in a study something is: the values of its keys, ``Mapping[str, float]``."""
-    return field(metadata={"row": Row("place", label, meaning=meaning)})
+def _declares(kind: Kind) -> Callable[..., Any]:
+    """What declares a field of a kind by its label, its meaning and whether it is a detail."""
+
+    def declare(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
+        return field(metadata={"row": Row(kind, label, meaning=meaning, is_detail=is_detail)})
+
+    return declare
+
+
+count = _declares("count")
+"""Declare a number of things."""
+word = _declares("word")
+"""Declare a word or name: ``str``, ``str | None`` or a ``Literal``."""
+flag = _declares("flag")
+"""Declare whether something is so."""
+parts = _declares("parts")
+"""Declare further figures: a dataclass, or a tuple of one kind of dataclass."""
+place = _declares("place")
+"""Declare where in a study something is: the values of its keys, ``Mapping[str, float]``."""
 
 
 def item(of: str) -> Any:  # noqa: ANN401 - as of figure
@@ -205,24 +208,10 @@ def item(of: str) -> Any:  # noqa: ANN401 - as of figure
     return _declared(Row("item", "", of) if of == "own" else Row("item", of))
 
 
-def count(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
-    """Declare a number of things."""
-    return field(metadata={"row": Row("count", label, meaning=meaning, is_detail=is_detail)})
-
-
-def word(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
-    """Declare a word or name: ``str``, ``str | None`` or a ``Literal``."""
-    return field(metadata={"row": Row("word", label, meaning=meaning, is_detail=is_detail)})
-
-
-def flag(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
-    """Declare whether something is so."""
-    return field(metadata={"row": Row("flag", label, meaning=meaning, is_detail=is_detail)})
-
-
-def parts(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
-    """Declare further figures: a dataclass, or a tuple of one kind of dataclass."""
-    return field(metadata={"row": Row("parts", label, meaning=meaning, is_detail=is_detail)})
+def taken(of: type[_T], found: object, /, **more: Any) -> _T:  # noqa: ANN401 - of any field
+    """Return a dataclass with the fields of the same names of a result, and with some more."""
+    names = (each.name for each in dataclasses.fields(of) if each.name not in more)  # type: ignore[arg-type]
+    return of(**{name: getattr(found, name) for name in names}, **more)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,10 @@ def sheets_of(data: Mapping[str, Any]) -> dict[str, list[tuple[Cell, ...]]]:
         if isinstance(value, dict):
             parts.append(key)
             _add(tables, key, {}, value, "")
-        elif _are_items(value) and not all(map(_is_said, value)):
+        # Items that have words alone are said on the first sheet.
+        elif _are_items(value) and not all(
+            isinstance(each, str) for item in value for each in item.values()
+        ):
             for item in value:
                 _add(tables, key, {}, item, key)
         elif isinstance(value, list):
@@ -60,18 +63,12 @@ def _are_items(value: object) -> TypeGuard[list[dict[str, Any]]]:
     return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
 
 
-def _is_said(item: Mapping[str, Any]) -> bool:
-    """Whether an item has words and no figures."""
-    return all(isinstance(value, str) for value in item.values())
-
-
 def _is_place(value: list[dict[str, Any]]) -> bool:
     """Whether a list has the values of keys of a study at one of its points."""
-    return all(item.keys() == {"key", "value"} and _is_cell(item["value"]) for item in value)
-
-
-def _is_cell(value: object) -> bool:
-    return not isinstance(value, dict | list)
+    return all(
+        item.keys() == {"key", "value"} and not isinstance(item["value"], dict | list)
+        for item in value
+    )
 
 
 def _add(

@@ -1,8 +1,8 @@
 """The table of parts: everything that an answer about a scene can have.
 
-A part has a room with its modules. ``figures.find`` finds its figures, whose fields are rows;
-``text.sentences`` says what follows from them; ``picture.drawn`` draws them on the page. What a
-row says is printed, listed, judged and described by itself.
+A part has a module, or a room of modules. Its ``find`` finds its figures, whose fields are rows;
+``sentences`` says what follows from them; ``drawn`` draws them on the page. What a row says is
+printed, listed, judged and described by itself.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class Part:
     """A part of an answer."""
 
-    name: str  # its room, and its key in the JSON
+    name: str  # its module or room, and its key in the JSON
     title: str  # its heading
     noun: str  # what its figures are those of, in a sentence: "the spline"; "" of the driveline
     sections: tuple[str, ...]  # the sections of a scene without which there is no such part
@@ -36,20 +36,24 @@ class Part:
     said: bool = False  # whether an answer about more than it only has its sentences
     alone: bool = False  # whether a ball joint alone has it
 
-    def _own(self, function: str, *modules: str) -> Any:  # noqa: ANN401 - of any signature
-        """The part's own function of a name in the first of its modules that has one."""
-        for path in (f"cardan.app.answers.{self.name}.{module}" for module in modules):
-            if find_spec(path) and (own := getattr(import_module(path), function, None)):
+    def _own(self, function: str) -> Any:  # noqa: ANN401 - of any signature
+        """The part's own function of a name, from its module or one of those of its room."""
+        path = f"cardan.app.answers.{self.name}"
+        modules = [path]
+        if hasattr(import_module(path), "__path__"):
+            modules = [f"{path}.{each}" for each in ("figures", "text", "picture")]
+        for module in filter(find_spec, modules):
+            if own := getattr(import_module(module), function, None):
                 return own
         return None
 
     def find(self, answer: Answer) -> Any:  # noqa: ANN401 - any part
         """Return the figures of a scene, ``None`` or nothing without them."""
-        return self._own("find", "figures")(answer)
+        return self._own("find")(answer)
 
     def whole(self, answer: Answer, found: Any) -> Any:  # noqa: ANN401 - any part
         """Return the figures with those that only the page and the part's own command show."""
-        own = self._own("whole", "figures")
+        own = self._own("whole")
         return own(answer, found) if own else found
 
     def entries(self, found: Any) -> Iterator[Entry]:  # noqa: ANN401 - any part
@@ -69,11 +73,11 @@ class Part:
 
     def figures(self) -> type:
         """Return the dataclass of all figures, or of those of each item."""
-        found: type = element_of(self._hint("whole" if self._own("whole", "figures") else "find"))
+        found: type = element_of(self._hint("whole" if self._own("whole") else "find"))
         return found
 
     def _hint(self, function: str = "find") -> Any:  # noqa: ANN401 - any annotation
-        return get_type_hints(self._own(function, "figures"))["return"]
+        return get_type_hints(self._own(function))["return"]
 
     def text(self, found: Any, *, radians: bool = False, brief: bool = False) -> str:  # noqa: ANN401
         """Return the figures and what follows from them as plain text, 79 wide.
@@ -83,11 +87,11 @@ class Part:
             radians: whether angles are in radians.
             brief: whether the answer is about more than this part.
         """
-        if brief and (own := self._own("brief", "text")):
+        if brief and (own := self._own("brief")):
             return str(own(found))
         if brief and self.said:
             return "\n".join([self.heading(found), *filled(self.sentences(found))])
-        if own := self._own("words", "text", "figures"):
+        if own := self._own("words"):
             return str(own(found, radians=radians))
         return part_text(self.heading(found), found, self.sentences(found), radians=radians)
 
@@ -101,26 +105,26 @@ class Part:
 
         found = answer.needed(self.name)
         data = section_of(self, found)
-        if drawn := self._own("drawn", "picture"):
+        if drawn := self._own("drawn"):
             data |= drawn(answer, found)
-        folder = resources.files("cardan.app").joinpath("answers", self.name)
-        template = f"{self.name}/page.html" if folder.joinpath("page.html").is_file() else ""
-        return {"key": self.name, "heading": self.title, "template": template, **data}
+        template = resources.files("cardan.app").joinpath("report/templates", f"{self.name}.html")
+        own = template.name if template.is_file() else ""
+        return {"key": self.name, "heading": self.title, "template": own, **data}
 
     def pictures(self) -> dict[str, Callable[[Answer], Figure]]:
         """Return what draws the pictures of the part, by their names."""
-        return self._own("PICTURES", "picture") or {}
+        return self._own("PICTURES") or {}
 
     def heading(self, found: Any) -> str:  # noqa: ANN401 - any part
         """Return what stands above the figures: ``"Spline of shaft 1"``."""
-        if own := self._own("heading", "text", "figures"):
+        if own := self._own("heading"):
             return str(own(found))
         about = "" if isinstance(found, tuple) else item_of(found)
         return f"{self.title} of {about}" if about else self.title
 
     def sentences(self, found: Any) -> list[str]:  # noqa: ANN401 - any part
         """Return what follows from the figures, in words."""
-        own = self._own("sentences", "text", "figures")
+        own = self._own("sentences")
         return list(own(found)) if own else []
 
 

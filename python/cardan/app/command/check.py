@@ -8,8 +8,8 @@ import click
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.text import life_remedies
-from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.limits.text import check_text
+from cardan.app.answers.limits import check_text
+from cardan.app.answers.schema import check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
 from cardan.app.answers.yokes.text import remedies

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, cast, get_args
 
 import click
 
-from cardan.app.answers.json_schema import Kind, answer
+from cardan.app.answers.schema import Kind, answer
 from cardan.app.answers.sheets import write_answer
 from cardan.app.command.terminal import as_json_text, paragraphs, say
 from cardan.app.files import columns

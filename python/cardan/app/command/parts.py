@@ -10,12 +10,12 @@ import click
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.identification.figures import identified, sentences
-from cardan.app.answers.json_schema import Kind
+from cardan.app.answers.identification import identified, sentences
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.picture import plot_optimise
 from cardan.app.answers.printed import part_text, wherever_text
+from cardan.app.answers.schema import Kind
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.answers.yokes.text import yoke_text

@@ -13,12 +13,10 @@ from typing import Any
 import click
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.states.figures import states_figures
-from cardan.app.answers.states.text import OF_DRIVELINE, states_text
-from cardan.app.answers.study.figures import StudyTable, study_figures
-from cardan.app.answers.study.text import study_text
+from cardan.app.answers.schema import run_data
+from cardan.app.answers.states import OF_DRIVELINE, states_figures, states_text
+from cardan.app.answers.study import StudyTable, study_figures, study_text
 from cardan.app.answers.turn import text as turn
-from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import DriveAngles, recorded_angles, turn_figures
 from cardan.app.command import options, terminal
 from cardan.app.files.columns import check_rows

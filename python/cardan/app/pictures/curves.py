@@ -10,18 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import cardan.app.answers.turn.panel as panel
-from cardan.app.pictures.style import (
-    LINES,
-    MM,
-    STYLE,
-    WIDTH,
-    check_kind,
-    drawing,
-    finish,
-    legend_above,
-    line_style,
-    matplotlib,
-)
+import cardan.app.pictures.style as style
 from cardan.arrays import as_float64, one_number
 from cardan.arrays.errors import ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
@@ -63,7 +52,6 @@ def plot_curves(
         angle: drive angles in rad, ``(samples,)``, or a ``Sweep``; by default a turn in
             steps of half a degree.
         labels: what to call the curves; by default components, bends of single joints or numbers.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Returns:
         the axes, with angles in degrees.
@@ -73,8 +61,8 @@ def plot_curves(
         ValueError: an unknown output, a load that is missing, a batch of more dimensions or of
             vectors, labels that do not fit, more curves than can be told apart.
     """
-    check_kind("line", line, Driveline)
-    check_kind("output", output, str)
+    style.check_kind("line", line, Driveline)
+    style.check_kind("output", output, str)
     what = OUTPUTS[checked(output)[0]]
     if len(line.shape) > (0 if what.vector else 1):
         fits = "one driveline" if what.vector else "one driveline or a batch of one dimension"
@@ -97,9 +85,9 @@ def plot_curves(
     values, unit = panel.in_unit(what, found)
     rows = values.T if what.vector else np.atleast_2d(values)
     names = panel.names(line, labels, "xyz" if what.vector else None)
-    with drawing(ax) as axes:
+    with style.drawing(ax) as axes:
         panel.draw(axes, np.degrees(turn), zip(names, rows, strict=True))
-        finish(axes, "drive angle [deg]", f"{what.label}\n{what.per} {item}{unit}")
+        style.finish(axes, "drive angle [deg]", f"{what.label}\n{what.per} {item}{unit}")
     return axes
 
 
@@ -122,14 +110,13 @@ def plot_harmonics(
         orders: multiples of the drive's speed; odd ones have no amplitude.
         shaft: index of the shaft, by default the last.
         labels: what to call the drivelines of a batch.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         IndexError: a shaft that does not exist.
         ValueError: an unknown quantity, an order below 1, a batch of more dimensions or more than
             can be told apart, labels that do not fit.
     """
-    check_kind("line", line, Driveline)
+    style.check_kind("line", line, Driveline)
     if quantity not in ("angle_error", "speed_ratio"):
         raise ArgumentValueError("quantity", f"is {quantity!r}; known are angle_error, speed_ratio")
     if len(line.shape) > 1:
@@ -140,7 +127,7 @@ def plot_harmonics(
     found = line.harmonics(orders, shaft)
     amplitudes, unit = panel.in_unit(OUTPUTS[quantity], np.atleast_2d(getattr(found, quantity)))
     names = panel.names(line, labels)
-    with drawing(ax, height_mm=45.0) as axes:
+    with style.drawing(ax, height_mm=45.0) as axes:
         curves = list(zip(names, amplitudes, strict=True))
         width = 0.8 * float(np.min(np.diff(np.unique(found.orders)), initial=2))
         panel.draw_stems(axes, np.asarray(found.orders, np.float64), curves, width)
@@ -153,11 +140,11 @@ def plot_harmonics(
         axes.set_ylabel(f"{quantity.replace('_', ' ')}\nshaft {item}{unit}")
         axes.grid(visible=True, axis="y")
         if any(names):
-            legend_above(axes)
+            style.legend_above(axes)
     return axes
 
 
-_PANEL, _FRAME = 32.0 * MM, 10.0 * MM
+_PANEL, _FRAME = 32.0 * style.MM, 10.0 * style.MM
 
 
 def plot_result(result: Result) -> Figure:
@@ -174,7 +161,7 @@ def plot_result(result: Result) -> Figure:
     Raises:
         ValueError: a result without a row of drive angles, more curves than can be told apart.
     """
-    check_kind("result", result, Result)
+    style.check_kind("result", result, Result)
     result = result.compute()
     angle = np.asarray(result.drive_angle)
     assert result._labels is not None  # drive_angle has raised without labels
@@ -185,13 +172,13 @@ def plot_result(result: Result) -> Figure:
     if result.units["drive_angle"] == "rad":
         angle = np.degrees(angle)
     curves = {name: _curves(result, OUTPUTS[name], len(angle)) for name in result}
-    with matplotlib().rc_context(STYLE):
+    with style.matplotlib().rc_context(style.STYLE):
         from matplotlib import pyplot
 
         height = _FRAME + _PANEL * len(curves)
         figure, rows = pyplot.subplots(
             len(curves),
-            figsize=(WIDTH * MM, height),
+            figsize=(style.WIDTH * style.MM, height),
             layout="constrained",
             sharex=True,
             squeeze=False,
@@ -203,7 +190,7 @@ def plot_result(result: Result) -> Figure:
             panel.draw(axes, angle, zip(labels, values, strict=True))
             axes.set_ylabel(output.label + ("" if unit == "1" else f"\n[{unit}]"))
             if len(labels) > 1:
-                legend_above(axes)
+                style.legend_above(axes)
         rows[-1, 0].set_xlabel("drive angle [deg]")
     return figure
 
@@ -225,7 +212,7 @@ def _curves(result: Result, output: Output, samples: int) -> tuple[list[str], ND
         for line in lines
         for component in components
     ]
-    if len(labels) > len(LINES):
+    if len(labels) > len(style.LINES):
         # The bearings are evaluated all or not at all.
         fewer = (
             "draw each bearing with cardan.plots.plot_curves"
@@ -234,8 +221,8 @@ def _curves(result: Result, output: Output, samples: int) -> tuple[list[str], ND
         )
         raise ArgumentValueError(
             "result",
-            f"has {len(labels)} curves of {output.name}; a picture shows at most {len(LINES)} "
-            f"that can be told apart, so {fewer}",
+            f"has {len(labels)} curves of {output.name}; a picture shows at most "
+            f"{len(style.LINES)} that can be told apart, so {fewer}",
         )
     return labels, np.moveaxis(per_item, 3, 2).reshape(len(labels), samples)
 
@@ -259,7 +246,6 @@ def plot_double_joint(
         wear: by how much a worn pivot is off along the driving shaft, in the unit of the length;
             0 for the joint without wear alone, else both directions are drawn as well.
         largest_deg: total bend in degrees up to which it is drawn.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: as for ``Driveline.from_double_joint``.
@@ -273,14 +259,14 @@ def plot_double_joint(
     if wear:
         away, near = "pivot %g farther", "pivot %g nearer"
         pivots += [(away % abs(wear), place + abs(wear)), (near % abs(wear), place - abs(wear))]
-    with drawing(ax) as axes:
+    with style.drawing(ax) as axes:
         for i, (label, pivot) in enumerate(pivots):
             # Where both bends are equal the curve has a corner, which samples would miss.
             corner = 2.0 * np.degrees(np.arccos(min(1.0, 0.5 * length / pivot)))
             drawn = np.sort(np.append(total, min(corner, largest_deg)))
             line = Driveline.from_double_joint(drawn, length, pivot, degrees=True)
             bend = np.degrees(line.equivalent().bend)
-            axes.plot(drawn, bend, label=label, **line_style(i))
+            axes.plot(drawn, bend, label=label, **style.line_style(i))
         ends = (0.0, largest_deg), (0.0, None)
-        finish(axes, "total bend [deg]", "equivalent bend [deg]", *ends)
+        style.finish(axes, "total bend [deg]", "equivalent bend [deg]", *ends)
     return axes

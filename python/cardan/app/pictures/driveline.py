@@ -90,7 +90,6 @@ def plot_driveline(
         points: its ends and joint centres, ``(n + 2, 3)``; by default its shafts have its lengths,
             or are all as long if it has none.
         length_unit: in what to label the line's lengths, which are in m; by default they are not.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a batch, points that do not lie along the shafts, an unknown unit.

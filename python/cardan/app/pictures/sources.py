@@ -2,30 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 import cardan.app.answers.turn.panel as panel
+import cardan.app.pictures.style as style
 from cardan.app.answers.printed import number_text
-from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.panel import TURN
-from cardan.app.pictures.style import (
-    LINES,
-    MARKERS,
-    THIN,
-    check_single,
-    degree_ticks,
-    drawing,
-    finish,
-    legend_above,
-    line_style,
-    number,
-    value_ticks,
-    write_angle,
-)
 from cardan.arrays import FloatArray, finite, one_number
 from cardan.arrays.errors import ArgumentValueError, check_choice, check_shape
 from cardan.arrays.indices import item_index
@@ -49,7 +34,6 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
 
     Args:
         bend_deg: bend in degrees.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a bend outside [0, 90°).
@@ -57,12 +41,12 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
     bend_deg = one_number("bend_deg", bend_deg)
     line = Driveline.from_bends([bend_deg], degrees=True)
     driven = np.degrees(line.evaluate(_HALF_TURN, "angle").angle)
-    with drawing(ax) as axes:
-        axes.plot(_HALF_TURN_DEG, driven, label=f"bend {number(bend_deg)}°", **LINES[0])
-        axes.plot(_HALF_TURN_DEG, _HALF_TURN_DEG, label="bend 0°", **LINES[1])
+    with style.drawing(ax) as axes:
+        axes.plot(_HALF_TURN_DEG, driven, label=f"bend {style.number(bend_deg)}°", **style.LINES[0])
+        axes.plot(_HALF_TURN_DEG, _HALF_TURN_DEG, label="bend 0°", **style.LINES[1])
         axes.set(xlim=(0.0, 180.0), ylim=(0.0, 180.0))
-        finish(axes, "drive angle [deg]", "driven angle [deg]")
-        degree_ticks(axes.yaxis, 0.0, 180.0)
+        style.finish(axes, "drive angle [deg]", "driven angle [deg]")
+        style.degree_ticks(axes.yaxis, 0.0, 180.0)
     return axes
 
 
@@ -73,7 +57,6 @@ def plot_angle_error(
 
     Args:
         bends_deg: bends in degrees, a curve for each.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a bend outside [0, 90°), more bends than can be told apart.
@@ -85,18 +68,18 @@ def plot_angle_error(
     places, largest = _extremes(lines)
     to = float(np.max(np.degrees(lines.bends)))
     locus = _extremes(_joints(to))
-    with drawing(ax, height_mm=55.0) as axes:
+    with style.drawing(ax, height_mm=55.0) as axes:
         for i, (bend, curve) in enumerate(zip(bends, np.degrees(errors), strict=True)):
             size, place = number_text(largest[i], "angle_error"), number_text(places[i], "phase")
-            label = f"bend {number(bend)}°: {size}° at {place}°"
-            axes.plot(_HALF_TURN_DEG, curve, label=label, **line_style(i))
+            label = f"bend {style.number(bend)}°: {size}° at {place}°"
+            axes.plot(_HALF_TURN_DEG, curve, label=label, **style.line_style(i))
         # One line through both halves would run along the axis between them.
         for sign, label in ((1.0, "locus of the extremes"), (-1.0, "")):
             where = locus[0] if sign > 0.0 else 180.0 - locus[0]
-            axes.plot(where, sign * locus[1], label=label, **THIN)
+            axes.plot(where, sign * locus[1], label=label, **style.THIN)
             where = places if sign > 0.0 else 180.0 - places
-            axes.plot(where, sign * largest, "o", color=THIN["color"])
-        finish(axes, "drive angle [deg]", "angle error [deg]", (0.0, 180.0), ncols=2)
+            axes.plot(where, sign * largest, "o", color=style.THIN["color"])
+        style.finish(axes, "drive angle [deg]", "angle error [deg]", (0.0, 180.0), ncols=2)
     return axes
 
 
@@ -105,7 +88,6 @@ def plot_largest_angle_error(to_deg: float = 45.0, *, ax: Axes | None = None) ->
 
     Args:
         to_deg: largest bend in degrees.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a bend outside [0, 90°).
@@ -139,10 +121,10 @@ def _over_bend(field: str, label: str, to_deg: float, ax: Axes | None) -> Axes:
     to_deg = one_number("to_deg", to_deg)
     lines = _joints(to_deg)
     values = getattr(lines.equivalent(), field)
-    with drawing(ax, height_mm=45.0) as axes:
+    with style.drawing(ax, height_mm=45.0) as axes:
         in_unit = np.degrees(values) if field == "max_angle_error" else values
-        axes.plot(np.degrees(lines.bends[:, 0]), in_unit, **LINES[0])
-        finish(axes, "bend [deg]", label, (0.0, to_deg), (0.0, None))
+        axes.plot(np.degrees(lines.bends[:, 0]), in_unit, **style.LINES[0])
+        style.finish(axes, "bend [deg]", label, (0.0, to_deg), (0.0, None))
     return axes
 
 
@@ -154,10 +136,12 @@ def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes
     bend_deg = one_number("bend_deg", bend_deg)
     line = Driveline.from_bends([bend_deg], degrees=True)
     torque = line.evaluate(TURN, "torque", load=Load(drive_torque=1.0)).torque
-    with drawing(ax, height_mm=45.0) as axes:
-        axes.plot(np.degrees(TURN), torque, label=f"bend {number(bend_deg)}°", **LINES[0])
+    with style.drawing(ax, height_mm=45.0) as axes:
+        axes.plot(
+            np.degrees(TURN), torque, label=f"bend {style.number(bend_deg)}°", **style.LINES[0]
+        )
         x = r"drive angle $\alpha_1$ [deg]"
-        finish(axes, x, "torque $D_2/D_1$", (0.0, 360.0), (0.0, None))
+        style.finish(axes, x, "torque $D_2/D_1$", (0.0, 360.0), (0.0, None))
     return axes
 
 
@@ -179,14 +163,16 @@ def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> A
     found = line.evaluate(
         TURN, ("angle", "bending_driving", "bending_driven"), joints=0, load=Load(drive_torque=1.0)
     )
-    with drawing(ax, "polar", height_mm=78.0) as axes:
+    with style.drawing(ax, "polar", height_mm=78.0) as axes:
         polar: Any = axes
         driving, driven = (rf"$B_{i}/D_1$ over $\alpha_{i}$" for i in (1, 2))
-        axes.plot(np.asarray(TURN), found.bending_driving, label=f"driving {driving}", **LINES[0])
-        axes.plot(found.angle, found.bending_driven, label=f"driven {driven}", **LINES[1])
-        value_ticks(axes.yaxis, 4)
+        axes.plot(
+            np.asarray(TURN), found.bending_driving, label=f"driving {driving}", **style.LINES[0]
+        )
+        axes.plot(found.angle, found.bending_driven, label=f"driven {driven}", **style.LINES[1])
+        style.value_ticks(axes.yaxis, 4)
         polar.set_rlabel_position(0.0)
-        legend_above(axes, loc="lower center", bbox_to_anchor=(0.5, 1.12), ncols=2)
+        style.legend_above(axes, loc="lower center", bbox_to_anchor=(0.5, 1.12), ncols=2)
     return axes
 
 
@@ -207,7 +193,6 @@ def plot_small_angle(
     Args:
         component: his ``Mt``, ``Mx`` or ``Mz``.
         bend_deg: bend in degrees; his own example has 8.5.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: an unknown component, a bend outside [0, 90°).
@@ -216,9 +201,9 @@ def plot_small_angle(
     bend_deg = one_number("bend_deg", bend_deg)
     exact, small = _moments(component, bend_deg)
     curves = [(f"exact, bend {bend_deg:g}°", exact), ("for small bends", small)]
-    with drawing(ax, height_mm=45.0) as axes:
+    with style.drawing(ax, height_mm=45.0) as axes:
         panel.draw(axes, np.degrees(panel.TURN), curves)
-        finish(axes, "drive angle [deg]", rf"${_SYMBOLS[component]}\,/\,Θω^2$")
+        style.finish(axes, "drive angle [deg]", rf"${_SYMBOLS[component]}\,/\,Θω^2$")
     return axes
 
 
@@ -235,9 +220,6 @@ def _moments(component: str, bend_deg: float) -> tuple[FloatArray, FloatArray]:
 
 # --- vectors: bends at both ends of a shaft, and the path of a joint's moment ---------------------
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None) -> Axes:
     """Draw the bends at both ends of a shaft as vectors, the catalogues' Bild 18.
@@ -251,13 +233,12 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
     Args:
         line: one driveline.
         shaft: a shaft between two bent joints.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         IndexError: a shaft that does not exist.
         ValueError: a batch, a shaft at an end of the driveline or beside a straight joint.
     """
-    check_single(line)
+    style.check_single(line)
     item = item_index("shaft", shaft, line.n_joints + 1)
     if not 0 < item < line.n_joints:
         raise ArgumentValueError("shaft", f"is {shaft}; it must lie between two joints")
@@ -275,20 +256,24 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
     sweep = np.degrees(turn.angle) * (1.0 if turn.sense == "counter-clockwise" else -1.0)
     last = np.radians(first + sweep)
     radius = 0.6 * float(np.degrees(np.min(bends)))
-    with drawing(ax, height_mm=78.0) as axes:
+    with style.drawing(ax, height_mm=78.0) as axes:
         for i, (end, bend) in enumerate(zip(ends, np.degrees(bends), strict=True)):
             label = f"joint {item - 1 + i}: {number_text(bend, 'deg')}°"
-            axes.plot(*zip((0.0, 0.0), end, strict=True), label=label, **LINES[i])
-            axes.plot(*end, marker=MARKERS[i], color=LINES[i]["color"])
-        ring = {"markerfacecolor": "none", "markeredgecolor": THIN["color"], "markersize": 5.0}
+            axes.plot(*zip((0.0, 0.0), end, strict=True), label=label, **style.LINES[i])
+            axes.plot(*end, marker=style.MARKERS[i], color=style.LINES[i]["color"])
+        ring = {
+            "markerfacecolor": "none",
+            "markeredgecolor": style.THIN["color"],
+            "markersize": 5.0,
+        }
         axes.plot(*as_drawn.T, "o", label="by the drawing", **ring)
         reach = 1.25 * radius * np.array([np.cos(last), np.sin(last)])
-        axes.plot(*zip((0.0, 0.0), reach, strict=True), **THIN)
+        axes.plot(*zip((0.0, 0.0), reach, strict=True), **style.THIN)
         curve = np.radians(first + np.linspace(0.0, sweep, 61))
         arc = radius * np.stack([np.cos(curve), np.sin(curve)])
-        axes.plot(*arc, **THIN)
+        axes.plot(*arc, **style.THIN)
         if turn.angle > 0.0:
-            head = {"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **THIN}
+            head = {"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **style.THIN}
             axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=head)
         axes.annotate(
             f"{number_text(float(np.degrees(turn.angle)), 'twist')}°",
@@ -299,7 +284,7 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
             va="center",
         )
         axes.set_aspect("equal", adjustable="datalim")
-        finish(axes, "bend to the right [deg]", "bend upwards [deg]")
+        style.finish(axes, "bend to the right [deg]", "bend upwards [deg]")
     return axes
 
 
@@ -310,10 +295,6 @@ def _view(along: FloatArray) -> FloatArray:
     up = up if np.linalg.norm(up) > 1e-6 else np.array([1.0, 0.0, 0.0]) - along[0] * along
     up /= np.linalg.norm(up)
     return np.stack([np.cross(along, up), up])
-
-
-_PER_DEGREE = 2
-_MARKS = np.arange(0, 180, 30) * _PER_DEGREE
 
 
 def plot_hodograph(
@@ -330,34 +311,33 @@ def plot_hodograph(
         line: one driveline.
         joint: index of the joint.
         load: the load; by default 1 N m of drive torque, and the axes are per unit of it.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         IndexError: a joint that does not exist.
         ValueError: a batch, a load that does not fit.
     """
-    check_single(line)
+    style.check_single(line)
     item = item_index("joint", joint, line.n_joints)
     # A second time round would fill the gaps of the dashes.
-    per_turn = 360 * _PER_DEGREE
-    angle_deg = np.arange(round(period_of(line) / math.tau * per_turn) + 1) / _PER_DEGREE
+    angle_deg, period = panel.period(line)
     given = Load(drive_torque=1.0) if load is None else load
-    period = Sweep.revolutions(len(angle_deg) / per_turn, per_turn)
     moment = line.evaluate(period, "moment", joints=item, load=given).moment
     normal = line.normals[item]
-    with drawing(ax, height_mm=60.0) as axes:
+    with style.drawing(ax, height_mm=60.0) as axes:
         for i, side in enumerate(("driving", "driven")):
             across = np.cross(normal, line.directions[item + i])
             x, y = moment @ across, moment @ normal
-            axes.plot(x, y, label=f"{side} shaft {item + i}", **LINES[i])
-            axes.plot(x[_MARKS], y[_MARKS], MARKERS[i], color=LINES[i]["color"])
+            axes.plot(x, y, label=f"{side} shaft {item + i}", **style.LINES[i])
+            axes.plot(
+                x[panel.MARKS], y[panel.MARKS], style.MARKERS[i], color=style.LINES[i]["color"]
+            )
             middle = np.array([np.ptp(x) / 2.0 + np.min(x), np.ptp(y) / 2.0 + np.min(y)])
-            for mark in _MARKS:
+            for mark in panel.MARKS:
                 inwards = middle - (x[mark], y[mark])
                 inwards /= max(float(np.linalg.norm(inwards)), 1e-300)
                 point = np.array([x[mark], y[mark]])
-                write_angle(axes, angle_deg[mark], point, np.array([13.0, 10.5]) * inwards)
+                style.write_angle(axes, angle_deg[mark], point, np.array([13.0, 10.5]) * inwards)
         unit = " / drive torque" if load is None else " [N m]"
         axes.set_aspect("equal", adjustable="datalim")
-        finish(axes, f"moment in the bend plane{unit}", f"moment across it{unit}")
+        style.finish(axes, f"moment in the bend plane{unit}", f"moment across it{unit}")
     return axes

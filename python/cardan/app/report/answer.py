@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.drive_speed.figures import heading, sentences
+from cardan.app.answers.drive_speed import heading, sentences
 from cardan.app.answers.forces.figures import largest_text
 from cardan.app.answers.forces.figures import sentences as missing_forces
-from cardan.app.answers.limits.figures import motion_of
-from cardan.app.answers.limits.text import verdict_text
+from cardan.app.answers.limits import motion_of, verdict_text
 from cardan.app.answers.page import CLASSES, judged_lines
 from cardan.app.answers.printed import angle_text, quantity, range_ends
 from cardan.app.answers.rows import worst_of
 from cardan.app.answers.table import PARTS
-from cardan.app.answers.tolerances.text import sentences as tolerance_sentences
+from cardan.app.answers.tolerances.figures import sentences as tolerance_sentences
 from cardan.app.answers.yokes.figures import YokeFigures, advice, limit_of
 from cardan.app.answers.yokes.text import (
     BEST_OF_STATES,

@@ -15,7 +15,7 @@ import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
 from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
-from cardan.app.answers.moves.figures import held_in, search
+from cardan.app.answers.moves import held_in, search
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS
@@ -122,7 +122,11 @@ def live(answer: Answer) -> dict[str, Any] | None:
             {
                 "name": each.name,
                 "verdict": each.value.verdict,
-                "words": _in_units(_with_source, each.value, each.entry.row),
+                "words": _in_units(
+                    lambda value, row: f"{judged_text(value, row)} ({value.source})",
+                    each.value,
+                    each.entry.row,
+                ),
             }
             for each in judged.values()
             if each.value.limit is not None
@@ -185,8 +189,7 @@ def _kind(name: str, scene: Scene) -> dict[str, Any]:
     row = _row(name, scene)
     return {
         "label": row.label,
-        "factor": UNITS[row.unit].factor,
-        **_shown(row.unit, row.digits),
+        **_scaled(row.unit, row.digits),
         "meaning": row.meaning,
         "source": row.source,
         "path": _place(name, scene),
@@ -229,9 +232,9 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
         "is_loaded": case.is_loaded and changeable["torque"] is not None,
         "springs": list(case.springs),
         "shear_modulus": shear.tolist(),
-        "frequency": {"factor": UNITS["Hz"].factor, **_shown("Hz")},
-        "speed": {"factor": UNITS["rpm"].factor, **_shown("rpm")},
-        "away": {"factor": UNITS["percent"].factor, **_shown("percent")},
+        "frequency": _scaled("Hz"),
+        "speed": _scaled("rpm"),
+        "away": _scaled("percent"),
     }
 
 
@@ -261,15 +264,10 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
         "orders": list(ORDERS),
         "known": [[loss >= KNOWN for loss in each.loss] for each in found.vibration.groups],
         "range": [float(case.speed[0]), float(case.speed[-1])],
-        **{
-            name: {"factor": UNITS[unit].factor, **_shown(unit, digits)}
-            for name, unit, digits in (
-                ("frequency", "Hz", ""),
-                ("speed", "rpm", ""),
-                ("force", "N", ""),
-                ("moved", "mm", "small"),
-            )
-        },
+        "frequency": _scaled("Hz"),
+        "speed": _scaled("rpm"),
+        "force": _scaled("N"),
+        "moved": _scaled("mm", "small"),
     }
 
 
@@ -323,16 +321,15 @@ def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
     shafts = range(scene.line.n_joints + 1)
     here, asked = _state_of_rows(scene), scene.shafts or shafts[-1:]
 
+    def item(per: str, number: int, shaft: int, paths: list[str]) -> dict[str, Any]:
+        return {"number": number, "name": f"{per} {number}", "shaft": shaft, "paths": paths}
+
     def rows(quantity: str, ending: str) -> list[dict[str, Any]]:
         items = []
         for shaft in shafts:
             path = f"run:rows[quantity={quantity},shaft={shaft},statistic=peak].value{ending}"
-            paths = [
-                path if shaft in asked and i == here else "derived:" for i in range(len(names))
-            ]
-            items.append(
-                {"number": shaft, "name": f"shaft {shaft}", "shaft": shaft, "paths": paths}
-            )
+            own = [path if shaft in asked and i == here else "derived:" for i in range(len(names))]
+            items.append(item("shaft", shaft, shaft, own))
         return items
 
     runs = any(data["speed"])
@@ -357,9 +354,7 @@ def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
             path = f"run:forces.bearings[bearing={bearing}].largest"
             each = [f".states[state={name}]" if scene.states else "" for name in names]
             paths = [f"{path}{in_state}.value_N" for in_state in each]
-            items.append(
-                {"number": bearing, "name": f"bearing {bearing}", "shaft": shaft, "paths": paths}
-            )
+            items.append(item("bearing", bearing, shaft, paths))
         yield {"output": "bearing_force", "heading": "Bearing force", "items": items} | _shown("N")
 
 
@@ -373,15 +368,16 @@ def _shown(unit: str, digits: str = "") -> dict[str, Any]:
     return found
 
 
+def _scaled(unit: str, digits: str = "") -> dict[str, Any]:
+    """A unit with its digits, and how many of it are one inside."""
+    return {"factor": UNITS[unit].factor, **_shown(unit, digits)}
+
+
 def _shims(answer: Answer) -> list[str]:
     """What a workshop can do, which no move in a drawing is, and how certain the verdict is."""
     parts = [PARTS[name].sentences(answer[name]) for name in ("moves", "readings")]
     found = [sentence for sentences in parts for sentence in sentences]
     return [*found, "Of the scene as sent. Enter new readings to see what a shim does."]
-
-
-def _with_source(value: Judged, row: Row) -> str:
-    return f"{judged_text(value, row)} ({value.source})"
 
 
 def _in_units(text: Callable[[Judged, Row], str], value: Judged, row: Row) -> dict[str, str]:

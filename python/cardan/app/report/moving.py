@@ -35,7 +35,10 @@ def moving_page(answers: Mapping[str, Answer]) -> str | None:
             script=script(moves=True),
             module=first["module"],
             machines={key: each["data"] for key, each in machines.items()},
-            titles={key: _title(answers[key].scene) for key in machines},
+            titles={
+                key: (scene := answers[key].scene).title or Path(scene.name).name
+                for key in machines
+            },
         )
     )
 
@@ -58,7 +61,3 @@ def framed(answer: Answer) -> str | None:
     # Scripts move the machine, and a download saves what it has become.
     rights = "allow-scripts allow-downloads"
     return f"""<iframe sandbox="{rights}" style="{style}" srcdoc='{own}'></iframe>"""
-
-
-def _title(scene: Scene) -> str:
-    return scene.title or Path(scene.name).name

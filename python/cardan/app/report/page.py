@@ -15,16 +15,14 @@ import numpy as np
 
 from cardan import __version__
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import chart
-from cardan.app.answers.page import judged_table, tables_of
-from cardan.app.answers.states.page import states
-from cardan.app.answers.study.page import study
+from cardan.app.answers.page import chart, judged_table, tables_of
 from cardan.app.answers.yokes.figures import yoke_settings
 from cardan.app.files.whole_file import Progress
 from cardan.app.report import results
 from cardan.app.report.answer import first_answer, verdict_of
 from cardan.app.report.live import live, script
 from cardan.app.report.samples import Samples, evaluated
+from cardan.app.report.study import states, study
 from cardan.app.scene.scene import BallJointScene, Scene
 from cardan.app.scene.study.states import StatesResult
 from cardan.arrays import FloatArray
@@ -113,21 +111,15 @@ def environment() -> Environment:
     )
     made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     made.filters["digest"] = _digest
-    made.filters["minus"] = _true_minus
+    # The numbers of a text have a true minus sign.
+    made.filters["minus"] = lambda text: re.sub(r"(?<!\S)-(?=[\d.])", "\N{MINUS SIGN}", text)
     return made
 
 
 def part(name: str) -> str:
-    """Return a template, a style or a script by its name, with its room if that has it."""
-    room, _, of_part = name.partition("/")
-    folder = f"answers/{room}" if of_part else "report/templates"
-    path = resources.files("cardan.app").joinpath(folder, of_part or name)
+    """Return a template, a style or a script by its name."""
+    path = resources.files("cardan.app").joinpath("report/templates", name)
     return path.read_text(encoding="utf-8")
-
-
-def _true_minus(text: str) -> str:
-    """Write the numbers of a text with a true minus sign."""
-    return re.sub(r"(?<!\S)-(?=[\d.])", "\N{MINUS SIGN}", text)
 
 
 def _digest(text: str) -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Table
+from cardan.app.answers.page import Table
 from cardan.app.answers.printed import in_unit, kind_of, number_text, range_ends, with_unit
 from cardan.app.answers.rounding import alike, is_cancelled
 from cardan.app.answers.rows import UNITS, key_of
@@ -18,7 +19,6 @@ from cardan.app.scene.language.units import RPM, as_shown, shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
 from cardan.arrays import FloatArray
-from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.motion.workshop import VIEW, turn
 
@@ -46,10 +46,9 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     ]
     shafts = {"Shaft": [f"shaft {i}" for i in range(line.n_joints + 1)]}
     if line.n_joints > 1:
-        twists = within_turn(line.twists.reshape(-1, line.n_joints - 1))
         phases = line.phases.reshape(-1, line.n_joints - 1)
         for head, cells in (
-            ("Twist of bend planes [deg]", _each(twists, "twist")),
+            ("Twist of bend planes [deg]", _each(within_turn(line.twists), "twist")),
             ("Phase of yokes [deg]", _each(within_turn(phases), "phase")),
             (f"Output-side yoke, {VIEW}", map(_setting, phases.T)),
         ):
@@ -61,10 +60,10 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
     if has_lengths(line):
         lengths = _factor("mm") * line.lengths().each
-        shafts[with_unit("Length", "mm")] = _by_shaft(line, lengths, shown_unit("mm"))
+        shafts[with_unit("Length", "mm")] = _each(lengths, shown_unit("mm"))
     if load is not None and load.inertias is not None:
         inertias = _factor("kgm2") * load.inertias
-        shafts[with_unit("Inertia", "kgm2")] = _by_shaft(line, inertias, "given")
+        shafts[with_unit("Inertia", "kgm2")] = _each(inertias, "given")
     bearings = [
         (f"bearing {number}", f"{shaft}", _span(_factor("mm") * position, "given"))
         for number, (shaft, position) in enumerate(line.bearings)
@@ -83,12 +82,9 @@ def _factor(unit: str) -> float:
     return UNITS[shown_unit(unit)].factor
 
 
-def _by_shaft(line: Driveline, values: FloatArray, kind: str) -> list[str]:
-    return _each(values.reshape(-1, line.n_joints + 1), kind)
-
-
 def _each(columns: FloatArray, kind: str) -> list[str]:
-    return [_span(column, kind) for column in columns.T]
+    """A figure for each shaft, ``(..., shafts)``."""
+    return [_span(column, kind) for column in columns.reshape(-1, columns.shape[-1]).T]
 
 
 def _drive(scene: Scene, load: Load | None) -> list[tuple[str, str]]:
@@ -165,11 +161,11 @@ def _motion(scene: Scene) -> Table:
             ("Equivalent bend [deg]", _span(np.degrees(joint.bend), "deg")),
             ("Largest angle error [deg]", _span(np.degrees(found.angle_error), "angle_error")),
             ("Non-uniformity U", _span(joint.non_uniformity, "")),
-            ("Speed ratio", _ends(found.slowest, found.fastest, "speed_ratio")),
+            ("Speed ratio", _span([found.slowest, found.fastest], "speed_ratio")),
         ]
         if np.any(speed):
             rpm = speed / RPM
-            cells += [("Speed [rpm]", _ends(found.slowest * rpm, found.fastest * rpm, "rpm"))]
+            cells += [("Speed [rpm]", _span([found.slowest * rpm, found.fastest * rpm], "rpm"))]
         cells += [("Largest acceleration ratio", _span(found.acceleration, ""))]
         if np.any(speed):
             acceleration = found.acceleration * speed * speed
@@ -291,7 +287,7 @@ def _angles(degrees: FloatArray) -> str:
     return f"{' to '.join(ends)} deg"
 
 
-def _span(values: FloatArray | float, kind: str) -> str:
+def _span(values: ArrayLike, kind: str) -> str:
     """A figure, or the least and the largest of several, with the digits of a kind."""
     low, high = float(np.min(values)), float(np.max(values))
     if abs(low) < _NEGLIGIBLE * abs(high):
@@ -299,8 +295,3 @@ def _span(values: FloatArray | float, kind: str) -> str:
     if alike(low, high):
         return number_text(high, kind)
     return " to ".join(range_ends(low, high, "measured" if kind == "given" else kind))
-
-
-def _ends(first: FloatArray, second: FloatArray, kind: str) -> str:
-    """The least and the largest of two."""
-    return _span(np.array([np.min([first, second]), np.max([first, second])]), kind)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cardan.app.answers.charts import Curve, Panel
+from cardan.app.answers.page import Curve, Panel
 from cardan.app.answers.printed import quantity
 from cardan.app.answers.rounding import MAGNITUDES, alike, first_peak, is_cancelled, signed
 from cardan.app.answers.turn.extremes import magnitudes, peak, peaks, shortest_arm, values_of

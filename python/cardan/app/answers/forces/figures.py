@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
@@ -71,15 +72,15 @@ def force_figures(
         for place, (mean, amplitudes) in enumerate(sums):
             largest = peak(line, name, place, load)
             size = float(np.linalg.norm(mean))
-            parts = (_length(amplitudes[:, i]) for i in range(3))
+            parts = (length(amplitudes[:, i]) for i in range(3))
             found.append(
                 ForceFigures(name, per, place, largest.value, largest.places, size, *parts)
             )
     return found
 
 
-def _length(amplitude: np.ndarray) -> float:
-    """The largest length of ``Re(amplitude exp(i t))``: the longer half axis of an ellipse."""
+def length(amplitude: NDArray[np.complex128]) -> float:
+    """Return the largest length of ``Re(amplitude exp(i t))``, of a vector."""
     square = np.sum(np.abs(amplitude) ** 2) + np.abs(np.sum(amplitude**2))
     return math.sqrt(float(square) / 2.0)
 

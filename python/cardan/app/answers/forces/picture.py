@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -10,25 +9,14 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+import cardan.app.answers.turn.panel as panel
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import FORCES, ForceSource, force_source, unknown
 from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rounding import first_peak
 from cardan.app.answers.rows import UNITS
-from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.figures import noise
-from cardan.app.pictures.style import (
-    LINES,
-    THIN,
-    arrow,
-    check_kind,
-    check_single,
-    drawing,
-    finish,
-    page,
-    value_ticks,
-    write_angle,
-)
 from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
@@ -36,14 +24,10 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-PER_DEGREE = 2
-"""Samples of a path per degree of drive angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,16 +52,6 @@ class ForcePath:
     state: str = ""  # over states, the name of the one in which the force is largest
 
     @property
-    def label(self) -> str:
-        """What it is a force of, in words."""
-        return f"{self.per} {self.item}{self.state and f', in {self.state}'}"
-
-    @property
-    def part_of_turn(self) -> str:
-        """Over which part of a turn it goes, in words."""
-        return "a turn" if self.angle_deg[-1] > 180.0 else "half a turn"
-
-    @property
     def largest(self) -> int:
         """Index of the first sample at which the force is largest, except for rounding."""
         return first_peak(np.hypot(self.across, self.upwards))[0]
@@ -93,10 +67,7 @@ def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> Forc
 
     A ``ValueError`` says that the force is not determinate, or that lengths are missing.
     """
-    per_turn = 360 * PER_DEGREE
-    count = round(period_of(line) / math.tau * per_turn) + 1
-    name = f"{per}_force"
-    period = Sweep.revolutions(count / per_turn, per_turn)
+    name, (angle_deg, period) = f"{per}_force", panel.period(line)
     force = line.evaluate(period, name, load=load)[name][item]
     if per == "bearing":
         shaft = line.bearings[item][0]
@@ -107,7 +78,6 @@ def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> Forc
         shaft = item + (driven <= driving)
     along = line.directions[shaft]
     up, across, upwards = _axes_across(along)
-    angle_deg = np.arange(count) / PER_DEGREE
     return ForcePath(per, item, shaft, up, angle_deg, force @ across, force @ upwards)
 
 
@@ -180,7 +150,6 @@ def _largest_paths(scene: Scene, names: Sequence[str]) -> list[ForcePath]:
 
 # --- pictures ------------------------------------------------------------------------------------
 
-_MARKS = np.arange(0, 180, 30) * PER_DEGREE
 _COLUMNS, _PANEL = 3, (56.0, 58.0)  # mm
 # A path that is smaller than this share of its distance from 0 has no room for drive angles.
 _SMALL = 0.15
@@ -209,18 +178,17 @@ def plot_force_hodograph(
         per: ``"joint"`` or ``"bearing"``.
         item: index of the joint or bearing.
         load: a constant load.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         IndexError: a joint or bearing that does not exist.
         ValueError: a batch, forces that are not determinate, lengths that are missing.
     """
-    check_single(line)
+    style.check_single(line)
     if per not in ("joint", "bearing"):
         raise ArgumentValueError("per", f"is {per!r}; it must be 'joint' or 'bearing'")
     count = line.n_joints if per == "joint" else line.n_bearings
     path = force_path(line, per, item_index("item", item, count), load)
-    with drawing(ax, height_mm=76.0) as axes:
+    with style.drawing(ax, height_mm=76.0) as axes:
         draw_path(axes, path)
     return axes
 
@@ -232,15 +200,15 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
         paths: what to draw.
         title: heading.
     """
-    check_kind("paths", paths, list, tuple)
+    style.check_kind("paths", paths, list, tuple)
     if not paths:
         raise ArgumentValueError("paths", "is empty; there must be at least one")
     for path in paths:
-        check_kind("paths", path, ForcePath)
+        style.check_kind("paths", path, ForcePath)
     columns = min(_COLUMNS, len(paths))
     rows = -(-len(paths) // columns)
     width, height = _PANEL
-    with page(columns * width, rows * height + 6.0, title, 30 * columns) as figure:
+    with style.page(columns * width, rows * height + 6.0, title, 30 * columns) as figure:
         for number, path in enumerate(paths, 1):
             draw_path(figure.add_subplot(rows, columns, number), path)
     return figure
@@ -252,24 +220,23 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"forces": _whole}
-"""The pictures of the part by name."""
 
 
 def draw_path(axes: Axes, path: ForcePath) -> None:
     """Draw one path, with the vector of the largest force from 0."""
     factor = UNITS[shown_unit("N")].factor
     x, y = factor * path.across, factor * path.upwards
-    style = LINES[0]
-    axes.axhline(0.0, zorder=1.0, **THIN)
-    axes.axvline(0.0, zorder=1.0, **THIN)
-    axes.plot(x, y, **style)
+    curve = style.LINES[0]
+    axes.axhline(0.0, zorder=1.0, **style.THIN)
+    axes.axvline(0.0, zorder=1.0, **style.THIN)
+    axes.plot(x, y, **curve)
     size = factor * path.size
     if size > 0.0:
         head = "-|>,head_width=0.18,head_length=0.4"
-        arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
+        style.arrow(axes, (0.0, 0.0), (x[path.largest], y[path.largest]), head, "0.1", 0.9)
     span = max(float(np.ptp(x)), float(np.ptp(y)))
     if span > _SMALL * size:
-        axes.plot(x[_MARKS], y[_MARKS], "o", color=style["color"])
+        axes.plot(x[panel.MARKS], y[panel.MARKS], "o", color=curve["color"])
         _name_angles(axes, path, np.stack([x, y], axis=-1))
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
@@ -278,9 +245,9 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
         with_unit(label, "N")
         for label in ("force to the right", f"force upwards, towards {path.up}")
     )
-    finish(axes, across, upwards)
-    value_ticks(axes.xaxis, 4)
-    value_ticks(axes.yaxis, 4)
+    style.finish(axes, across, upwards)
+    style.value_ticks(axes.xaxis, 4)
+    style.value_ticks(axes.yaxis, 4)
     heading = f"{path.per.capitalize()} {path.item}, up to {quantity(path.size, 'N')}"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
     text = f"{heading}\n{state}seen along shaft {path.shaft}"
@@ -290,9 +257,9 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
 def _name_angles(axes: Axes, path: ForcePath, points: FloatArray) -> None:
     """Write drive angles outside the path, beside their marks."""
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2.0
-    for mark in _MARKS:
+    for mark in panel.MARKS:
         outwards = points[mark] - middle
         outwards /= max(float(np.linalg.norm(outwards)), 1e-300)
         # Above the horizontal axis and the arrow, beside the vertical one.
         aside = np.where(np.abs(outwards) < _ON_AXIS, _ASIDE, 0.0)
-        write_angle(axes, path.angle_deg[mark], points[mark], _AWAY * outwards + aside)
+        style.write_angle(axes, path.angle_deg[mark], points[mark], _AWAY * outwards + aside)

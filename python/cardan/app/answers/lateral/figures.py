@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.forces.figures import unknown
+from cardan.app.answers.forces.figures import length
+from cardan.app.answers.forces.figures import unknown as forces_unknown
 from cardan.app.answers.lateral.remedy import Remedy, remedies
 from cardan.app.answers.lateral.vibration import (
     ALL,
     Met,
     Vibration,
-    length,
 )
 from cardan.app.answers.over import limit_of, over
 from cardan.app.answers.printed import listed, quantity
@@ -30,6 +30,7 @@ from cardan.app.answers.rows import (
     parts,
     word,
 )
+from cardan.app.answers.torsion.figures import SpeedRange
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 
@@ -40,14 +41,6 @@ _MOVES = 0.3
 _HELD = 0.3
 # Couples below this share of the largest are what a drawing does not tell.
 _DRAWN = 1e-5
-
-
-@dataclass(frozen=True)
-class SpeedRange:
-    """A range of drive speeds."""
-
-    start: float = figure("from", "rpm")
-    stop: float = figure("to", "rpm")
 
 
 @dataclass(frozen=True)
@@ -236,30 +229,17 @@ def find(answer: Answer) -> LateralFigures | None:
     if case is None:
         return None
     each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
-    why = unknown(scene)
+    why = forces_unknown(scene)
     found = [Vibration(case, one.line, None if why else one.load_case) for one in each]
     worst = 0 if why else int(np.argmax([_size(one) for one in found]))
     one = found[worst]
     state = scene.states.names[worst] if scene.states and len(found) > 1 else ""
     couples = () if why else tuple(_couples(one))
     if case.rigid_bearings:
-        return LateralFigures(
-            vibration=one,
-            state=state,
-            why=why,
-            margin=None,
-            torque_margin=None,
-            speed_range=None,
-            sliding="",
-            couples=couples,
-            statics=tuple(_statics(one)),
-            modes=(),
-            resonances=(),
-            bearings=(),
-            middles=(),
-            remedies=(),
-            response=None,
-        )
+        unknown: Any = dict.fromkeys(("margin", "torque_margin", "speed_range", "response"))
+        none: Any = dict.fromkeys(("modes", "resonances", "bearings", "middles", "remedies"), ())
+        own: Any = {"couples": couples, "statics": tuple(_statics(one)), "sliding": ""}
+        return LateralFigures(vibration=one, state=state, why=why, **own, **unknown, **none)
     shapes = _shapes(one)
     low, high = float(case.speed[0]), float(case.speed[-1])
     return LateralFigures(
@@ -364,19 +344,12 @@ def _resonance(found: Vibration, met: Met) -> Resonance:
     has_size = met.order > 1 or bool(found.case.unbalance)
     if found.load is not None and inside and excited and met.is_known and has_size:
         peak = found.peak(met)
-    number = None if peak is None else found.case.elastic[peak[0]]
+    bearing, speed, force, moved = peak or (None, None, None, None)
     return Resonance(
-        met.order,
-        met.group.number,
-        met.speed,
-        inside,
-        excited,
-        peak and peak[2],
-        peak and peak[1],
-        number,
-        peak and peak[3],
+        *(met.order, met.group.number, met.speed, inside, excited, force, speed),
+        *(None if bearing is None else found.case.elastic[bearing], moved),
         *met.band,
-        met.is_known,
+        known=met.is_known,
     )
 
 
@@ -431,7 +404,9 @@ def _bearings(
         static = worst.statics
         size = None if static is None else length(static[number])
         if worst.load is None:
-            force, moved = (Judged(None, why=unknown(scene), **limit) for limit in limits.values())
+            force, moved = (
+                Judged(None, why=forces_unknown(scene), **limit) for limit in limits.values()
+            )
             yield BearingVibration(number, shaft, None, force, None, None, None, None, None, moved)
             continue
         force, moved = (

@@ -8,23 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, chart, some
 from cardan.app.answers.lateral.figures import BearingResponse, LateralFigures
 from cardan.app.answers.lateral.vibration import Group
-from cardan.app.answers.page import CLASSES
+from cardan.app.answers.page import CLASSES, Curve, Panel, chart, some
 from cardan.app.answers.printed import listed, quantity, with_unit
 from cardan.app.answers.rows import UNITS, worst_of
-from cardan.app.pictures.style import (
-    LINES,
-    THIN,
-    WIDTH,
-    finish,
-    legend_above,
-    number,
-    page,
-    stacked,
-)
 from cardan.app.scene.language.units import RPM, shown_unit
 from cardan.arrays import FloatArray
 
@@ -35,7 +25,7 @@ if TYPE_CHECKING:
 _SPEED = "drive speed [rpm]"
 _PANEL, _SHAPE, _MAP = 50.0, 34.0, 62.0  # mm
 _UNKNOWN = "0.55"
-_RESONANCE: Mapping[str, Any] = {**THIN, "linestyle": (0, (4, 1.5))}
+_RESONANCE: Mapping[str, Any] = {**style.THIN, "linestyle": (0, (4, 1.5))}
 _DRAWN = 600  # speeds of a chart of the page
 # Places along each shaft of a shape, and shapes of a picture.
 _PLACES, _MOST = 25, 3
@@ -100,15 +90,15 @@ def _force(answer: Answer) -> Figure:
         (_PANEL, lambda axes, own=own: _draw_force(axes, found, own))
         for own in found.response.bearings
     ]
-    return stacked(panels, answer.of.title)
+    return style.stacked(panels, answer.of.title)
 
 
 def _draw_force(axes: Axes, found: LateralFigures, own: BearingResponse) -> None:
     """Draw the force of one bearing; resonances have their order at the top."""
     assert found.response
     factor, rpm = UNITS[shown_unit("N")].factor, found.response.speed / RPM
-    for style, (label, values) in zip(LINES, _curves(found, own), strict=False):
-        axes.plot(rpm, factor * values, label=label, **style)
+    for line, (label, values) in zip(style.LINES, _curves(found, own), strict=False):
+        axes.plot(rpm, factor * values, label=label, **line)
     one = found.vibration
     for i, met in enumerate(one.bands):
         low, high = (np.clip(end / RPM, rpm[0], rpm[-1]) for end in met.band)
@@ -129,7 +119,7 @@ def _draw_force(axes: Axes, found: LateralFigures, own: BearingResponse) -> None
                 va="top",
             )
     force = with_unit(f"force of bearing {own.bearing}", "N")
-    finish(axes, _SPEED, force, (rpm[0], rpm[-1]), (0.0, top), ncols=5, handlelength=1.4)
+    style.finish(axes, _SPEED, force, (rpm[0], rpm[-1]), (0.0, top), ncols=5, handlelength=1.4)
     axes.set_axisbelow(True)
 
 
@@ -141,7 +131,7 @@ def _shapes(answer: Answer) -> Figure:
     groups = [group for group in one.groups if group.number in met][:_MOST]
     if not groups:
         raise ValueError(f"{answer.of.name}: no resonance is near the speeds of [lateral]")
-    with page(WIDTH, _SHAPE * len(groups) + 6.0, answer.of.title) as figure:
+    with style.page(style.WIDTH, _SHAPE * len(groups) + 6.0, answer.of.title) as figure:
         panels = figure.subplots(len(groups), squeeze=False, sharex=True)[:, 0]
         for axes, group in zip(panels, groups, strict=True):
             _draw_shape(axes, found, group)
@@ -161,9 +151,9 @@ def _draw_shape(axes: Axes, found: LateralFigures, group: Group) -> None:
     moved = modes.displacement[:, group.number]
     direction = moved[np.argmax(np.linalg.norm(moved, axis=-1))]
     shape = np.split(moved @ direction / np.linalg.norm(direction), len(moving))
-    axes.plot(factor * ends[[0, -1]], [0.0, 0.0], **THIN)
+    axes.plot(factor * ends[[0, -1]], [0.0, 0.0], **style.THIN)
     for shaft, own in zip(moving, shape, strict=True):
-        axes.plot(factor * (ends[shaft] + along[shaft]), own, **LINES[0])
+        axes.plot(factor * (ends[shaft] + along[shaft]), own, **style.LINES[0])
     for i, (shaft, position) in enumerate(one.line.bearings):
         if one.case.supports[i]:
             at = float(position)
@@ -184,7 +174,7 @@ def _draw_shape(axes: Axes, found: LateralFigures, group: Group) -> None:
         if each.group.number == group.number and each.order in one.excited
     ]
     text = f"{quantity(group.frequency, 'Hz')}: {listed(orders)}"
-    finish(axes, with_unit("along the driveline", "mm"), "moves by", None, (-1.2, 1.2))
+    style.finish(axes, with_unit("along the driveline", "mm"), "moves by", None, (-1.2, 1.2))
     axes.set_yticks([-1.0, 0.0, 1.0])
     axes.set_title(text, loc="left")
     if legend := axes.get_legend():
@@ -194,7 +184,7 @@ def _draw_shape(axes: Axes, found: LateralFigures, group: Group) -> None:
 def _stiffness(answer: Answer) -> Figure:
     """Force of order 2 over stiffness of a bearing and speed."""
     found = _needed(answer)
-    return stacked([(_MAP, lambda axes: _draw_map(axes, found))], answer.of.title)
+    return style.stacked([(_MAP, lambda axes: _draw_map(axes, found))], answer.of.title)
 
 
 def _draw_map(axes: Axes, found: LateralFigures) -> None:
@@ -228,16 +218,16 @@ def _draw_map(axes: Axes, found: LateralFigures) -> None:
     lines = axes.contour(
         speed / RPM, stiffness, force, levels=levels[:-1], colors="0.15", linewidths=0.5
     )
-    axes.clabel(lines, fmt=number, fontsize="small")
+    axes.clabel(lines, fmt=style.number, fontsize="small")
     axes.axhline(UNITS[unit].factor * own, label="of the scene", **_RESONANCE)
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(FixedLocator(stiffness[:: _STIFFNESSES // 4].tolist()))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda tick, _: number(tick)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda tick, _: style.number(tick)))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_xlabel(_SPEED)
     axes.set_ylabel(with_unit(f"stiffness of bearing {bearing}", "N_per_mm"))
     axes.set_title(with_unit("order 2 of its force", "N"), loc="left")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _round(value: float) -> float:
@@ -247,4 +237,3 @@ def _round(value: float) -> float:
 
 
 PICTURES = {"lateral": _force, "shapes": _shapes, "stiffness": _stiffness}
-"""The pictures of the part by name."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan.app.answers.lateral.vibration import Complex, Met, Vibration, length
+from cardan.app.answers.forces.figures import length
+from cardan.app.answers.lateral.vibration import Complex, Met, Vibration
 from cardan.app.answers.printed import listed, quantity
 from cardan.app.answers.rows import count, figure, item
 from cardan.arrays import FloatArray
@@ -57,7 +58,7 @@ class Remedy:
     moved: float | None = figure(
         "displacement", "mm", "of the shaft in the bearing there", digits="small", is_detail=True
     )
-    left: float | None = figure(
+    left: float = figure(
         "left", "percent", "share of the largest force without the change, of bearings and states"
     )
     elsewhere: float | None = figure(
@@ -95,29 +96,38 @@ def remedies(
     most = max(float(np.max(peak.forces)) for peak in before)
     if not most:
         return
-    others = _elsewhere(every, met)
-    number = one.case.elastic[bearing]
+    others, number = _elsewhere(every, met), one.case.elastic[bearing]
     tried: list[tuple[str, float, _Change]] = [
-        (words, 1.0, change) for words, change in _layouts(one, before[place], number)
+        *((words, 1.0, change) for words, change in _layouts(one, before[place], number)),
+        *(("half the stiffness", 0.5, _same), ("twice the stiffness", 2.0, _same)),
     ]
-    tried += [("half the stiffness", 0.5, _same), ("twice the stiffness", 2.0, _same)]
     for words, stiffer, change in tried:
+        is_layout = stiffer == 1.0
         after = [
             Vibration(each.case.stiffened(number, stiffer), change(each.line), each.load)
-            for each in (every if stiffer == 1.0 else [one])
+            for each in (every if is_layout else [one])
         ]
-        speed = met.speed if stiffer == 1.0 else _own(after[0], bearing)
+        speed = met.speed if is_layout else _own(after[0], bearing)
         peaks = [_peak(each, speed) for each in after]
         worst = int(np.argmax([np.max(peak.forces) for peak in peaks]))
-        found = _remedy(words, stiffer, after[worst], peaks[worst], most)
-        bend = max(float(each.line.equivalent().bend) for each in after)
-        found = replace(found, bend=bend, bearing=number if stiffer != 1.0 else found.bearing)
-        if others and stiffer == 1.0:
-            found = replace(found, elsewhere=_elsewhere(after, met) / others)
-        if not met.is_known:
-            found = replace(found, peak=None, moved=None)
-        if stiffer != 1.0 or (found.left is not None and found.left <= _HELPS):
-            yield found
+        statics, peak = after[worst].statics, peaks[worst]
+        own = int(np.argmax(peak.forces))
+        bears, left = one.case.elastic[own], float(peak.forces[own]) / most
+        if is_layout and left > _HELPS:
+            continue
+        is_some = left >= _ROUNDING
+        yield Remedy(
+            words,
+            bears if is_layout else number,
+            stiffer,
+            None if statics is None else length(statics[bears]),
+            peak.speed,
+            is_some * float(peak.forces[own]) if met.is_known else None,
+            is_some * float(peak.moved[own]) if met.is_known else None,
+            is_some * left,
+            _elsewhere(after, met) / others if others and is_layout else None,
+            max(float(each.line.equivalent().bend) for each in after),
+        )
 
 
 def _same(line: Driveline) -> Driveline:
@@ -133,14 +143,14 @@ class _Peak(NamedTuple):
 
 
 def _peak(found: Vibration, wanted: float) -> _Peak:
-    """Return order 2 in the resonance next to a speed."""
+    """Order 2 in the resonance next to a speed."""
     frequencies = _resonances(found)
     nearest = np.argmin(np.abs(np.log(frequencies / wanted)))
     return _at(found, frequencies[nearest : nearest + 1])
 
 
 def _own(found: Vibration, bearing: int) -> float:
-    """Return where order 2 is largest, at equal damping, of the shapes that a bearing holds."""
+    """Where order 2 is largest, at equal damping, of the shapes that a bearing holds."""
     met = [each for each in found.met if each.order == _ORDER]
     shares = np.array([each.group.shares[bearing] for each in met])
     speeds = np.array([each.speed for each in met])[shares >= _HELD * np.max(shares)]
@@ -148,7 +158,7 @@ def _own(found: Vibration, bearing: int) -> float:
 
 
 def _at(found: Vibration, frequencies: FloatArray) -> _Peak:
-    """Return order 2 where it is largest around natural frequencies over its order."""
+    """Order 2 where it is largest around natural frequencies over its order."""
     assert found.load
     speed = np.unique(np.multiply.outer(frequencies, _AROUND))
     response = found.system.response(speed, found.load, orders=(_ORDER,))
@@ -159,7 +169,7 @@ def _at(found: Vibration, frequencies: FloatArray) -> _Peak:
 
 
 def _elsewhere(every: Sequence[Vibration], met: Met) -> float:
-    """Return the largest force of order 2 in all other resonances, at one damping for all."""
+    """The largest force of order 2 in all other resonances, at one damping for all."""
     found = [0.0]
     for each in every:
         frequencies = _resonances(each)
@@ -171,30 +181,9 @@ def _elsewhere(every: Sequence[Vibration], met: Met) -> float:
 
 
 def _resonances(found: Vibration) -> FloatArray:
-    """Return the drive speeds at which order 2 meets natural frequencies."""
+    """The drive speeds at which order 2 meets natural frequencies."""
     frequencies = found.system.natural_frequencies(_MODES) / _ORDER
     return np.asarray(frequencies[frequencies <= _TOP * found.case.speed[-1]])
-
-
-def _remedy(change: str, stiffer: float, found: Vibration, peak: _Peak, before: float) -> Remedy:
-    """Return what order 2 does after a change at the bearing that then bears most of it."""
-    own = int(np.argmax(peak.forces))
-    number = found.case.elastic[own]
-    static = found.statics
-    left = float(peak.forces[own]) / before
-    is_none = left < _ROUNDING
-    return Remedy(
-        change,
-        number,
-        stiffer,
-        None if static is None else length(static[number]),
-        peak.speed,
-        0.0 if is_none else float(peak.forces[own]),
-        0.0 if is_none else float(peak.moved[own]),
-        0.0 if is_none else left,
-        None,
-        0.0,
-    )
 
 
 class _Move(NamedTuple):
@@ -254,68 +243,57 @@ def _layouts(found: Vibration, peak: _Peak, number: int) -> Iterator[tuple[str, 
 
     moves = list(_moves(line))
     for move in moves:
-        by = _least(line, [move], force)
-        for share in (1.0, 0.5):
-            if by is not None:
-                own = share * float(by[0])
-                yield move.words(line, own), partial(move.made, by=own)
+        if (by := _least(line, [move], force)) is not None:
+            for own in (by, 0.5 * by):
+                yield move.words(line, own[0]), partial(_moved, moves=[move], by=own)
     yield _nearer(line, number)
-    turned: list[tuple[str, _Change]] = [("", _same)]
+    turned: list[tuple[str, int | None]] = [("", None)]
     for shaft in range(1, line.n_joints):
         words = f"yokes of shaft {shaft} turned by {quantity(0.5 * math.pi, 'deg', digits='given')}"
-        turned.append((words, partial(_turned, shaft=shaft)))
-        yield turned[-1]
+        turned.append((words, shaft))
+        yield words, partial(_moved, moves=(), by=np.empty(0), turned=shaft)
     best: tuple[float, str, _Change] | None = None
     for words, turn in turned:
-        base = turn(line)
+        base = _moved(line, (), np.empty(0), turn)
         for pair in combinations(moves, 2):
             by = _least(base, pair, uneven)
-            if by is None:
+            if by is None or np.max(np.abs(uneven(_moved(base, pair, by)))) > _ENDS:
                 continue
-            layout = _all_made(base, pair, by)
             used = float(np.max(np.abs(by) / [move.reach for move in pair]))
-            if np.max(np.abs(uneven(layout))) <= _ENDS and (best is None or used < best[0]):
-                said = [move.words(base, float(x)) for move, x in zip(pair, by, strict=True)]
-                change = partial(_both, turn=turn, moves=pair, by=by)
+            if best is None or used < best[0]:
+                said = [move.words(base, x) for move, x in zip(pair, by, strict=True)]
+                change = partial(_moved, moves=pair, by=by, turned=turn)
                 best = used, listed([*said, *filter(None, [words])]), change
     if best is not None:
         yield best[1:]
 
 
-def _turned(line: Driveline, shaft: int) -> Driveline:
-    """Return the driveline with the yokes of a shaft turned by a quarter turn."""
-    phases = np.array(line.phases)
-    phases[shaft - 1] += 0.5 * math.pi
-    return line.with_phases(phases)
-
-
-def _both(line: Driveline, turn: _Change, moves: Sequence[_Move], by: FloatArray) -> Driveline:
-    """Return the driveline after a turn of yokes and several moves."""
-    return _all_made(turn(line), moves, by)
+def _moved(
+    line: Driveline, moves: Sequence[_Move], by: FloatArray, turned: int | None = None
+) -> Driveline:
+    """The driveline after several moves, first with the yokes of a shaft at right angles to now."""
+    if turned is not None:
+        line = line.with_phases(
+            line.phases + 0.5 * math.pi * (np.arange(1, line.n_joints) == turned)
+        )
+    for move, x in zip(moves, by.tolist(), strict=True):
+        line = move.made(line, x)
+    return line
 
 
 def _nearer(line: Driveline, bearing: int) -> tuple[str, _Change]:
-    """Return a change that puts a bearing half as far from the nearest end of its shaft."""
+    """A change that puts a bearing half as far from the nearest end of its shaft."""
     shaft, position = line.bearings[bearing]
     rest = float(line.lengths().each[shaft] - position)
     is_upstream = shaft > 0 and (float(position) < rest or shaft == line.n_joints)
     by = 0.5 * (-float(position) if is_upstream else rest)
+
+    def slid(own: Driveline) -> Driveline:
+        moved = [(on, float(at) + by * (i == bearing)) for i, (on, at) in enumerate(own.bearings)]
+        return own.with_bearings(moved, own.lengths().each)
+
     joint = shaft - 1 if is_upstream else shaft
-    words = f"bearing {bearing} nearer to joint {joint} by {quantity(abs(by), 'mm')}"
-    return words, partial(_slid, bearing=bearing, by=by)
-
-
-def _slid(line: Driveline, bearing: int, by: float) -> Driveline:
-    """Return the driveline with a bearing moved along its shaft."""
-    moved = [(own, float(at) + by * (i == bearing)) for i, (own, at) in enumerate(line.bearings)]
-    return line.with_bearings(moved, line.lengths().each)
-
-
-def _all_made(line: Driveline, moves: Sequence[_Move], by: FloatArray) -> Driveline:
-    """Return the driveline after several moves."""
-    for move, x in zip(moves, by, strict=True):
-        line = move.made(line, float(x))
-    return line
+    return f"bearing {bearing} nearer to joint {joint} by {quantity(abs(by), 'mm')}", slid
 
 
 def _least(
@@ -328,9 +306,9 @@ def _least(
     reach = np.array([move.reach for move in moves])
     by = np.zeros(len(moves))
     for _ in range(_STEPS):
-        here = wanted(_all_made(line, moves, by))
+        here = wanted(_moved(line, moves, by))
         slopes = [
-            (wanted(_all_made(line, moves, by + _SMALL * reach * unit)) - here) / _SMALL
+            (wanted(_moved(line, moves, by + _SMALL * reach * unit)) - here) / _SMALL
             for unit in np.eye(len(moves))
         ]
         matrix = np.concatenate([np.real(slopes), np.imag(slopes)], axis=1).T

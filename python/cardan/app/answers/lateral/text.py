@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cardan.app.answers.forces.figures import length
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
-from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR, length
-from cardan.app.answers.printed import capital, given, items_text, listed, part_text, quantity
-from cardan.design.wrapping import wrap
+from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR
+from cardan.app.answers.printed import bullets, capital, given, items_text, listed, quantity
 
 _STILL = 1e-3  # of the couples, that is no excitation
 _CANCELLED = 0.02  # of the force in resonance, below which statics is no measure of it
@@ -17,41 +17,20 @@ _ENDS = 0.1  # of the force, that is the end of a shudder
 
 def brief(found: LateralFigures) -> str:
     """Return what a check says of lateral vibration as plain text, 79 wide."""
-    lines = []
-    for sentence in (
-        *_resonances(found),
-        *_running(found),
-        *_help(found),
-        *_verdicts(found),
-        *_excitation(found),
-    ):
-        lines += wrap(f"- {sentence}", 79, subsequent_indent="  ", break_on_hyphens=False)
-    return "\n".join(["Lateral vibration", *lines])
-
-
-def _said(found: LateralFigures) -> Iterator[str]:
-    """Say what both the check and the whole answer say."""
-    for part in (_resonances, _running, _help, _verdicts, _excitation):
-        yield from part(found)
-
-
-def words(found: LateralFigures, *, radians: bool = False) -> str:
-    """Return the whole answer as plain text; the changes are sentences."""
-    return part_text("Lateral vibration", found, sentences(found), radians=radians)
+    return "\n".join(["Lateral vibration", *bullets(_said(found))])
 
 
 def sentences(found: LateralFigures) -> Iterator[str]:
     """Say what shakes the shafts, where, what helps, and what can be trusted."""
-    for sentence in (
-        *_resonances(found),
-        *_running(found),
-        *_help(found),
-        *_verdicts(found),
-        *_excitation(found),
-    ):
-        yield f"{capital(sentence)}."
+    yield from (f"{capital(said)}." for said in _said(found))
     yield from _changes(found)
     yield from _limits(found)
+
+
+def _said(found: LateralFigures) -> Iterator[str]:
+    """What both the check and the whole answer say."""
+    for part in (_resonances, _running, _help, _verdicts, _excitation):
+        yield from part(found)
 
 
 def _excitation(found: LateralFigures) -> Iterator[str]:
@@ -95,73 +74,62 @@ def _excitation(found: LateralFigures) -> Iterator[str]:
         else:
             yield f"twice per turn, shaft {each.shaft} is bowed with {bow} and tilted with {tilt}"
     if one.case.tubes is not None and one.case.rigid_bearings:
-        yield from _distances(found)
-
-
-def _distances(found: LateralFigures) -> Iterator[str]:
-    """Say how far order 2 is from half the critical speeds, and what the bearings may add."""
-    one = found.vibration
-    assert one.case.tubes
-    speeds = one.case.tubes.critical_speed(one.line)
-    halves = [
-        f"{quantity(0.5 * float(speeds[i]), 'rpm')} of shaft {shaft}"
-        for i, shaft in enumerate(one.case.tubes.shafts)
-    ]
-    yield (
-        f"order 2 meets half the critical speeds at {listed(halves)}, as [tubes] judges, and the "
-        "resonance of the shafts on their bearings at a speed that only stiffness_N_per_mm of "
-        "[[bearing]] tells"
-    )
+        speeds = one.case.tubes.critical_speed(one.line)
+        halves = [
+            f"{quantity(0.5 * float(speeds[i]), 'rpm')} of shaft {shaft}"
+            for i, shaft in enumerate(one.case.tubes.shafts)
+        ]
+        yield (
+            f"order 2 meets half the critical speeds at {listed(halves)}, as [tubes] judges, and "
+            "the resonance of the shafts on their bearings at a speed that only "
+            "stiffness_N_per_mm of [[bearing]] tells"
+        )
 
 
 def _resonances(found: LateralFigures) -> Iterator[str]:
     """Say which resonances are in the range, the worst first, and what moves there."""
     inside = [each for each in found.resonances if each.inside and each.excited]
-    worst = sorted(inside, key=lambda each: -(each.peak or 0.0))
-    for each in worst:
-        what = _shape(found, each)
+    for each in sorted(inside, key=lambda each: -(each.peak or 0.0)):
+        at = quantity(each.speed, "rpm")
         if each.peak is not None and each.peak_speed is not None and each.moved is not None:
             yield (
                 f"order {each.order} is in resonance at {quantity(each.peak_speed, 'rpm')} "
-                f"({what}): {quantity(each.peak, 'N')} at bearing {each.bearing}"
+                f"({_shape(found, each)}): {quantity(each.peak, 'N')} at bearing {each.bearing}"
                 f"{_times(found, each)}, where the shaft moves by "
                 f"±{quantity(each.moved, 'mm', digits='small')}"
             )
         elif not each.known:
-            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
             yield (
-                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what}); "
-                f"its damping is too small or not known, so stay out of {start} to {stop}"
+                f"order {each.order} is in resonance at {at} ({_shape(found, each)}); its damping "
+                f"is too small or not known, so {_stay_out(each)}"
             )
         else:
-            why = "" if found.vibration.case.unbalance else "; no [[lateral.unbalance]] is given"
-            yield (
-                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} ({what})"
-                f"{why if each.order == 1 else ''}"
-            )
+            is_silent = each.order == 1 and not found.vibration.case.unbalance
+            why = "; no [[lateral.unbalance]] is given" if is_silent else ""
+            yield f"order {each.order} is in resonance at {at} ({_shape(found, each)}){why}"
     for each in found.resonances:
-        met = [band for band in found.vibration.bands if band.speed == each.speed]
-        if met and not each.inside:
-            start, stop = quantity(each.start, "rpm"), quantity(each.stop, "rpm")
+        bands = () if each.inside else found.vibration.bands
+        if any(band.speed == each.speed for band in bands):
             yield (
                 f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} "
                 f"({_shape(found, each)}), outside the speed range; its damping is too small or "
-                f"not known, so stay out of {start} to {stop}"
+                f"not known, so {_stay_out(each)}"
             )
     if found.resonances and not inside:
-        yield f"no resonance of an excited order lies in the speed range{_nearest(found)}"
+        nearest, excited = "", [each for each in found.resonances if each.excited]
+        if excited and found.speed_range:
+            low, high = found.speed_range.start, found.speed_range.stop
+            one = min(
+                excited, key=lambda each: max(low - each.speed, each.speed - high) / each.speed
+            )
+            nearest = f"; the nearest is that of order {one.order} at {quantity(one.speed, 'rpm')}"
+        yield f"no resonance of an excited order lies in the speed range{nearest}"
     elif found.modes and not found.resonances:
         yield "no order of 1, 2 and 4 meets a natural frequency near the speed range"
 
 
-def _nearest(found: LateralFigures) -> str:
-    """Name the resonance of an excited order that is nearest to the speed range."""
-    excited = [each for each in found.resonances if each.excited]
-    if not excited or not found.speed_range:
-        return ""
-    low, high = found.speed_range.start, found.speed_range.stop
-    each = min(excited, key=lambda each: max(low - each.speed, each.speed - high) / each.speed)
-    return f"; the nearest is that of order {each.order} at {quantity(each.speed, 'rpm')}"
+def _stay_out(each: Resonance) -> str:
+    return f"stay out of {quantity(each.start, 'rpm')} to {quantity(each.stop, 'rpm')}"
 
 
 def _running(found: LateralFigures) -> Iterator[str]:
@@ -229,22 +197,22 @@ def _verdicts(found: LateralFigures) -> Iterator[str]:
 
 def _help(found: LateralFigures) -> Iterator[str]:
     """Say what each change leaves at the bearing."""
-    layouts = [each for each in found.remedies if each.stiffness == 1.0 and each.left is not None]
-    ends = [each for each in layouts if each.left is not None and each.left <= _ENDS]
+    layouts = [each for each in found.remedies if each.stiffness == 1.0]
+    ends = [each for each in layouts if each.left <= _ENDS]
+    in_all = " in all states" if found.state else ""
     if ends:
-        bend = float(found.vibration.line.equivalent().bend)
         best = min(ends, key=lambda each: each.bend)
-        left = quantity(best.left or 0.0, "percent")
-        now, then = quantity(bend, "deg"), quantity(best.bend, "deg")
+        now = quantity(float(found.vibration.line.equivalent().bend), "deg")
         yield (
-            f"{best.change}: this ends the shudder{_in_all(found)} and leaves {left} of order 2 "
-            f"at bearing {best.bearing}; the equivalent bend is then {then} in place of {now}"
+            f"{best.change}: this ends the shudder{in_all} and leaves "
+            f"{quantity(best.left, 'percent')} of order 2 at bearing {best.bearing}; the "
+            f"equivalent bend is then {quantity(best.bend, 'deg')} in place of {now}"
         )
     elif layouts:
-        best = min(layouts, key=lambda each: each.left or 0.0)
+        best = min(layouts, key=lambda each: each.left)
         yield (
-            f"{best.change}: this leaves {quantity(best.left or 0.0, 'percent')} of order 2 at "
-            f"bearing {best.bearing}{_in_all(found)}, the least of what was tried"
+            f"{best.change}: this leaves {quantity(best.left, 'percent')} of order 2 at "
+            f"bearing {best.bearing}{in_all}, the least of what was tried"
         )
     soft, stiff = (
         next((each for each in found.remedies if each.stiffness == factor), None)
@@ -259,15 +227,10 @@ def _help(found: LateralFigures) -> Iterator[str]:
         )
 
 
-def _in_all(found: LateralFigures) -> str:
-    """Say that a change counts in all states, if there are several."""
-    return " in all states" if found.state else ""
-
-
 def _changes(found: LateralFigures) -> Iterator[str]:
     """Say what each change of the layout leaves."""
     for each in found.remedies:
-        if each.stiffness == 1.0 and each.left is not None:
+        if each.stiffness == 1.0:
             size = "" if each.peak is None else f", {quantity(each.peak, 'N')}"
             if each.elsewhere is not None and each.elsewhere > _MORE:
                 size += f", but {quantity(each.elsewhere, 'percent')} of it in another resonance"

@@ -257,12 +257,6 @@ def static_forces(line: Driveline, load: Load | None) -> Complex | None:
     return np.asarray(sums.complex_amplitude["bearing_force"][..., 0])
 
 
-def length(amplitude: Complex) -> float:
-    """Return the largest length of ``Re(amplitude exp(i t))``, of a vector."""
-    square = np.sum(np.abs(amplitude) ** 2) + np.abs(np.sum(amplitude**2))
-    return float(np.sqrt(square / 2.0))
-
-
 def _loss(support: Any, frequency: float) -> float:  # noqa: ANN401 - arguments of a bearing
     """Return the mean loss factor of a bearing at a frequency."""
     lost = np.asarray(support.get("loss_factor", 0.0)) + frequency * np.asarray(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -11,7 +12,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, drivelines, over
 from cardan.app.answers.rows import Judged, count, figure, flag, item, parts, word
-from cardan.app.answers.tubes.figures import speed_of
+from cardan.app.answers.tubes import speed_of
 from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.joints import BearingType, Joints, JointSize
@@ -258,13 +259,10 @@ def _speed_bends(line: Driveline, load: Load | None) -> FloatArray | None:
     return None if speed is None else speed * _bends(line)
 
 
-def _most_bend(size: JointSize) -> float | None:
-    return None if size.max_bend_deg is None else float(np.radians(size.max_bend_deg))
-
-
-def _most_speed_bend(size: JointSize) -> float | None:
-    most = size.max_speed_bend
-    return None if most is None else float(np.radians(most * RPM))
+def _most(size: JointSize) -> tuple[float | None, float | None]:
+    """The largest bend of a joint in rad, and the largest speed times bend in rad²/s."""
+    bend, speed_bend = size.max_bend_deg, size.max_speed_bend
+    return bend and math.radians(bend), speed_bend and math.radians(speed_bend * RPM)
 
 
 class _Service:
@@ -278,7 +276,7 @@ class _Service:
 
     def joint(self, joint: int, size: JointSize) -> JointLife:
         """Return the life and the heat of a joint, and what else has a limit."""
-        used = self.used
+        used, (bend, speed_bend) = self.used, _most(size)
         hours = catalogue = damage = heat = largest = None
         if used and size.wears:
             hours = self._over(used.hours[joint], self.target, "least")
@@ -298,20 +296,21 @@ class _Service:
         return JointLife(
             *(joint, size.name or None, size.bearing, size.rating, hours, catalogue, damage),
             bool(used and np.any(used.small_swing[joint])) and size.bearing == "needle",
-            self.bend.worst(joint, _most_bend(size)),
-            self.speed_bend.worst(joint, _most_speed_bend(size), "the scene gives no speed"),
+            self.bend.worst(joint, bend),
+            self.speed_bend.worst(joint, speed_bend, "the scene gives no speed"),
             heat,
             largest,
         )
 
     def size(self, number: int, size: JointSize) -> SizeLife:
         """Return the life with a size at every joint."""
-        used = self.used
+        used, limits = self.used, _most(size)
         hours = heat = decisive = None
-        judged: list[Judged | None] = []
-        for joint in range(self.scene.line.n_joints):
-            judged.append(self.bend.worst(joint, _most_bend(size)))
-            judged.append(self.speed_bend.worst(joint, _most_speed_bend(size)))
+        judged = [
+            figure.worst(joint, limit)
+            for joint in range(self.scene.line.n_joints)
+            for figure, limit in zip((self.bend, self.speed_bend), limits, strict=True)
+        ]
         if used and size.wears:
             lives = np.min(used.size_hours[number], axis=-1)
             decisive = int(np.argmin(lives))
@@ -364,23 +363,16 @@ def _chosen(
     joints: Sequence[JointLife], sizes: Sequence[SizeLife], target: float | None
 ) -> str | None:
     """The size to take, from the smallest upwards."""
-    lasting = [
-        (one.hours.value, one.rating or 0.0)
-        for one in joints
-        if one.hours and one.hours.value is not None
-    ]
+    lasting = [(one.hours.value, one.rating or 0.0) for one in joints if one.hours]
+    known = [(hours, rating) for hours, rating in lasting if hours is not None]
     fitting = [one for one in sizes if one.fits and one.hours]
     if target is not None:
-        if lasting and passes(joints):
+        if known and passes(joints):
             return None
-        return next(
-            (o.size for o in fitting if is_within(o.hours or 0.0, target, most=False)), None
-        )
-    if not lasting:
-        return None
-    _, present = min(lasting)
-    larger = (one for one in fitting if (one.rating or 0.0) > present)
-    return next((one.size for one in larger), None)
+        enough = (one for one in fitting if is_within(one.hours or 0.0, target, most=False))
+        return next((one.size for one in enough), None)
+    present = min(known)[1] if known else math.inf
+    return next((one.size for one in fitting if (one.rating or 0.0) > present), None)
 
 
 def passes(joints: Sequence[JointLife]) -> bool:

@@ -9,23 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import cardan.app.answers.turn.panel as panel
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, bars, chart
 from cardan.app.answers.life.figures import LifeFigures, friction_of, needed
+from cardan.app.answers.page import Curve, Panel, bars, chart
 from cardan.app.answers.printed import curves_text, given, quantity, with_unit
 from cardan.app.answers.rounding import is_steady, signed
-from cardan.app.pictures.style import (
-    LINES,
-    check_kind,
-    check_single,
-    draw_bars,
-    drawing,
-    finish,
-    legend_above,
-    line_style,
-    stacked,
-    value_ticks,
-)
 from cardan.app.scene.language.units import RPM, as_shown
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -72,18 +61,17 @@ def plot_pin_load(line: Driveline, load: Load, *, ax: Axes | None = None) -> Axe
     Args:
         line: one driveline.
         load: one load.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a batch.
     """
-    check_single(line)
-    check_kind("load", load, Load)
+    style.check_single(line)
+    style.check_kind("load", load, Load)
     turn = np.asarray(panel.TURN)
-    with drawing(ax) as axes:
+    with style.drawing(ax) as axes:
         moments = [(name, as_shown(each, "N m")[0]) for name, each in _moments(line, load, turn)]
         panel.draw(axes, np.degrees(turn), moments)
-        finish(axes, "drive angle [deg]", with_unit("moment of the pins", "Nm"))
+        style.finish(axes, "drive angle [deg]", with_unit("moment of the pins", "Nm"))
     return axes
 
 
@@ -106,13 +94,12 @@ def plot_heat(
         pin_radius: radius in m at which the friction acts.
         arm: of the pins in m.
         seal_torque: about the pins of each yoke in N m.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a batch, a load without a speed, and as for ``Driveline.losses``.
     """
-    check_single(line)
-    check_kind("load", load, Load)
+    style.check_single(line)
+    style.check_kind("load", load, Load)
     if not np.all(load.speed != 0.0):
         raise ArgumentValueError("load", "has no speed; heat is drawn up to it")
     speeds = np.linspace(0.0, 1.0, _SPEEDS)[1:] * np.abs(load.speed)
@@ -121,10 +108,10 @@ def plot_heat(
     heat = line.losses(Load(speed=speeds, **values), **given, seal_torque=seal_torque).power
     # At rest there is no heat.
     rpm = np.append(0.0, speeds / RPM)
-    with drawing(ax) as axes:
+    with style.drawing(ax) as axes:
         for joint, watts in enumerate(heat):
-            axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **line_style(joint))
-        finish(axes, "speed of the drive [rpm]", "heat [W]", (0.0, rpm[-1]), (0.0, None))
+            axes.plot(rpm, np.append(0.0, watts), label=f"joint {joint}", **style.line_style(joint))
+        style.finish(axes, "speed of the drive [rpm]", "heat [W]", (0.0, rpm[-1]), (0.0, None))
     return axes
 
 
@@ -135,26 +122,25 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
 
     Args:
         found: the figures of a scene, from ``cardan.app.answers.life.figures.needed``.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a scene without sizes whose life is known.
     """
-    check_kind("found", found, LifeFigures)
+    style.check_kind("found", found, LifeFigures)
     known = _bars(found)
     if not known:
         raise ValueError("the scene has no table of sizes whose life is known")
     fits = [one.fits for one in found.sizes if one.hours is not None]
-    with drawing(ax, height_mm=_height(len(known))) as axes:
-        for bar, within in zip(draw_bars(axes, known), fits, strict=True):
+    with style.drawing(ax, height_mm=_height(len(known))) as axes:
+        for bar, within in zip(style.draw_bars(axes, known), fits, strict=True):
             if not within:
                 bar.set(facecolor="#BFD9EA", hatch="////", edgecolor="white")
-        value_ticks(axes.xaxis)
+        style.value_ticks(axes.xaxis)
         axes.set_xlabel("L10 life [h]")
         if found.target is not None:
-            style: dict[str, Any] = {**LINES[1], "linewidth": 1.4}
-            axes.axvline(found.target, label=f"required {given(found.target, 'h')}", **style)
-            legend_above(axes)
+            look: dict[str, Any] = {**style.LINES[1], "linewidth": 1.4}
+            axes.axvline(found.target, label=f"required {given(found.target, 'h')}", **look)
+            style.legend_above(axes)
     return axes
 
 
@@ -181,7 +167,7 @@ def _whole(answer: Answer) -> Figure:
         hottest = found.step_of(max(known, key=lambda heat: heat.value or 0.0))
         bearings = friction_of(found.types)
         panels.append((50.0, lambda axes: plot_heat(*hottest[:2], **bearings, ax=axes)))
-    return stacked(panels, answer.of.title)
+    return style.stacked(panels, answer.of.title)
 
 
 def _pin_panel(line: Driveline, load: Load) -> tuple[float, Callable[[Axes], object]]:
@@ -201,7 +187,6 @@ def _pin_panel(line: Driveline, load: Load) -> tuple[float, Callable[[Axes], obj
 
 
 PICTURES = {"life": _whole}
-"""The pictures of the part by name."""
 
 
 def _height(bars: int) -> float:

@@ -6,24 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, Table, chart
 from cardan.app.answers.names import key_name
-from cardan.app.answers.optimise.figures import Optimised
-from cardan.app.answers.optimise.text import by_state
+from cardan.app.answers.optimise.figures import Optimised, by_state
+from cardan.app.answers.page import Curve, Panel, Table, chart
 from cardan.app.answers.printed import plain_text, symbol_of, table_of, with_unit
 from cardan.app.answers.rows import NotFound
-from cardan.app.answers.states.figures import without_common
-from cardan.app.pictures.style import (
-    THIN,
-    check_kind,
-    drawing,
-    finish,
-    legend_above,
-    line_style,
-    page,
-    value_ticks,
-)
+from cardan.app.answers.states import without_common
 from cardan.app.scene.language.units import shown_unit
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.quantities import label
@@ -37,7 +27,11 @@ _SHORT = 30
 
 _GREY = "0.75"
 
-_BEYOND: dict[str, Any] = {**THIN, "color": line_style(0)["color"], "linestyle": (0, (1, 1.2))}
+_BEYOND: dict[str, Any] = {
+    **style.THIN,
+    "color": style.line_style(0)["color"],
+    "linestyle": (0, (1, 1.2)),
+}
 _TEETH: dict[str, Any] = {"linestyle": "none", "marker": "|", "markersize": 6.0, "color": "0.35"}
 
 _HEIGHT = 58.0  # mm
@@ -85,10 +79,10 @@ def plot_optimise(found: Optimised) -> Figure:
     Returns:
         a figure of 170 mm width with a panel for the states and one for each variable.
     """
-    check_kind("found", found, Optimised)
+    style.check_kind("found", found, Optimised)
     count = len(found.variables)
     rows = count // 2 + 1
-    with page(170.0, _HEIGHT * rows, found.scene.title, 90) as figure:
+    with style.page(170.0, _HEIGHT * rows, found.scene.title, 90) as figure:
         plot_optimised_states(found, ax=figure.add_subplot(rows, 2, 1))
         for i in range(count):
             plot_over_variable(found, i, ax=figure.add_subplot(rows, 2, i + 2))
@@ -104,7 +98,6 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"optimise": _whole}
-"""The pictures of the part by name."""
 
 
 def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = None) -> Axes:
@@ -116,19 +109,18 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
     Args:
         found: the optimum of a scene.
         variable: number of the variable.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a variable that does not exist.
     """
-    check_kind("found", found, Optimised)
+    style.check_kind("found", found, Optimised)
     count = len(found.variables)
     if not 0 <= variable < count:
         raise ArgumentValueError("variable", f"is {variable}; there are {count}, counted from 0")
     own, curve = found.asked.variables[variable], found.over(variable)
     best = own.base + float(found.best.x[variable])
-    with drawing(ax, height_mm=_HEIGHT) as axes:
-        axes.plot(curve.x, curve.within, **line_style(0))
+    with style.drawing(ax, height_mm=_HEIGHT) as axes:
+        axes.plot(curve.x, curve.within, **style.line_style(0))
         if np.any(np.isfinite(curve.beyond)):
             axes.plot(curve.x, curve.beyond, label="beyond a limit", **_BEYOND)
         if own.teeth:
@@ -137,8 +129,8 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
             turned = own.base + pitch * np.arange(np.ceil(first), np.floor(last) + 1.0)
             heights = np.interp(turned, curve.x, curve.values)
             axes.plot(turned, heights, label="teeth", **_TEETH)
-        axes.axvline(own.base, label="scene", **{**THIN, "linestyle": (0, (4, 1.5))})
-        dot: dict[str, Any] = {"markersize": 4.0, "color": line_style(1)["color"]}
+        axes.axvline(own.base, label="scene", **{**style.THIN, "linestyle": (0, (4, 1.5))})
+        dot: dict[str, Any] = {"markersize": 4.0, "color": style.line_style(1)["color"]}
         axes.plot([best], [float(found.goal(found.best.value))], "o", label="best", **dot)
         axes.set_xlim(curve.x[0], curve.x[-1])
         if np.isfinite(own.high - own.low):
@@ -148,24 +140,19 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
             axes.set_xlim(ends[0] - room, ends[1] + room)
         axes.set_ylim(bottom=0.0)
         goal = with_unit(found.goal_words, found.minimised.unit)
-        finish(axes, _name(found, variable), ",\n".join(goal.rsplit(", ", 1)))
+        style.finish(axes, _name(found, variable), ",\n".join(goal.rsplit(", ", 1)))
     return axes
 
 
 def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
-    """Draw the quantity in each state as bars, before and after.
-
-    Args:
-        found: the optimum of a scene.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
-    """
-    check_kind("found", found, Optimised)
+    """Draw the quantity in each state as bars, before and after."""
+    style.check_kind("found", found, Optimised)
     names = found.asked.names
     before, after = found.goal(found.best.per_state_before), found.goal(found.best.per_state)
-    with drawing(ax, height_mm=_HEIGHT) as axes:
+    with style.drawing(ax, height_mm=_HEIGHT) as axes:
         at = np.arange(len(names), dtype=np.float64)
         axes.bar(at - 0.2, before, 0.4, color=_GREY, label="before")
-        axes.bar(at + 0.2, after, 0.4, color=line_style(0)["color"], label="after")
+        axes.bar(at + 0.2, after, 0.4, color=style.line_style(0)["color"], label="after")
         heading, ticks = without_common(names)
         # As many names as can be read.
         step = -(-len(names) // 12)
@@ -176,6 +163,6 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         axes.set_ylabel(with_unit(label(found.asked.minimise), found.minimised.unit))
         axes.grid(visible=True, axis="y")
         axes.set_axisbelow(True)
-        value_ticks(axes.yaxis)
-        legend_above(axes)
+        style.value_ticks(axes.yaxis)
+        style.legend_above(axes)
     return axes

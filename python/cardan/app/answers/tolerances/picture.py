@@ -8,27 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, Table, bars, chart
-from cardan.app.answers.page import tables_of
+from cardan.app.answers.page import Curve, Panel, Table, bars, chart, tables_of
 from cardan.app.answers.printed import capital, given, with_unit
 from cardan.app.answers.rows import UNITS, key_of
 from cardan.app.answers.tolerances.figures import (
     ToleranceFigure,
     ToleranceFigures,
+    by_state,
     called,
     in_its_unit,
+    percent,
     shares_of,
-)
-from cardan.app.answers.tolerances.text import by_state, percent
-from cardan.app.pictures.style import (
-    LINES,
-    check_kind,
-    draw_bars,
-    drawing,
-    legend_above,
-    stacked,
-    value_ticks,
 )
 from cardan.app.scene.language.units import shown_unit
 from cardan.arrays.errors import ArgumentValueError
@@ -102,7 +94,6 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
     Args:
         found: the tolerances of a single driveline, from ``Driveline.tolerances``.
         of: the figure; by default the first.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Returns:
         the axes of the histogram, with angles in degrees. Limit and worst case are marked.
@@ -113,7 +104,7 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
     name = _checked(found, of)
     values = in_its_unit(found, name, found.ascending)
     limit, worst = in_its_unit(found, name, found.limit), in_its_unit(found, name, found.worst)
-    with drawing(ax, height_mm=_PANEL) as axes:
+    with style.drawing(ax, height_mm=_PANEL) as axes:
         counts, edges = np.histogram(values, _BINS)
         shares = 100.0 * counts / len(values)
         axes.bar(
@@ -132,7 +123,10 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         upto.spines["right"].set_visible(True)
         places = np.unique(np.linspace(0, len(values) - 1, _POINTS).astype(int))
         upto.plot(
-            values[places], 100.0 * (places + 1) / len(values), label="cumulative share", **LINES[0]
+            values[places],
+            100.0 * (places + 1) / len(values),
+            label="cumulative share",
+            **style.LINES[0],
         )
         upto.set_ylim(0.0, 108.0)
         upto.set_yticks([0, 25, 50, 75, 95])
@@ -140,15 +134,15 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         upto.grid(visible=True, axis="y")
         upto.set_zorder(2.0)
         unit = key_of(found.unit(name))
-        for word, value, style in (("limit", limit, _LIMIT), ("worst", worst, _WORST)):
+        for word, value, look in (("limit", limit, _LIMIT), ("worst", worst, _WORST)):
             if not np.isnan(value):
                 shown = given(value / UNITS[shown_unit(unit)].factor, unit)
-                upto.axvline(value, label=f"{word} {shown}", **style)
+                upto.axvline(value, label=f"{word} {shown}", **look)
         of = f", largest of {found.n_states} states" if found.n_states else ""
         axes.set_xlabel(with_unit(f"{called(found, name)}{of}", unit))
-        value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        legend_above(upto)
+        style.value_ticks(axes.xaxis)
+        style.value_ticks(axes.yaxis)
+        style.legend_above(upto)
     return axes
 
 
@@ -160,8 +154,8 @@ def plot_tolerance_shares(
     Arguments and errors are those of ``plot_tolerances``.
     """
     known = _shares(found, _checked(found, of), _MOST_BARS)
-    with drawing(ax, height_mm=_height(len(known))) as axes:
-        draw_bars(axes, known)
+    with style.drawing(ax, height_mm=_height(len(known))) as axes:
+        style.draw_bars(axes, known)
         axes.set_xticks([tick for tick in axes.get_xticks() if tick <= 100.0])
         axes.set_xlabel("share in the scatter [%]")
     return axes
@@ -173,7 +167,7 @@ def _whole(answer: Answer) -> Figure:
     found = answer.scene.tolerances
     assert found
     count = len(_shares(found, found.of[0], _MOST_BARS))
-    return stacked(
+    return style.stacked(
         (
             (_PANEL, lambda axes: plot_tolerances(found, ax=axes)),
             (_height(count), lambda axes: plot_tolerance_shares(found, ax=axes)),
@@ -183,7 +177,6 @@ def _whole(answer: Answer) -> Figure:
 
 
 PICTURES = {"tolerances": _whole}
-"""The pictures of the part by name."""
 
 
 def _height(bars: int) -> float:
@@ -191,7 +184,7 @@ def _height(bars: int) -> float:
 
 
 def _checked(found: Tolerances, of: str | None) -> str:
-    check_kind("found", found, Tolerances)
+    style.check_kind("found", found, Tolerances)
     if found.shape:
         raise ValueError(f"the tolerances are of a batch of shape {found.shape}; draw one of them")
     name = found.of[0] if of is None else of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -21,10 +21,16 @@ from cardan.app.answers.rows import (
     numbers,
     optional,
     parts,
+    taken,
     word,
 )
-from cardan.app.answers.torsion.remedy import SofterCoupling, softer
-from cardan.app.answers.torsion.search import Search, search_over, torques_of
+from cardan.app.answers.torsion.search import (
+    Search,
+    SofterCoupling,
+    search_over,
+    softer,
+    torques_of,
+)
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.torsion import Ratings, TorsionCase
 from cardan.arrays import FloatArray
@@ -364,26 +370,16 @@ def find(answer: Answer) -> TorsionBasics | None:
     system, low, high = given.system, float(given.speed[0]), float(given.speed[-1])
     bodies = bodies_of(given)
     modes = tuple(
-        Mode(
-            number,
-            mode.frequency,
-            mode.damping_ratio,
-            mode.shaft,
-            shape_text(mode.shape, bodies, is_free=system.free),
-            tuple(map(Share, system.compliant, mode.shares)),
+        taken(
+            *(Mode, mode),
+            number=number,
+            shape=shape_text(mode.shape, bodies, is_free=system.free),
+            shares=tuple(map(Share, system.compliant, mode.shares)),
         )
         for number, mode in enumerate(system.modes())
     )
     rules = tuple(
-        BendRule(
-            rule.shaft,
-            rule.bend,
-            rule.factor,
-            rule.damping_ratio,
-            rule.exceeded,
-            rule.speed,
-            rule.edges[0] <= high and rule.edges[1] >= low,
-        )
+        taken(BendRule, rule, inside=rule.edges[0] <= high and rule.edges[1] >= low)
         for rule in system.bend_rules()
     )
     frequencies = [mode.frequency for mode in modes]
@@ -403,10 +399,9 @@ def find(answer: Answer) -> TorsionBasics | None:
         near = [i * count + place for i, (*_, place) in enumerate(own) if place is not None]
         nearest = min(near, key=lambda place: away[place], default=None)
     met = [(order, mode) for order in given.orders for mode in modes]
+    by = {order: _excited_by(given, order) for order in given.orders}
     critical = tuple(
-        CriticalSpeed(
-            mode.number, order, speed, mode.shaft, distance == 0.0, None, _excited_by(given, order)
-        )
+        CriticalSpeed(mode.number, order, speed, mode.shaft, not distance, None, by[order])
         for (order, mode), speed, distance in zip(met, at, away, strict=True)
     )
     margin = Judged(None, given.margin, sense="least", why="[torsion] orders lists no even order")
@@ -414,18 +409,25 @@ def find(answer: Answer) -> TorsionBasics | None:
         margin = Judged(away[nearest], given.margin, sense="least")
     search = search_over(given) if given.is_searched else None
     running = system.running_speeds(*given.motor) if given.motor else ()
+    unstable_share = rattle_share = None
+    if search:
+        unstable = [each for each in search.unstable if _is_unstable(given, each)]
+        grows = [(each.start, each.stop) for each in unstable]
+        reverses = [ends for each in search.response.largest for ends in each.reversals]
+        unstable_share = _share(given, search, grows, given.unstable)
+        rattle_share = _share(given, search, reverses, given.rattle)
     return TorsionBasics(
         torsion=given,
         search=search,
         margin=margin,
         without_effect=given.without_effect or None,
         speed_range=SpeedRange(low, high),
-        running=tuple(RunningSpeed(*astuple(each)) for each in running),
+        running=tuple(taken(RunningSpeed, each) for each in running),
         modes=modes,
         critical_speeds=critical,
         rules=rules,
-        unstable_share=_unstable_share(given, search) if search else None,
-        rattle_share=_rattle_share(given, search) if search else None,
+        unstable_share=unstable_share,
+        rattle_share=rattle_share,
         couplings=tuple(_couplings(given, search)) if search else (),
         avoided=tuple(_avoided(given, search)) if search else (),
         softer=tuple(softer(given, search)) if search and not has_kinks(system) else (),
@@ -437,53 +439,39 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     given, system = found.torsion, found.torsion.system
     search = found.search or search_over(given)
     response = search.response
-    speed, steady = response.speed, response.steady
     largest = largest_of(search)
     known = [torque.size for torque in largest if math.isfinite(torque.size)]
     critical_speeds = tuple(_with_amplitudes(found, _ROUNDING * max(known, default=0.0)))
-    unstable = tuple(
-        Unstable(each.start, each.stop, each.multiplier)
-        for each in search.unstable
-        if not each.runs_away
-    )
+    unstable = tuple(taken(Unstable, each) for each in search.unstable if not each.runs_away)
     runaway = runaway_of(search)
-    missing = tuple(_missing(response))
-    verdict: TorsionVerdict = "clear"
-    if unstable:
-        verdict = "unstable"
-    elif runaway:
-        verdict = "runaway"
-    elif any(each.reversals for each in largest):
-        verdict = "reversing"
-    elif any(each.inside for each in critical_speeds):
-        verdict = "resonant"
+    happens: dict[TorsionVerdict, bool] = {
+        "unstable": bool(unstable),
+        "runaway": bool(runaway),
+        "reversing": any(each.reversals for each in largest),
+        "resonant": any(each.inside for each in critical_speeds),
+        "clear": True,
+    }
+    verdict = next(word for word, is_so in happens.items() if is_so)
     basics = replace(found, search=search, critical_speeds=critical_speeds)
     searched = list(_worst(basics.resonances, largest, unstable))
     return TorsionFigures(
         **vars(basics),
-        speed=speed,
-        steady=steady,
+        speed=response.speed,
+        steady=response.steady,
         verdict=verdict,
         largest=largest,
         unstable=unstable,
         runaway=runaway,
-        missing=missing,
+        missing=tuple(_missing(response)),
         motions=tuple(motions_of(each) for each in system.side_by_side(searched)),
-        response=_response(speed, steady),
+        response=_response(response.speed, response.steady),
     )
 
 
 def motions_of(found: SideBySide) -> Motions:
     """Return the periodic motions at one speed."""
-    return Motions(
-        speed=found.speed,
-        number=found.count,
-        stable=found.stable,
-        shaft=found.shaft,
-        smallest=found.smallest,
-        largest=found.largest,
-        each=tuple(map(Motion, found.sizes, found.stables)),
-    )
+    each = tuple(map(Motion, found.sizes, found.stables))
+    return taken(Motions, found, number=found.count, each=each)
 
 
 def torsion_figures(scene: Scene) -> TorsionFigures | None:
@@ -502,21 +490,14 @@ def _excited_by(given: TorsionCase, order: float) -> str:
 def largest_of(search: Search) -> tuple[LargestTorque, ...]:
     """Return the largest torque of each compliant shaft."""
     return tuple(
-        LargestTorque(
-            *(each.shaft, each.speed, each.least, each.most, each.mean),
-            tuple(SpeedRange(*ends) for ends in each.reversals),
-        )
+        taken(LargestTorque, each, reversals=tuple(SpeedRange(*ends) for ends in each.reversals))
         for each in search.response.largest
     )
 
 
 def runaway_of(search: Search) -> tuple[Runaway, ...]:
     """Return the ranges of speeds from which a drive of constant torque runs away."""
-    return tuple(
-        Runaway(each.start, each.stop, each.needed_slope)
-        for each in search.unstable
-        if each.runs_away
-    )
+    return tuple(taken(Runaway, each) for each in search.unstable if each.runs_away)
 
 
 def _missing(response: SpeedResponse) -> Iterator[Missing]:
@@ -583,30 +564,24 @@ def _judged(
     return found
 
 
-def _share(given: TorsionCase, parts: Sequence[tuple[float, float]]) -> float:
+def _share(
+    given: TorsionCase,
+    search: Search,
+    parts: Sequence[tuple[float, float]],
+    limit: float | None,
+) -> Judged:
     """The share of the speed range that is in any of some ranges."""
     covered, reached = 0.0, -math.inf
     for start, stop in sorted(parts):
         covered += max(stop, reached) - max(start, reached)
         reached = max(stop, reached)
-    return covered / float(given.speed[-1] - given.speed[0])
+    share = covered / float(given.speed[-1] - given.speed[0])
+    return _judged(share, 0.0, limit, [*_missing(search.response)], 1.0)
 
 
 def _is_unstable(given: TorsionCase, part: UnstableRange) -> bool:
     """Whether a range is one for the drive of the scene; one without a slope is governed."""
     return not part.runs_away or given.system.drive_slope > 0.0
-
-
-def _unstable_share(given: TorsionCase, search: Search) -> Judged:
-    parts = [(each.start, each.stop) for each in search.unstable if _is_unstable(given, each)]
-    missing = [*_missing(search.response)]
-    return _judged(_share(given, parts), 0.0, given.unstable, missing, 1.0)
-
-
-def _rattle_share(given: TorsionCase, search: Search) -> Judged:
-    parts = [ends for each in search.response.largest for ends in each.reversals]
-    missing = [*_missing(search.response)]
-    return _judged(_share(given, parts), 0.0, given.rattle, missing, 1.0)
 
 
 def _limits(rated: Ratings) -> tuple[float | None, float | None, float | None]:
@@ -643,7 +618,8 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
         factors = [
             each.limit / each.value for each in rows if each.limit is not None and each.value
         ]
-        factor, speeds = min(factors, default=None), [speed for _, speed in found]
+        speeds = [speed for _, speed in found]
+        factor = min(factors, default=None)
         yield CouplingTorques(shaft, rows[0], rows[1], rows[2], factor, *speeds)
 
 

@@ -8,24 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
-from cardan.app.answers.charts import Curve, Panel, chart
+from cardan.app.answers.page import Curve, Panel, chart
 from cardan.app.answers.printed import quantity, with_unit
 from cardan.app.answers.rows import UNITS
 from cardan.app.answers.torsion.figures import CriticalSpeed, TorsionFigures, motions_of
-from cardan.app.pictures.style import (
-    LINES,
-    THIN,
-    WIDTH,
-    check_kind,
-    degree_ticks,
-    drawing,
-    finish,
-    legend_above,
-    page,
-    stacked,
-    value_ticks,
-)
 from cardan.app.scene.language.units import RPM, shown_unit
 from cardan.arrays.errors import ArgumentValueError
 from cardan.torsion.analyses import harmonic_orders, has_kinks
@@ -37,7 +25,7 @@ if TYPE_CHECKING:
 _SPEED = "drive speed [rpm]"
 _PANEL, _AROUND = 42.0, 16.0  # mm
 _BAND, _UNSTABLE, _MISSING = "#BFD9EA", "#D55E00", "0.6"
-_CRITICAL: Mapping[str, Any] = {**THIN, "linestyle": (0, (4, 1.5))}
+_CRITICAL: Mapping[str, Any] = {**style.THIN, "linestyle": (0, (4, 1.5))}
 _OF_TORQUES = (0, (3, 1))
 _DRIVE = (0, "input")
 # Speeds around those with several motions that are searched for each of them, and how far away.
@@ -71,9 +59,9 @@ def plot_torsion(found: TorsionFigures, title: str = "") -> Figure:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         title: over the picture, or "".
     """
-    check_kind("found", found, TorsionFigures)
+    style.check_kind("found", found, TorsionFigures)
     shafts = found.steady.compliant
-    with page(WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
+    with style.page(style.WIDTH, _AROUND + _PANEL * len(shafts), title) as figure:
         panels = figure.subplots(len(shafts), squeeze=False, sharex=True)[:, 0]
         for axes, shaft in zip(panels, shafts, strict=True):
             plot_torsion_response(found, shaft, ax=axes)
@@ -94,12 +82,11 @@ def plot_torsion_response(
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         shaft: a compliant shaft; by default the first.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a shaft that is not compliant.
     """
-    check_kind("found", found, TorsionFigures)
+    style.check_kind("found", found, TorsionFigures)
     compliant = found.steady.compliant
     chosen = compliant[0] if shaft is None else shaft
     if chosen not in compliant:
@@ -111,18 +98,18 @@ def plot_torsion_response(
         for name in ("min", "mean", "max")
     )
     rpm = found.speed / RPM
-    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+    with style.drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         axes.fill_between(rpm, least, most, color=_BAND, linewidth=0.0, label="over a turn")
-        axes.plot(rpm, most, **{**LINES[0], "linewidth": 0.8})
-        axes.plot(rpm, least, **{**LINES[0], "linewidth": 0.8})
-        axes.plot(rpm, mean, label="mean", **LINES[1])
-        axes.axhline(0.0, **{**THIN, "linewidth": 0.5})
+        axes.plot(rpm, most, **{**style.LINES[0], "linewidth": 0.8})
+        axes.plot(rpm, least, **{**style.LINES[0], "linewidth": 0.8})
+        axes.plot(rpm, mean, label="mean", **style.LINES[1])
+        axes.axhline(0.0, **{**style.THIN, "linewidth": 0.5})
         _draw_order(axes, found, place)
         _draw_motions(axes, found, chosen)
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
         torque = with_unit(f"torque of shaft {chosen}", "Nm")
-        finish(axes, _SPEED, torque, (rpm[0], rpm[-1]))
+        style.finish(axes, _SPEED, torque, (rpm[0], rpm[-1]))
         axes.set_axisbelow(True)
     return axes
 
@@ -135,7 +122,7 @@ def _draw_order(axes: Axes, found: TorsionFigures, place: int) -> None:
     order = max(own, key=lambda each: each.amplitude).order
     column = found.steady.orders.tolist().index(order)
     size = UNITS[shown_unit("Nm")].factor * np.abs(found.steady.torque_orders[place, :, column])
-    axes.plot(found.speed / RPM, size, label=f"order {order:g}", **LINES[2])
+    axes.plot(found.speed / RPM, size, label=f"order {order:g}", **style.LINES[2])
 
 
 def _draw_motions(axes: Axes, found: TorsionFigures, shaft: int) -> None:
@@ -204,19 +191,16 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
 
     Where a line of an order crosses a natural frequency there is a critical speed. Orders of
     harmonic torques are dashed. The speed range of the scene is shaded.
-
-    Args:
-        found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+    ``found`` is as for ``plot_torsion_response``.
     """
-    check_kind("found", found, TorsionFigures)
+    style.check_kind("found", found, TorsionFigures)
     low, high = float(found.speed[0]) / RPM, float(found.speed[-1]) / RPM
     right = 1.05 * high
     if not _excited(found):
         # Up to the next critical speed, unless it is far away.
         above = [part.speed / RPM for part in found.critical_speeds if part.speed / RPM > high]
         right = min([1.1 * speed for speed in above if speed < 2.0 * high], default=right)
-    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+    with style.drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         axes.axvspan(low, high, color="0.93", linewidth=0.0, label="speed range")
         frequencies = [mode.frequency / (2.0 * np.pi) for mode in found.modes]
         for number, frequency in enumerate(frequencies):
@@ -228,7 +212,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         ]
         points = np.array(crossings).reshape(-1, 2)
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
-        finish(axes, _SPEED, "frequency [Hz]", (0.0, right), (0.0, 1.25 * max(frequencies)))
+        style.finish(axes, _SPEED, "frequency [Hz]", (0.0, right), (0.0, 1.25 * max(frequencies)))
         axes.set_axisbelow(True)
         _name_modes(axes, found)
     return axes
@@ -237,10 +221,10 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
 def _draw_orders(axes: Axes, found: TorsionFigures, right: float, top: float) -> None:
     """Draw the frequency of each order. The names of many orders stand at their lines."""
     orders, of_torques = found.torsion.orders, harmonic_orders(found.torsion.system)
-    many = len(orders) > len(LINES)
+    many = len(orders) > len(style.LINES)
     for number, order in enumerate(orders):
         dashes = _OF_TORQUES if order in of_torques else "-"
-        look = {**LINES[number % len(LINES)], "linestyle": dashes}
+        look = {**style.LINES[number % len(style.LINES)], "linestyle": dashes}
         label = None if many else f"order {order:g}"
         axes.plot([0.0, right], [0.0, order * right / 60.0], label=label, **look)
         if many:
@@ -251,14 +235,14 @@ def _draw_orders(axes: Axes, found: TorsionFigures, right: float, top: float) ->
             name |= {"ha": "left" if side > 0.0 else "right", "va": "top"}
             axes.annotate(f"{order:g}", (end, order * end / 60.0), **name)
     if many:
-        axes.plot([], [], label="order", **THIN)
+        axes.plot([], [], label="order", **style.THIN)
     if of_torques:
-        axes.plot([], [], label="of torques", **{**THIN, "linestyle": _OF_TORQUES})
+        axes.plot([], [], label="of torques", **{**style.THIN, "linestyle": _OF_TORQUES})
 
 
 def _name_modes(axes: Axes, found: TorsionFigures) -> None:
     """Write frequency and shaft of each mode beside the axes, where no line crosses them."""
-    top = axes.get_ylim()[1]
+    top, names = axes.get_ylim()[1], found.torsion.names
     # Two lines each, and as far from each other as they need.
     height = _PANEL - _AROUND / 2.0
     apart = 2.2 * 25.4 / 72.0 * 7.0 / height * top
@@ -266,8 +250,9 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
     for mode in sorted(found.modes, key=lambda mode: mode.frequency):
         frequency = mode.frequency / math.tau
         below = max(frequency, below + apart)
+        name = names[mode.shaft] if names else f"shaft {mode.shaft}"
         axes.annotate(
-            f"{quantity(mode.frequency, 'Hz')}\n{_name(found, mode.shaft)}",
+            f"{quantity(mode.frequency, 'Hz')}\n{name}",
             (1.0, below),
             xycoords=axes.get_yaxis_transform(),
             xytext=(3.0, 0.0),
@@ -276,11 +261,6 @@ def _name_modes(axes: Axes, found: TorsionFigures) -> None:
             linespacing=1.0,
             annotation_clip=False,
         )
-
-
-def _name(found: TorsionFigures, shaft: int) -> str:
-    names = found.torsion.names
-    return names[shaft] if names else f"shaft {shaft}"
 
 
 def plot_stability(
@@ -294,19 +274,18 @@ def plot_stability(
     Args:
         found: the figures of a scene, from ``cardan.app.answers.torsion.figures.torsion_figures``.
         joint: which joint; by default the one with the largest bend.
-        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a joint that does not exist.
     """
-    check_kind("found", found, TorsionFigures)
+    style.check_kind("found", found, TorsionFigures)
     bends = np.degrees(found.torsion.system.line.bends)
     top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * float(np.max(bends))))
     speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)
     bend = np.radians(np.linspace(0.0, top, _BENDS))
     grid = found.torsion.system.stability_map(speed, bend, joint)
     rpm, degrees = grid.speed / RPM, np.degrees(grid.bend)
-    with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
+    with style.drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         from matplotlib.patches import Patch
 
         shown = (
@@ -323,9 +302,9 @@ def plot_stability(
             axes.annotate("stable", (0.5, 0.5), xycoords="axes fraction", ha="center")
         axes.set_xlabel(_SPEED)
         axes.set_ylabel(f"bend of joint {grid.joint} [deg]")
-        value_ticks(axes.xaxis)
-        degree_ticks(axes.yaxis, 0.0, float(degrees[-1]))
-        legend_above(axes, handles=handles)
+        style.value_ticks(axes.xaxis)
+        style.degree_ticks(axes.yaxis, 0.0, float(degrees[-1]))
+        style.legend_above(axes, handles=handles)
     return axes
 
 
@@ -352,8 +331,7 @@ def _stability(answer: Answer) -> Figure:
 
 def _alone(draw: Callable[..., Axes], answer: Answer) -> Figure:
     found = _needed(answer)
-    return stacked([(_AROUND + _PANEL, lambda axes: draw(found, ax=axes))], answer.of.title)
+    return style.stacked([(_AROUND + _PANEL, lambda axes: draw(found, ax=axes))], answer.of.title)
 
 
 PICTURES = {"torsion": _response, "campbell": _campbell, "stability": _stability}
-"""The pictures of the part by name."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cardan.app.answers.printed import (
+    bullets,
     capital,
     given,
     in_unit,
@@ -24,7 +25,6 @@ from cardan.app.answers.torsion.figures import (
     largest_of,
     runaway_of,
 )
-from cardan.design.wrapping import wrap
 
 _RESONANCE_SOURCE = "D. Thoma, 1920: joints bring new critical speeds"
 _RULE_SOURCE = "first region of the Whittaker-Hill equation, one compliant shaft"
@@ -38,21 +38,21 @@ _NEAR = 0.1
 
 def brief(found: TorsionBasics) -> str:
     """Return the advice on torsional vibration as plain text, 79 wide; "" if there is none."""
-    lines = []
-    for sentence in torsion_advice(found):
-        lines += wrap(f"- {sentence}", 79, subsequent_indent="    ")
+    lines = bullets(torsion_advice(found), subsequent_indent="    ", break_on_hyphens=True)
     return "\n".join(["Torsional vibration", *lines]) if lines else ""
 
 
 def torsion_advice(found: TorsionBasics) -> Iterator[str]:
     """Say which critical speeds are in the range, and where the rule of the bends is exceeded."""
+
+    def moves(critical: CriticalSpeed) -> str:
+        is_searched = found.torsion.is_searched
+        return found.modes[critical.mode].shape if is_searched else f"shaft {critical.shaft}"
+
     if inside := found.resonances:
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         several = listed(
-            [
-                f"order {each.order:g} at {_rpm(each.speed)} ({_moves(found, each)})"
-                for each in inside
-            ]
+            [f"order {each.order:g} at {_rpm(each.speed)} ({moves(each)})" for each in inside]
         )
         yield (
             f"{verb} within {_ends(found.speed_range, 'to')}: {several}; 'cardan torsion' "
@@ -72,15 +72,7 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         yield from _rattle(found, largest_of(found.search))
         yield from (_runaway(part) for part in runaway_of(found.search))
     yield from _running(found)
-    if held := _held(found):
-        yield held
-
-
-def _moves(found: TorsionBasics, critical: CriticalSpeed) -> str:
-    """What moves at a critical speed, or the shaft that is twisted most."""
-    if found.torsion.is_searched:
-        return found.modes[critical.mode].shape
-    return f"shaft {critical.shaft}"
+    yield from _held(found)
 
 
 def _avoided(found: TorsionBasics) -> Iterator[str]:
@@ -137,33 +129,42 @@ def _running(found: TorsionBasics) -> Iterator[str]:
         yield "the motor runs at no speed of its curve: its torque is never what is needed"
 
 
-def _held(found: TorsionBasics) -> str:
+def _held(found: TorsionBasics) -> Iterator[str]:
     """Say that the drive turns evenly, unless the scene says so itself."""
-    if found.torsion.drive:
-        return ""
-    text = "the drive is held at constant speed"
-    if found.without_effect:
-        inertia = quantity(found.without_effect, "kgm2")
-        text += f", so the inertia of {inertia} at the input end of shaft 0 has no effect"
-    return f'{text}; drive = "held" in [torsion] says that this is meant'
+    if not found.torsion.drive:
+        what = ""
+        if found.without_effect:
+            inertia = quantity(found.without_effect, "kgm2")
+            what = f", so the inertia of {inertia} at the input end of shaft 0 has no effect"
+        yield (
+            f'the drive is held at constant speed{what}; drive = "held" in [torsion] says that '
+            "this is meant"
+        )
 
 
 def sentences(found: TorsionFigures) -> Iterator[str]:
     """Say what the torsional vibration means, the worst first."""
     yield from (_unstable(found, region) for region in found.unstable)
-    yield from (f"{capital(_runaway(part))}." for part in found.runaway)
-    yield from (f"{capital(said)}." for said in _running(found))
-    yield from (f"{capital(said)}." for said in (*_rattle(found, found.largest), *_avoided(found)))
+    for said in (
+        *map(_runaway, found.runaway),
+        *_running(found),
+        *_rattle(found, found.largest),
+        *_avoided(found),
+    ):
+        yield f"{capital(said)}."
     yield _resonance(found)
     yield from _largest(found)
-    yield _shapes(found)
+    shapes = [
+        f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
+        for mode in sorted(found.modes, key=lambda mode: mode.frequency)
+    ]
+    yield f"What vibrates: {listed(shapes)}."
     if not found.unstable and not found.missing:
         yield "The motion is stable at all speeds of the range."
     yield from _side_by_side(found)
     for missing in found.missing:
         yield f"{capital(_where(missing))} the torques are not known: {missing.reason}."
-    if held := _held(found):
-        yield f"{capital(held)}."
+    yield from (f"{capital(said)}." for said in _held(found))
 
 
 def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
@@ -185,15 +186,6 @@ def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
     )
 
 
-def _shapes(found: TorsionFigures) -> str:
-    """Say what moves in each mode."""
-    shapes = [
-        f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
-        for mode in sorted(found.modes, key=lambda mode: mode.frequency)
-    ]
-    return f"What vibrates: {listed(shapes)}."
-
-
 def _resonance(found: TorsionFigures) -> str:
     excited = [critical for critical in found.critical_speeds if critical.is_excited]
     inside = found.resonances
@@ -213,21 +205,18 @@ def _resonance(found: TorsionFigures) -> str:
     count = "one critical speed: that"
     if len(inside) > 1:
         count = f"{len(inside)} critical speeds; the worst is that"
+    effect = "no periodic motion was found"
+    if worst.amplitude is not None:
+        size = quantity(worst.amplitude, "Nm")
+        effect = f"this order of the torque of shaft {worst.shaft} is ±{size}"
     text = (
         f"The range contains {count} of order {worst.order:g} at {_rpm(worst.speed)}, where "
-        f"{_effect(worst)}."
+        f"{effect}."
     )
     unknown = [_rpm(critical.speed) for critical in inside if critical.amplitude is None]
     if known and unknown:
         text += f" At {listed(unknown)} no periodic motion was found."
     return text
-
-
-def _effect(critical: CriticalSpeed) -> str:
-    if critical.amplitude is None:
-        return "no periodic motion was found"
-    size = quantity(critical.amplitude, "Nm")
-    return f"this order of the torque of shaft {critical.shaft} is ±{size}"
 
 
 def _largest(found: TorsionFigures) -> Iterator[str]:

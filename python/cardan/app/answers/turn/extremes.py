@@ -73,8 +73,8 @@ def _found(
     return [Peak(value, tuple(places)) for value, places in found]
 
 
-def signed_ends(line: Driveline, name: str, shaft: int, load: Load) -> tuple[float, float]:
-    """Return the least and the largest value of a scalar output over a turn, with its sign.
+def torque_ends(line: Driveline, shaft: int, load: Load) -> tuple[float, float]:
+    """Return the least and the largest torque of a shaft over a turn, with its sign.
 
     Both are found between samples, to about 1e-10 of the larger.
     """
@@ -83,7 +83,7 @@ def signed_ends(line: Driveline, name: str, shaft: int, load: Load) -> tuple[flo
         middle, reach, values = math.pi, math.pi, np.empty(0)
         for _ in range(4):
             angles = np.linspace(middle - reach, middle + reach, 721)
-            values = sign * values_of(line, name, shaft, angles, load)
+            values = sign * values_of(line, "torque", shaft, angles, load)
             middle, reach = float(angles[np.argmax(values)]), reach / 180.0
         ends.append(sign * float(np.max(values)))
     return ends[0], ends[1]

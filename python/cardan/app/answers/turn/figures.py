@@ -19,6 +19,7 @@ from cardan.app.answers.rows import (
     key_of,
     optional,
     parts,
+    taken,
     word,
 )
 from cardan.app.answers.turn.extremes import (
@@ -172,16 +173,14 @@ def drive_angles(scene: Scene) -> DriveAngles:
     degrees = scene.without_missing().drive_angle_deg
     ends = (float(degrees[0]), float(degrees[-1]))
     samples, missing = len(scene.drive_angle_deg), scene.missing
+    turns, extent = float(np.sum(np.abs(np.diff(degrees)))) / 360.0, None
     if scene.recording:
         way = Way()
         way.add(degrees)
-        found = recorded_angles(samples, missing, ends, way.turns, scene.signals, way.extent)
-    else:
-        turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
-        found = recorded_angles(samples, missing, ends, turns, scene.signals)
-        found = replace(found, source="sweep")
+        turns, extent = way.turns, way.extent
     return replace(
-        found,
+        recorded_angles(samples, missing, ends, turns, scene.signals, extent),
+        source="recording" if scene.recording else "sweep",
         angle_of="" if scene.driven_angle_deg is None else "driven",
         period=None if scene.deviations is None else 360.0,
     )
@@ -214,21 +213,15 @@ def recorded_angles(
 def _signal(signal: Signal) -> SignalFigures:
     """Only a derived signal has the samples of a filter, only times have a rate and gaps."""
     own = signal.sampling
-    return SignalFigures(
-        signal.signal,
-        signal.column,
-        signal.unit,
-        signal.first,
-        signal.last,
-        signal.min,
-        signal.max,
-        2 * signal.reach + 1 if signal.reach else None,
-        signal.scatter.noise if signal.scatter else None,
-        (signal.scatter.reach or None) if signal.scatter else None,
-        own.rate if own else None,
-        own.gaps if own else None,
-        own.longest if own and own.gaps else None,
-        own.longest_after if own and own.gaps else None,
+    return taken(
+        *(SignalFigures, signal),
+        filter_samples=2 * signal.reach + 1 if signal.reach else None,
+        noise=signal.scatter.noise if signal.scatter else None,
+        quiet_reach=(signal.scatter.reach or None) if signal.scatter else None,
+        samples_per_second=own.rate if own else None,
+        gaps=own.gaps if own else None,
+        longest_gap=own.longest if own and own.gaps else None,
+        longest_gap_after=own.longest_after if own and own.gaps else None,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,6 +12,7 @@ import numpy as np
 
 from cardan.app.answers.printed import number_text
 from cardan.app.answers.rounding import flat_limits
+from cardan.app.answers.turn.extremes import period_of
 from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.pictures.style import MARKERS, degree_ticks, line_style, value_ticks
 from cardan.app.scene.language.units import as_shown
@@ -26,6 +28,17 @@ if TYPE_CHECKING:
 
 TURN = Sweep.revolutions(721 / 720, 720)
 """A turn in steps of half a degree, both ends included."""
+
+_PER_DEGREE = 2
+MARKS = np.arange(0, 180, 30) * _PER_DEGREE
+"""Samples of half a turn whose drive angles a path of vectors names."""
+
+
+def period(line: Driveline) -> tuple[FloatArray, Sweep]:
+    """Return the drive angles after which magnitudes repeat, in degrees and as a sweep."""
+    per_turn = 360 * _PER_DEGREE
+    count = round(period_of(line) / math.tau * per_turn) + 1
+    return np.arange(count) / _PER_DEGREE, Sweep.revolutions(count / per_turn, per_turn)
 
 
 def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:

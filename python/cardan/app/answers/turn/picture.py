@@ -11,29 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.printed import curves_text
 from cardan.app.answers.rounding import MAGNITUDES, is_steady, signed
 from cardan.app.answers.rows import UNITS
-from cardan.app.answers.states.picture import height_mm, plot_states
-from cardan.app.answers.study.picture import plot_study
 from cardan.app.answers.turn.figures import SummaryRow, summary
 from cardan.app.answers.turn.panel import Abscissa, Over, abscissa, frame_values
 from cardan.app.answers.turn.text import summary_lines
 from cardan.app.pictures.driveline import plot_driveline
-from cardan.app.pictures.style import (
-    LINES,
-    MM,
-    STYLE,
-    WIDTH,
-    check_kind,
-    legend_above,
-    matplotlib,
-    number,
-    page,
-    save,
-    text_width,
-    value_ticks,
-)
+from cardan.app.pictures.study import height_mm, plot_states, plot_study
 from cardan.app.scene.language.units import RPM, as_shown, shown_in
 from cardan.app.scene.scene import Scene, SceneResult
 from cardan.app.scene.study.states import StatesResult
@@ -75,11 +61,11 @@ def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
         ValueError: times that were not recorded; orders of less than a turn or of a drive that
             turns back.
     """
-    check_kind("result", result, SceneResult)
-    with matplotlib().rc_context(STYLE), shown_in(result.scene.units):
+    style.check_kind("result", result, SceneResult)
+    with style.matplotlib().rc_context(style.STYLE), shown_in(result.scene.units):
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
+        figure = Figure(figsize=(_PAGE[0] * style.MM, _PAGE[1] * style.MM))
         along = abscissa(result.scene, over)
         every = quantities(result)
         drawn = [quantity for quantity in every if over == "orders" or not quantity.is_line(along)]
@@ -115,7 +101,7 @@ def write_picture(
         ValueError: an unknown suffix or column, a study of no key or more than two, what
             ``plot_scene`` cannot draw.
     """
-    save(plot_scene(result, over=over) if column is None else _study(result, column), path)
+    style.save(plot_scene(result, over=over) if column is None else _study(result, column), path)
 
 
 def _study(result: SceneResult, column: str) -> Figure:
@@ -124,7 +110,7 @@ def _study(result: SceneResult, column: str) -> Figure:
         raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
     states = result.study if isinstance(result.study, StatesResult) else None
     height = height_mm(states.states.count) if states else 66.0
-    with page(WIDTH, height, scene.title) as figure, shown_in(scene.units):
+    with style.page(style.WIDTH, height, scene.title) as figure, shown_in(scene.units):
         axes = figure.add_subplot()
         if states:
             limits = scene.limits.figures if column == "equivalent_bend" else {}
@@ -156,18 +142,17 @@ def _title(figure: Figure, scene: Scene) -> float:
         y -= _TITLE_LINE
     driven = scene.driven_angle_deg
     angles = scene.drive_angle_deg if driven is None else driven
-    first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
+    first, last = (style.number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
     shaft = "drive" if driven is None else "driven"
     said = [f"{shaft} angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
     if scene.speed:
-        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)}"]
+        rpm = float(f"{scene.speed / RPM:.6g}")
+        said += [
+            f"drive at {'up to ' * scene.speed_recorded}{style.number(rpm)} {UNITS['rpm'].symbol}"
+        ]
     _text(figure, _MARGIN, y - 0.5, ", ".join(said))
     return y - 5.0
-
-
-def _rpm(speed: float) -> str:
-    return f"{number(float(f'{speed / RPM:.6g}'))} {UNITS['rpm'].symbol}"
 
 
 def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
@@ -180,12 +165,12 @@ def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
 
 def _key_figures(figure: Figure, result: SceneResult, top: float, height: float) -> None:
     left, right = _MARGIN + _SKETCH + _GAP, _PAGE[0] - _MARGIN
-    y, size = top - _LINE, float(STYLE["font.size"])
+    y, size = top - _LINE, float(style.STYLE["font.size"])
     _text(figure, left, y, "Key figures", fontweight="bold")
     for label, value in key_figures(summary(result), int(height / _LINE) - _SPARE):
         y -= _LINE
         _text(figure, left, y, label)
-        wide = text_width(label, size) + text_width(value, size) + 2.0 * size
+        wide = style.text_width(label, size) + style.text_width(value, size) + 2.0 * size
         # A value that does not fit beside its label goes below it.
         y -= _LINE if 25.4 / 72.0 * wide > right - left else 0.0
         _text(figure, right, y, value, "right")
@@ -218,7 +203,7 @@ def _panels(
         )
         quantity.draw(axes, along, 0.8 * _BESIDE / 25.4 * 72.0)
         if rows > 2:
-            value_ticks(axes.yaxis, 3)
+            style.value_ticks(axes.yaxis, 3)
         by_scale.setdefault(quantity.scale, []).append(axes)
         # The lowest panel of each column names what is along it.
         if i + columns >= count:
@@ -299,7 +284,7 @@ def _lines(rows: Sequence[SummaryRow], most: int) -> Iterator[tuple[str, str]]:
 
 # --- panels: what is drawn in each, and on which scale --------------------------------------------
 
-MOST = len(LINES)
+MOST = len(style.LINES)
 """How many shafts or joints a panel shows at most."""
 
 
@@ -363,7 +348,9 @@ class DrawnQuantity:
         axes.set_title(self.heading, loc="left", x=left, pad=14.5 if many else 5.5)
         if many:
             place = {"loc": "lower left", "bbox_to_anchor": (left, 1.0), "borderaxespad": 0.7}
-            legend_above(axes, ncols=MOST, **{**place, "handlelength": 1.6, "columnspacing": 0.5})
+            style.legend_above(
+                axes, ncols=MOST, **{**place, "handlelength": 1.6, "columnspacing": 0.5}
+            )
 
 
 def quantities(result: SceneResult) -> list[DrawnQuantity]:
@@ -386,7 +373,9 @@ def quantities(result: SceneResult) -> list[DrawnQuantity]:
             panels.append(DrawnQuantity(name, unit, "shaft", (0,), (values,), name, ends=ends))
     for output, items, curves in found.values():
         if output.vector:
-            along = _along(result)
+            # Torque goes along the axis that the driveline follows most, bending across.
+            directions = scene.line.directions.reshape(-1, 3)
+            along = int(np.argmax(np.abs(np.mean(directions, axis=0))))
             for i, axis in enumerate(output.axes):
                 part = [values[:, i] for values in curves]
                 scale = f"{output.name} {'along' if i == along else 'across'}"
@@ -453,9 +442,3 @@ def _torques(result: SceneResult, joints: Sequence[int]) -> FloatArray:
 def _extent(values: FloatArray) -> float:
     known = values[~np.isnan(values)]
     return float(np.ptp(known)) if known.size else 0.0
-
-
-def _along(result: SceneResult) -> int:
-    """The axis that the driveline follows most: torque goes along it, bending across."""
-    directions = result.scene.line.directions
-    return int(np.argmax(np.abs(np.mean(directions.reshape(-1, 3), axis=0))))

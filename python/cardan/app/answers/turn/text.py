@@ -81,10 +81,6 @@ def _end(degrees: float, radians: bool) -> str:
     return in_unit([number_text(end, "given")], "deg", radians=radians)
 
 
-def _angle(degrees: float, radians: bool) -> str:
-    return angle_text(math.radians(degrees) if radians else degrees, radians=radians)
-
-
 def _is_short(angles: DriveAngles) -> bool:
     """Whether a sweep may pass by an extreme."""
     return angles.source == "sweep" and angles.turns < 0.5
@@ -169,7 +165,10 @@ def _line(rows: Sequence[SummaryRow], radians: bool) -> tuple[str, str]:
     label += f", {items_text(first.per, [first.item] if is_range else [row.item for row in rows])}"
     shown = shown_unit(first.unit)
     unit = "rad" if radians and shown == "deg" else shown
-    values, kind = [_in_unit(row, radians) for row in rows], kind_of(quantity, unit)
+    kind = kind_of(quantity, unit)
+    values = [
+        math.radians(row.value) if unit == "rad" else in_shown(row.value, row.unit) for row in rows
+    ]
     if is_range:
         apart = values[-1] > values[0]
         figures = (
@@ -178,14 +177,9 @@ def _line(rows: Sequence[SummaryRow], radians: bool) -> tuple[str, str]:
         return label, in_unit(figures, shown, " to ", radians=radians)
     text = in_unit([number_text(value, kind) for value in values], shown, radians=radians)
     if len(rows) == 1 and first.at_drive_angle is not None:
-        text += f" at {_angle(first.at_drive_angle, radians)}"
+        at = first.at_drive_angle
+        text += f" at {angle_text(math.radians(at) if radians else at, radians=radians)}"
     return label, text
-
-
-def _in_unit(row: SummaryRow, radians: bool) -> float:
-    if row.unit == "deg" and radians:
-        return math.radians(row.value)
-    return in_shown(row.value, row.unit)
 
 
 def signals_text(angles: DriveAngles) -> str:
@@ -194,16 +188,12 @@ def signals_text(angles: DriveAngles) -> str:
         return ""
     rates = [each.samples_per_second for each in angles.signals if each.signal == "time"]
     step = 1.0 / rates[0] if rates and rates[0] else 0.0
-    lines = [
-        (_label(signal), "; ".join(_signal_parts(signal, angles.samples, step)))
-        for signal in angles.signals
-    ]
+    lines = []
+    for signal in angles.signals:
+        column = "" if signal.column is None else f", column {signal.column!r}"
+        label = f"{_LABELS.get(signal.signal, signal.signal)}{column}"
+        lines.append((label, "; ".join(_signal_parts(signal, angles.samples, step))))
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
-
-
-def _label(signal: SignalFigures) -> str:
-    name = _LABELS.get(signal.signal, signal.signal)
-    return name if signal.column is None else f"{name}, column {signal.column!r}"
 
 
 def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[str]:

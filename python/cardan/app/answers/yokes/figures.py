@@ -8,8 +8,8 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from cardan.app.answers.limits.check import check_states
-from cardan.app.answers.limits.figures import motion_of
+from cardan.app.answers.limits import motion_of
+from cardan.app.answers.over import check_states
 from cardan.app.answers.printed import judged_text
 from cardan.app.answers.rounding import ROUNDING, equivalent_bend_deg
 from cardan.app.answers.rows import (
@@ -319,15 +319,14 @@ def _decimals(line: Driveline, states: States | None, best: FloatArray, limit_de
     """The fewest decimals of settings and turns with which a limit is kept, if it can be."""
     fewest = DIGITS["phase"].decimals or 0
     for decimals in range(fewest, _MOST_DECIMALS + 1):
-        ways = [start + _rounded(best - start, decimals) for start in (0.0 * best, line.phases)]
+        ways = [
+            start + np.radians(np.round(np.degrees(best - start), decimals))
+            for start in (0.0 * best, line.phases)
+        ]
         lines = [one for phases in ways for one in _of_states(line, states, phases)]
         if max(map(equivalent_bend_deg, lines)) <= limit_deg * (1.0 + ROUNDING):
             return decimals
     return fewest
-
-
-def _rounded(angles: FloatArray, decimals: int) -> FloatArray:
-    return np.radians(np.round(np.degrees(angles), decimals))
 
 
 def _setting(line: Driveline, place: int, phase: float, teeth: int | None = None) -> ShaftSetting:

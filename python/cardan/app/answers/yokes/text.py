@@ -313,11 +313,8 @@ def _bent(found: Advice) -> list[BendRange]:
 
 def _bend(joint: BendRange) -> str:
     """A bend, which mostly someone gave, without zeros at its end."""
-    return in_unit([plain_text(joint.bend_deg, "deg", apart_from=_ends(joint))], "deg")
-
-
-def _ends(joint: BendRange) -> tuple[float, float]:
-    return joint.from_deg, joint.to_deg
+    ends = (joint.from_deg, joint.to_deg)
+    return in_unit([plain_text(joint.bend_deg, "deg", apart_from=ends)], "deg")
 
 
 def _largest(found: Advice) -> BendRange:

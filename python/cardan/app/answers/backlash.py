@@ -4,23 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import cardan.app.pictures.style as style
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
+from cardan.app.answers.printed import angle_text, given, quantity, with_unit
 from cardan.app.answers.rows import Judged, figure, word
+from cardan.app.answers.turn.panel import TURN
+from cardan.app.scene.language.units import as_shown
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
-from cardan.evaluation.sweep import Sweep
 
-TURN = Sweep.revolutions(721 / 720, 720)
-"""A turn in steps of half a degree, both ends included."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 
 # Drivelines of a study at a time.
 _ROWS = 256
@@ -165,3 +170,73 @@ def drawn_backlash(scene: Scene) -> Backlash:
         lines = [scene.in_state(i).line_as_built for i in range(scene.states.count)]
     found = [backlash(line, play.radial, play.arm, load, play.stiffness) for line in lines]
     return max(found, key=lambda one: float(np.max(one.lash)))
+
+
+_CLOSE = 1e-3
+"""Loops whose lash differs by less than this share are drawn as one."""
+
+
+def plot_backlash(found: Backlash, *, ax: Axes | None = None) -> Axes:
+    """Draw torque over the angle of the last shaft while the drive is held: the backlash loop.
+
+    There is a loop at the drive angle with the largest lash and one at that with the least, unless
+    they are nearly the same. Between the flanks the shaft is loose; on a flank the crosses wind up.
+
+    Args:
+        found: lash and wind-up, from ``cardan.app.answers.backlash``.
+
+    Returns:
+        the axes, with the angle in degrees from the middle of the play.
+    """
+    style.check_kind("found", found, Backlash)
+    most, least = int(np.argmax(found.lash)), int(np.argmin(found.lash))
+    apart = found.lash[most] - found.lash[least] > _CLOSE * found.lash[most]
+    turn = np.degrees(np.asarray(TURN))
+    with style.drawing(ax, height_mm=55.0) as axes:
+        axes.axhline(0.0, **style.THIN)
+        axes.axvline(0.0, **style.THIN)
+        for place, sample in enumerate((most, least) if apart else (most,)):
+            angle, torque = found.loop(sample)
+            torque = as_shown(torque, "N m")[0]
+            axes.plot(
+                np.degrees(angle),
+                torque,
+                label=f"at {angle_text(float(turn[sample]), radians=False)}: loose by "
+                f"{quantity(float(found.lash[sample]), 'deg')}",
+                **style.line_style(place),
+            )
+        held = "angle of the last shaft, drive held [deg]"
+        style.finish(axes, held, with_unit(f"torque at the {found.end}", "Nm"), ncols=2)
+        style.value_ticks(axes.xaxis)
+    return axes
+
+
+def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
+    """Draw how far the last shaft is loose over the turn, and how far the torque winds it up.
+
+    Arguments and errors are those of ``plot_backlash``.
+    """
+    style.check_kind("found", found, Backlash)
+    turn = np.degrees(np.asarray(TURN))
+    with style.drawing(ax, height_mm=45.0) as axes:
+        axes.plot(turn, np.degrees(found.lash), label="loose by", **style.line_style(0))
+        both = found.lash + 2.0 * found.wind_up
+        if np.any(found.wind_up):
+            label = f"from {given(found.torque, 'Nm')} to \N{MINUS SIGN}{given(found.torque, 'Nm')}"
+            axes.plot(turn, np.degrees(both), label=label, **style.line_style(1))
+        ends = (0.0, 360.0), (0.0, 1.1 * float(np.degrees(np.max(both))))
+        style.finish(axes, "drive angle [deg]", "angle of the last shaft [deg]", *ends)
+    return axes
+
+
+def _whole(answer: Answer) -> Figure:
+    """Torque over the angle of the loose last shaft, and its lash."""
+    found = drawn_backlash(answer.scene)
+    panels = (
+        (60.5, lambda axes: plot_backlash(found, ax=axes)),
+        (49.5, lambda axes: plot_lash(found, ax=axes)),
+    )
+    return style.stacked(panels, answer.of.title)
+
+
+PICTURES = {"backlash": _whole}

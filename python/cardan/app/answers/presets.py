@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
-from cardan.app.answers.limits.figures import judged_of
+from cardan.app.answers.limits import judged_of
 from cardan.app.answers.printed import bound_of, capital, listed, place_of, quantity
 from cardan.app.answers.rows import Judged, Row, figure, item, parts, word
 from cardan.app.scene.scene import Scene

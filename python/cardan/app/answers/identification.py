@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from os import PathLike, fspath
@@ -12,10 +12,9 @@ from typing import Literal
 import numpy as np
 
 from cardan._core import Integral
-from cardan.app.answers.rows import count, figure, flag, item, optional, parts, word
+from cardan.app.answers.rows import count, figure, flag, item, optional, parts, taken, word
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
-from cardan.arrays import FloatArray
 from cardan.motion.identification import Part, identify, identify_two_joints, two_joints
 
 _LARGEST_ORDER = 4
@@ -158,14 +157,23 @@ def identified(
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{fspath(path)}: column {twice[0]!r} is named for two signals")
     columns = dict(zip(names, read_columns(path, names), strict=True))
-    _check_unlike(fspath(path), {name: columns[name] for name in names if name != time})
+    angles = [(name, column) for name, column in columns.items() if name != time]
+    for (name, one), (other, another) in combinations(angles, 2):
+        # One signal under two names would show a bend of 0.
+        if np.array_equal(one, another, equal_nan=True):
+            raise ValueError(
+                f"{fspath(path)}: columns {name!r} and {other!r} are the same in all rows; "
+                "each shaft needs its own encoder"
+            )
     speed = None if drive_speed is None else columns[drive_speed] * RPM
     if drive is not None:
         angle = columns[drive]
     else:
         assert time is not None
         assert speed is not None
-        angle = _integrated(fspath(path), time, columns[time], speed)
+        if np.any(np.diff(columns[time][~np.isnan(columns[time])]) <= 0.0):
+            raise ValueError(f"{fspath(path)}: column {time!r}: times must increase")
+        angle = np.asarray(Integral(0.0).at(columns[time], speed), np.float64)
         angle = angle if radians else np.degrees(angle)
     is_ratio, both = driven is None, None
     if driven is None:
@@ -183,39 +191,34 @@ def identified(
         )
         both = two_joints(firsts[0], found) if firsts else None
     elif intermediate is not None:
-        angles = (angle, columns[intermediate], columns[driven])
-        both = identify_two_joints(*angles, drive_speed=speed, degrees=not radians)
+        shafts = (angle, columns[intermediate], columns[driven])
+        both = identify_two_joints(*shafts, drive_speed=speed, degrees=not radians)
         found = both.whole
     else:
         found = identify(angle, angle=columns[driven], drive_speed=speed, degrees=not radians)
     # Speed ratios have no unit.
     unit = "" if is_ratio else "rad" if radians else "deg"
-    return Identified(
-        fspath(path),
-        found.samples,
-        len(angle) - found.samples,
-        found.turns,
-        found.mean_ratio,
-        found.bend,
-        _known(found.std),
-        *found.interval,
-        found.detection_limit,
-        found.detected,
-        found.angle_offset,
-        None if both is None else _known(both.phase_less_twist),
-        _known(found.purity),
-        _known(found.std_purity),
-        unit,
-        found.residual,
-        "speed ratio" if is_ratio else "angle error",
-        tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
-        ()
-        if both is None
-        else tuple(
+    joints: tuple[JointBend, ...] = ()
+    if both is not None:
+        joints = tuple(
             JointBend(n, both.bends[n], _known(both.std[n]), *both.intervals[n]) for n in range(2)
-        ),
-        found.changes,
-        tuple(map(_of_part, found.parts)) if found.changes or speed is not None else (),
+        )
+    return taken(
+        *(Identified, found),
+        path=fspath(path),
+        missing_samples=len(angle) - found.samples,
+        equivalent_bend=found.bend,
+        standard_deviation=_known(found.std),
+        interval_low=found.interval[0],
+        interval_high=found.interval[1],
+        phase_less_twist=None if both is None else _known(both.phase_less_twist),
+        purity=_known(found.purity),
+        purity_standard_deviation=_known(found.std_purity),
+        unit=unit,
+        recorded="speed ratio" if is_ratio else "angle error",
+        orders=tuple(Order(n, unit, abs(found.orders[n])) for n in range(1, _LARGEST_ORDER + 1)),
+        joints=joints,
+        by_part=tuple(map(_of_part, found.parts)) if found.changes or speed is not None else (),
     )
 
 
@@ -226,23 +229,6 @@ def _of_part(part: Part) -> BendOfPart:
     # The largest speed ratio of a joint is 1/cos of its bend, the least one cos.
     slow = math.cos(bend)
     return BendOfPart(part.speed, part.speed * slow, part.speed / slow, None, bend, std)
-
-
-def _check_unlike(path: str, columns: Mapping[str, FloatArray]) -> None:
-    """Refuse one signal under two names, which would show a bend of 0."""
-    for (name, one), (other, another) in combinations(columns.items(), 2):
-        if np.array_equal(one, another, equal_nan=True):
-            raise ValueError(
-                f"{path}: columns {name!r} and {other!r} are the same in all rows; "
-                "each shaft needs its own encoder"
-            )
-
-
-def _integrated(path: str, name: str, time: FloatArray, speed: FloatArray) -> FloatArray:
-    known = time[~np.isnan(time)]
-    if np.any(np.diff(known) <= 0.0):
-        raise ValueError(f"{path}: column {name!r}: times must increase")
-    return np.asarray(Integral(0.0).at(time, speed), np.float64)
 
 
 def _known(value: float) -> float | None:

@@ -206,17 +206,21 @@ def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
 
 def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Support, ...]:
     """Largest parts over the states: cosine and sine of the bend at that end of the shaft."""
-    last = bends.shape[-1]
-    sides: tuple[tuple[Literal["upstream", "downstream"], int, int | None], ...] = (
-        ("upstream", max(slip.shaft - 1, 0), slip.shaft - 1 if slip.shaft else None),
-        ("downstream", min(slip.shaft + 1, last), slip.shaft if slip.shaft < last else None),
+    # An end of the driveline is straight.
+    beside = np.pad(bends, ((0, 0), (1, 1)))
+    sides: tuple[tuple[Literal["upstream", "downstream"], int, FloatArray], ...] = (
+        ("upstream", max(slip.shaft - 1, 0), beside[:, slip.shaft]),
+        ("downstream", min(slip.shaft + 1, bends.shape[-1]), beside[:, slip.shaft + 1]),
     )
-    found = []
-    for side, shaft, joint in sides:
-        bend = np.zeros(len(forces)) if joint is None else bends[:, joint]
-        parts = (float(np.max(forces * part(bend))) for part in (np.cos, np.sin))
-        found.append(Support(shaft, side, *parts))
-    return tuple(found)
+    return tuple(
+        Support(
+            shaft,
+            side,
+            float(np.max(forces * np.cos(bend))),
+            float(np.max(forces * np.sin(bend))),
+        )
+        for side, shaft, bend in sides
+    )
 
 
 def sentences(found: SplineFigures) -> Iterator[str]:

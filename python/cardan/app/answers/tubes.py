@@ -71,13 +71,9 @@ class TubeFigures:
 
 def find(answer: Answer) -> tuple[TubeFigures, ...]:
     """Return the tubes of a scene; none if it has none."""
-    return tuple(_tubes(answer.scene))
-
-
-def _tubes(scene: Scene) -> Iterator[TubeFigures]:
-    tubes = scene.tubes
+    scene, tubes = answer.scene, answer.scene.tubes
     if tubes is None:
-        return
+        return ()
 
     def critical_of(line: Driveline, _: Load | None) -> FloatArray:
         return np.moveaxis(tubes.critical_speed(line), -1, 0)
@@ -102,8 +98,8 @@ def _tubes(scene: Scene) -> Iterator[TubeFigures]:
     margin, tube = Wherever(scene, margin_of, "least"), tubes.tube
     half, quarter = (Wherever(scene, partial(distance_of, order), "least") for order in (2, 4))
     per_torque, permitted = tube.shear_stress(1.0), tubes.permitted_stress
-    for i, shaft in enumerate(tubes.shafts):
-        yield TubeFigures(
+    return tuple(
+        TubeFigures(
             shaft,
             float(tube.stiffness[i]),
             float(tube.inertia[i]),
@@ -116,6 +112,8 @@ def _tubes(scene: Scene) -> Iterator[TubeFigures]:
             half.worst(i, tubes.resonance_margin, "the scene gives no speed"),
             quarter.worst(i),
         )
+        for i, shaft in enumerate(tubes.shafts)
+    )
 
 
 def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:

@@ -13,15 +13,13 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import varies
-from cardan.app.answers.printed import given, quantity
+from cardan.app.answers.printed import bullets, given, quantity
 from cardan.app.answers.rows import item, word
-from cardan.app.answers.turn.extremes import signed_ends
+from cardan.app.answers.turn.extremes import torque_ends
 from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import has_lengths
-from cardan.design.wrapping import wrap
-from cardan.evaluation.load import Load
 from cardan.torsion.tube import WIDEST
 
 _LONGEST, _SHORTEST = 50.0, 1e-3
@@ -52,29 +50,16 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     """Return the remarks on a scene."""
     scene = answer.scene
     found = (
-        _commas,
-        _lengths,
-        _angles,
-        _recorded,
-        _tubes,
-        _wind_up,
-        _small,
-        _speeds,
-        _states,
-        _torques,
-        _units,
+        *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
+        *(_small, _speeds, _states, _torques, _units),
     )
     return tuple(remark for own in found for remark in own(scene))
 
 
 def words(found: tuple[Remark, ...], *, radians: bool = False) -> str:
     """Return the remarks as plain text, 79 wide."""
-    lines = [
-        line
-        for each in found
-        for line in wrap(f"- {each.about}: {each.remark}", 79, subsequent_indent="  ")
-    ]
-    return "\n".join([heading(found), *lines])
+    lines = (f"{each.about}: {each.remark}" for each in found)
+    return "\n".join([heading(found), *bullets(lines, break_on_hyphens=True)])
 
 
 def heading(_: tuple[Remark, ...]) -> str:
@@ -270,9 +255,11 @@ def _torques(scene: Scene) -> Iterator[Remark]:
         found = []
         for name, one in zip(scene.states.names if scene.states else ("",), each, strict=True):
             load = one.load_case
-            if load is None or load.inertias is None or one.line.shape or _is_recorded(load):
+            if load is None or load.inertias is None or one.line.shape:
                 continue
-            low, high = signed_ends(one.line_as_built, "torque", shaft, load)
+            if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
+                continue
+            low, high = torque_ends(one.line_as_built, shaft, load)
             least = noise(one)
             if load.torque and low < -least and high > least:
                 found.append((high - low, name, low, high))
@@ -285,7 +272,3 @@ def _torques(scene: Scene) -> Iterator[Remark]:
                 f"{quantity(high, 'Nm')}{where}: splines and gears change their flanks and may "
                 "rattle",
             )
-
-
-def _is_recorded(load: Load) -> bool:
-    return any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration))

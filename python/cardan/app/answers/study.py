@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from cardan.app.answers.over import at_keys
-from cardan.app.answers.printed import kind_of, range_ends
+from cardan.app.answers.printed import aligned, kind_of, place_text, range_ends
 from cardan.app.answers.rounding import CANCELLED, ROUNDING, alike
-from cardan.app.answers.rows import as_shown, count, figure, item, optional, parts, place, word
+from cardan.app.answers.rows import (
+    as_shown,
+    count,
+    figure,
+    item,
+    optional,
+    parts,
+    place,
+    taken,
+    word,
+)
+from cardan.app.answers.turn.figures import DriveAngles
+from cardan.app.answers.turn.text import angles_text
 from cardan.app.scene.language.units import in_shown, shown_unit
 from cardan.app.scene.study.axes import Axis
 from cardan.app.scene.study.cluster import StudyFolder
 from cardan.app.scene.study.study import Column, StudyResult
 from cardan.arrays import FloatArray
+from cardan.design.wrapping import fill, wrap
 
 # Closed forms and statistics by which the driveline with the least figure is the best one. Mean
 # values and ends with a sign say nothing, and whole angles and speed ratios lie about their mean.
@@ -129,17 +142,13 @@ def extremes(table: StudyTable, *, radians: bool = False) -> Iterator[Extremes]:
         least, largest = (
             _end(table.axes, values, sign, share * size, ending[1:]) for sign in (1.0, -1.0)
         )
-        yield Extremes(
-            column,
-            column.per,
-            f"{column.name}{ending and '_'}{shown_unit(ending[1:])}",
-            column.quantity,
-            column.item,
-            column.statistic,
-            "turn" if column.statistic == "value" else "samples",
-            column.component,
-            least,
-            largest,
+        yield taken(
+            *(Extremes, column),
+            source=column,
+            column=f"{column.name}{ending and '_'}{shown_unit(ending[1:])}",
+            of="turn" if column.statistic == "value" else "samples",
+            least=least,
+            largest=largest,
         )
 
 
@@ -152,3 +161,67 @@ def _end(
     signed = sign * values
     first = int(np.argmax(signed <= np.nanmin(signed) + rounding))
     return End(unit, float(values.flat[first]), at_keys(axes, values, first, rounding))
+
+
+_WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+
+
+def study_text(found: StudyFigures, angles: DriveAngles, *, radians: bool = False) -> str:
+    """Return the extent of a study, its extremes and its best drivelines, as plain text.
+
+    The drive angles are those over which it reduces.
+    """
+    figures = found.figures
+    parts = [_extent(found), _figures(figures), _best(figures) if found.axes else ""]
+    statistics = dict.fromkeys(each.statistic for each in figures if each.statistic != "value")
+    if statistics:
+        text = f"Figures that end in {' or '.join(statistics)} are of samples"
+        if angles.angle_of == "driven":
+            # Their drive angles are others for each driveline.
+            text += " at the driven angles of the scene."
+        else:
+            text += f", drive angles {angles_text(angles, radians=radians)}."
+        parts.append(fill(text, 79))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _extent(found: StudyFigures) -> str:
+    if not found.axes:
+        return ""
+    steps = [str(axis.values) for axis in found.axes]
+    text = f"Study of {found.drivelines} driveline{'s' if found.drivelines > 1 else ''}"
+    text += f", {' x '.join(steps)}" if len(steps) > 1 else ""
+    varied = [(axis.key, f"{axis.min:.6g} to {axis.max:.6g}") for axis in found.axes]
+    return f"{text}\n{aligned(varied, indent='  ')}"
+
+
+def _figures(found: Sequence[Extremes]) -> str:
+    width = max((len(each.column) for each in found), default=0) + 2
+    return "\n".join(line for each in found for line in _figure(each, width))
+
+
+def _figure(found: Extremes, width: int) -> Iterator[str]:
+    if not found.is_finite or not found.varies:
+        value = found.texts[0] if found.is_finite else "not finite"
+        yield aligned([(found.column, value)], width)
+        return
+    yield found.column
+    ends = (found.least, found.largest)
+    texts = [
+        f"{figure} at {place_text(end.at)}" for figure, end in zip(found.texts, ends, strict=True)
+    ]
+    yield aligned(zip(("least", "largest"), texts, strict=True), 11, "  ")
+
+
+def _best(found: Sequence[Extremes]) -> str:
+    """The drivelines with the least of the figures of which less is better."""
+    places: dict[str, list[str]] = {}
+    for each in found:
+        if each.less_is_better and math.isfinite(each.least.value) and each.least.at:
+            places.setdefault(place_text(each.least.at), []).append(each.column)
+    lines = []
+    for at, names in places.items():
+        lines += wrap(f"by {', '.join(names)}:", 77, **_WHOLE)
+        lines += wrap(at, 75, **_WHOLE, initial_indent="  ", subsequent_indent="  ")
+    heading = f"Best driveline{'s' if len(places) > 1 else ''}"
+    return "\n".join([heading, *(f"  {line}" for line in lines)]) if lines else ""
