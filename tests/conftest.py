@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from selenium import webdriver
 
     from example_scenes import Answers
+    from live import Run
 
 _starts: dict[np.random.Generator, Any] = {}
 """How random generators that modules of tests share are after their import."""
@@ -96,6 +97,14 @@ def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRe
     if hasattr(request.config, "workerinput"):
         folder = folder.parent
     return lambda path: Answered(path, folder / "examples")
+
+
+@pytest.fixture(scope="session")
+def node() -> Iterator[Run]:
+    """One process of Node for all scripts: that it starts takes longer than most of them."""
+    import live
+
+    yield from live.scripts()
 
 
 @pytest.fixture(scope="session")
