@@ -22,7 +22,7 @@ from cardan.app.answers.backlash.figures import Backlash, backlash, drawn_backla
 from cardan.app.answers.forces.figures import BearingForce, Forces, JointForce, force_figures
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
-from cardan.app.answers.turn.figures import summary
+from cardan.app.answers.turn.figures import SummaryRow, summary
 from cardan.app.command import commands
 from cardan.app.plots import plot_backlash, plot_lash
 from cardan.app.scene import Scene, SceneError
@@ -566,3 +566,26 @@ def test_what_has_no_loop_is_refused() -> None:
         backlash(line, 0.05, 40.0, cardan.Load(drive_torque=1.0))
     with pytest.raises(ValueError, match="one torque that is not 0"):
         backlash(line[0], 0.05, 40.0, cardan.Load(speed=1.0))
+
+
+def test_extremes_are_those_of_a_whole_turn_as_built() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    at = BUILT.evaluate(turn, ("angle_error", "speed_ratio", "acceleration_ratio", "tilt_driving"))
+    rows: dict[tuple[str, int, str], SummaryRow] = {
+        (row.quantity, row.item, row.statistic): row for row in summary(Scene.parse(TEXT).run())
+    }
+    wanted = {
+        ("angle_error", 2, "peak"): np.degrees(np.abs(at.angle_error)).max(),
+        ("speed_ratio", 2, "min"): at.speed_ratio.min(),
+        ("speed_ratio", 2, "max"): at.speed_ratio.max(),
+        ("acceleration_at_steady_drive", 2, "peak"): (
+            np.abs(at.acceleration_ratio).max() * SPEED**2
+        ),
+        ("tilt_driving", 1, "peak"): np.degrees(np.abs(at.tilt_driving[1])).max(),
+    }
+    for key, value in wanted.items():
+        assert rows[key].value == pytest.approx(value, rel=1e-6), key
+    place = rows["angle_error", 2, "peak"].at_drive_angle
+    assert place is not None
+    size = abs(BUILT.evaluate(np.radians(place), "angle_error").angle_error)
+    assert np.degrees(size) == pytest.approx(wanted["angle_error", 2, "peak"], rel=1e-6)

@@ -66,13 +66,14 @@ def test_figures_are_those_of_the_library() -> None:
 
 def test_a_hemisphere_reaches_one_and_a_half_times_the_projected_pressure() -> None:
     """Marcus (10)."""
-    text = "[ball_joint]\nload_N = 1000\nradius_mm = 10\n"
-    found = ball_joint_figures(BallJointScene.parse(text).ball_joint)
+    scene = BallJointScene.parse("[ball_joint]\nload_N = 1000\nradius_mm = 10\n")
+    found = ball_joint_figures(scene.ball_joint)
     assert found.peak == pytest.approx(1.5 * found.projected_pressure, rel=1e-13)
     assert found.peak == pytest.approx(3 * 1000 / (2 * math.pi * 0.01**2), rel=1e-13)
     assert found.edge_pressure == 0.0
     assert found.seat_pressure.verdict == "not judged"
     assert (found.allowable_load, found.turning_friction) == (None, None)
+    assert Answer(scene).verdict == "not judged"
 
 
 def test_the_weaker_material_judges_and_sizes() -> None:

@@ -418,3 +418,12 @@ def test_the_text_has_a_row_for_each_state() -> None:
         quantity(value, "deg") for value in found.figures[0].nominal.each.values()
     ]
     assert max(map(len, text.splitlines())) <= 79
+
+
+def test_text_of_teeth_and_points() -> None:
+    text = f"{POINTS}[tolerances]\npoints_mm = [0, 1, 2, 0]\nteeth = 40\nsamples = 1000\n"
+    printed = PARTS["tolerances"].text(figures(text))
+    assert re.search(r"least tolerance, ± +1 mm +4\.5°\n", printed)
+    assert re.search(r"largest tolerance, ± +2 mm +4\.5°\n", printed)
+    assert "random drivelines  1000" in printed
+    assert max(map(len, printed.splitlines())) <= 79

@@ -332,6 +332,7 @@ def test_stretched_heights_are_dragged_exactly(truck: webdriver.Chrome) -> None:
     high = truck.find_element(By.ID, "live-high")
     wide = js(truck, "return cardanPage.drawing.scale")
     high.click()
+    settled(truck)
     assert high.get_attribute("aria-pressed") == "true"
     assert js(truck, "return cardanPage.drawing.scale") == wide
     knobs = [box(truck, f".handle[data-point='{i}'] .knob") for i in (1, 3)]

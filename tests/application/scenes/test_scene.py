@@ -980,3 +980,17 @@ def test_shafts_are_level_in_the_view_that_is_left_out(
     assert np.array_equal(Scene.parse(one).line.directions, Scene.parse(both).line.directions)
     study = f"[study]\n{name}_{other}_deg.1 = [0, 3]\n"
     assert Scene.parse(one + study).study is not None
+
+
+def test_spatial_shaft() -> None:
+    scene = Scene.load(EXAMPLES / "spatial_shaft.toml")
+    table = rows(scene)
+    bends = [table[f"bend_{joint}_value"].value for joint in (0, 1)]
+    assert bends == pytest.approx((16.4225, 16.3956), abs=5e-5)
+    assert table["twist_1_value"].value == pytest.approx(109.127, abs=5e-4)
+    assert table["phase_1_value"].value == pytest.approx(-70.8728)
+    assert table["equivalent_bend_2_value"].value == pytest.approx(0.951, abs=5e-4)
+    untwisted = rows(
+        Scene.parse((EXAMPLES / "spatial_shaft.toml").read_text().replace("-70", "-0"))
+    )
+    assert untwisted["equivalent_bend_2_value"].value > 20
