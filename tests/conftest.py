@@ -135,6 +135,22 @@ def truck(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> webdr
     return browser
 
 
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A scene that writes its curves and its picture."""
+    path = tmp_path / "scene.toml"
+    path.write_text("[driveline]\nbends_deg = [8.5]\n[output]\ncurves = 'a.csv'\npicture = 'a.svg'")
+    return path
+
+
+@pytest.fixture
+def into(tmp_path: Path) -> Path:
+    """An empty folder."""
+    path = tmp_path / "into"
+    path.mkdir()
+    return path
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--slowest",

@@ -12,16 +12,15 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import cardan
+import scripts
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import TorsionFigures, torsion_figures
 from cardan.app.answers.torsion.text import brief as torsion_check_text
-from cardan.app.command import commands
 from cardan.app.scene import Scene, starters
 from cardan.design.wrapping import fill
 from example_scenes import ANSWERS, Answers, each_driveline, each_example, example
@@ -34,7 +33,7 @@ SCHEMA = answers_schema()
 
 
 def answer(command: str, *arguments: str | Path) -> Any:  # noqa: ANN401 - JSON
-    result = CliRunner().invoke(commands(), [command, *map(str, arguments), "--json"])
+    result = scripts.run(command, *arguments, "--json")
     assert result.exit_code in (0, 1), result.output
     return json.loads(result.stdout)
 
@@ -297,9 +296,7 @@ def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None
         "[driveline]\nbends_deg = [8]\n[angles]\nfile = 'a.csv'\nangle_column_deg = 'deg'\n",
         encoding="utf-8",
     )
-    result = CliRunner().invoke(
-        commands(), ["run", str(tmp_path / "a.toml"), "--into", str(tmp_path)]
-    )
+    result = scripts.run("run", tmp_path / "a.toml", "--into", tmp_path)
     assert result.exit_code == 0, result.output
     turns, samples = (2 * most - 21) / 360.0, 2 * most - 20
     assert (
@@ -333,7 +330,7 @@ def answered(command: str, text: str, folder: Path) -> str:
     path = folder / "a.toml"
     path.write_text(text, encoding="utf-8")
     into = ["--into", str(folder)] if command == "run" else []
-    return CliRunner().invoke(commands(), [command, str(path), *into]).output
+    return scripts.run(command, path, *into).output
 
 
 # --- widths ---------------------------------------------------------------------------------------

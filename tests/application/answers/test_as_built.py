@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from matplotlib import pyplot
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 import cardan
+import scripts
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.as_built.figures import ORDERS, OrderFigures
@@ -23,10 +23,9 @@ from cardan.app.answers.forces.figures import BearingForce, Forces, JointForce, 
 from cardan.app.answers.limits.data import check_data
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.turn.figures import SummaryRow, summary
-from cardan.app.command import commands
 from cardan.app.plots import plot_backlash, plot_lash
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.study.curves import columns, study_columns
+from cardan.app.scene.study.curves import columns
 from example_scenes import ANSWERS, example, replaced
 
 HEAD = "[driveline]\nbends_deg = [8, 8]\n[load]\nspeed_rpm = 3000\ndrive_torque_Nm = 100\n"
@@ -57,10 +56,6 @@ def orders(scene: Scene) -> tuple[OrderFigures, ...]:
 
 def amplitudes(found: tuple[OrderFigures, ...], name: str) -> list[float]:
     return [getattr(each, name).value for each in found]
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def test_the_curves_are_those_as_built() -> None:
@@ -249,8 +244,8 @@ def test_studies_and_states_have_outputs_as_built(section: str, tmp_path: Path) 
             assert found == pytest.approx(np.abs(values).max(), rel=1e-12), name
         assert table.values["equivalent_bend"][i] == pytest.approx(line.equivalent().bend, abs=1e-9)
     for name in ("run", "check"):
-        assert "Joints as built" in command(name, path).output
-    assert command("report", path, "--output", tmp_path / "page.html").exit_code == 0
+        assert "Joints as built" in scripts.run(name, path).output
+    assert scripts.run("report", path, "--output", tmp_path / "page.html").exit_code == 0
     assert "as built" in scene.explain()
 
 
@@ -297,12 +292,6 @@ FORCES = ("joint_force", "bearing_force")
 
 
 AT = FORCES_BUILT.evaluate(TURN, FORCES, load=LOAD)
-
-
-def forces_command(*arguments: str | Path) -> str:
-    done = CliRunner().invoke(commands(), [*map(str, arguments)])
-    assert done.exit_code in (0, 1), done.output
-    return done.stdout
 
 
 def forces(scene: Scene) -> Forces:
@@ -373,30 +362,6 @@ def lines() -> list[Driveline]:
     return found
 
 
-@pytest.mark.parametrize("section", ["study", "states"])
-def test_studies_and_states_have_forces_as_built(section: str) -> None:
-    key = "points_mm.3-4.y" if section == "study" else '"points_mm.3-4.y"'
-    text = FORCES_TEXT.replace("[joints]", f"[{section}]\n{key} = {[*HEIGHTS]}\n[joints]")
-    scene = Scene.parse(text)
-    drivelines = lines()
-    if section == "study":
-        result = scene.run().study
-        assert result is not None
-        table = study_columns(result)
-        for i, line in enumerate(drivelines):
-            at = line.evaluate(scene.drive_angle, "bearing_force", load=LOAD).bearing_force
-            for item, force in enumerate(at):
-                peak = np.linalg.norm(force, axis=-1).max()
-                assert table[f"bearing_force_{item}_peak_N"][i] == pytest.approx(peak, rel=1e-9)
-        return
-    found = forces(scene)
-    of_states = [force_figures(line, LOAD) for line in drivelines]
-    for i, force in enumerate(each(found)):
-        worst = max((figures[i] for figures in of_states), key=lambda one: one.largest)
-        assert force.largest.value == pytest.approx(worst.largest, rel=1e-9)
-        assert force.order_1 == pytest.approx(worst.order_1, rel=1e-6)
-
-
 def test_tolerances_of_forces_start_from_the_joints_as_measured() -> None:
     text = f"{FORCES_TEXT}[tolerances]\ndriven_yoke_deg = 0.2\nsamples = 50\n"
     text += 'of = "bearing_force_2_peak"\n'
@@ -432,12 +397,6 @@ BEND, PLAY, STIFF, TORQUE = np.radians(30.0), 0.05 / 40.0, 1e5, 400.0
 
 
 SINGLE = BACKLASH_TEXT.replace("[30, 12]", "[30]").replace("phases_deg = [0]\n", "")
-
-
-def backlash_command(*arguments: object) -> str:
-    done = CliRunner().invoke(commands(), [str(argument) for argument in arguments])
-    assert done.exit_code in (0, 1), done.output
-    return done.output
 
 
 def curves(axes: Axes) -> list[NDArray[np.float64]]:

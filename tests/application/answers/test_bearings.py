@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 
+import scripts
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.forces.figures import (
@@ -34,7 +34,6 @@ from cardan.app.report import write_report
 from cardan.app.report.results import inputs
 from cardan.app.report.samples import evaluated
 from cardan.app.scene import Scene, SceneError, load_scene
-from cardan.app.scene.study.curves import study_columns
 from example_scenes import SCENES, example, replaced
 
 EXAMPLE = example("bearings.toml")
@@ -73,7 +72,7 @@ def sizes(found: Forces) -> list[float | None]:
 
 
 def run(*arguments: str | Path) -> str:
-    done = CliRunner().invoke(commands(), [*map(str, arguments)])
+    done = scripts.run(*arguments)
     assert done.exit_code in (0, 1), done.output
     return done.stdout
 
@@ -86,29 +85,6 @@ def test_two_bearings_in_one_place_but_for_rounding() -> None:
     ):
         Scene.parse(text)
     assert Scene.parse(text.replace("= 250", "= 249.999")).line.n_bearings == 5
-
-
-def test_a_study_moves_points_and_keeps_the_bearings() -> None:
-    text = TEXT + (
-        'reduce = ["peak", "mean"]\n'
-        "[study]\npoints_mm.3-4.y = {from = -220, to = -160, steps = 4}\n"
-    )
-    scene = Scene.parse(text)
-    result = scene.run().study
-    assert result is not None
-    table = study_columns(result)
-    for row, height in enumerate(np.linspace(-220, -160, 4)):
-        points = POINTS.copy()
-        points[3:, 1] = height / 1e3
-        line = Driveline.from_points(points, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
-        found = line.evaluate(scene.drive_angle, "bearing_force", load=LOAD).bearing_force
-        for item, values in enumerate(found):
-            peak = np.linalg.norm(values, axis=-1).max()
-            assert table[f"bearing_force_{item}_peak_N"][row] == pytest.approx(peak, rel=1e-12)
-            mean = [table[f"bearing_force_{item}_{axis}_mean_N"][row] for axis in "xyz"]
-            np.testing.assert_allclose(mean, values[:-1].mean(axis=0), rtol=5e-3, atol=1e-2 * peak)
-    assert scene.study is not None
-    assert scene.study.planes == 3 * 8
 
 
 def test_lengths_of_a_driveline_without_points() -> None:
@@ -363,37 +339,6 @@ def test_a_place_counts_from_either_end() -> None:
         Scene.parse(TEXT.replace(given, "from_end_mm = 1e6"))
     with pytest.raises(SceneError, match="position_mm and from_end_mm are both given"):
         Scene.parse(TEXT.replace(given, f"{given}\nfrom_end_mm = 3"))
-
-
-FIGURES_LINE = Driveline.from_points(
-    [[0.0, 0, 0], [0.3, 0.05, 0], [1.5, -0.1, 0.1], [3.0, -0.4, 0], [3.3, -0.4, 0.1]],
-    phases=[0.4, -1.0],
-).with_bearings([(3, 0.05), (0, 0.05), (1, 1.0), (0, 0.2), (3, 0.2)])
-
-
-FIGURES_LOAD = Load(drive_torque=100.0)
-
-
-def test_figures_of_a_driveline() -> None:
-    turn = np.arange(20_000) * (2 * math.pi / 20_000)
-    samples = FIGURES_LINE.evaluate(turn, ("joint_force", "bearing_force"), load=FIGURES_LOAD)
-    found = force_figures(FIGURES_LINE, FIGURES_LOAD)
-    assert [(row.per, row.item) for row in found] == [("joint", i) for i in range(3)] + [
-        ("bearing", i) for i in range(5)
-    ]
-    for row in found:
-        values = samples[row.output][row.item]
-        sizes = np.linalg.norm(values, axis=-1)
-        assert row.largest == pytest.approx(sizes.max(), rel=1e-6)
-        at = FIGURES_LINE.evaluate(row.places[0], row.output, load=FIGURES_LOAD)[row.output][
-            row.item
-        ]
-        assert np.linalg.norm(at) == pytest.approx(row.largest, rel=1e-12)
-        assert row.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
-        for order, size in ((2, row.order_2), (4, row.order_4)):
-            wave = [2 * (values * f(order * turn)[:, None]).mean(axis=0) for f in (np.cos, np.sin)]
-            part = np.outer(np.cos(turn), wave[0]) + np.outer(np.sin(turn), wave[1])
-            assert size == pytest.approx(np.linalg.norm(part, axis=-1).max(), rel=1e-6)
 
 
 def test_scenes_give_forces_in_newtons_whatever_the_unit_of_their_points() -> None:

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import cardan
+import scripts
 from cardan import Driveline, Finding, Limit, Limits
-from cardan.app.command import commands
 from cardan.design.limits import PRESETS
 from cardan.motion import workshop
 
@@ -465,7 +464,7 @@ preset = ["spicer", "gm", "truck"]
 def test_the_answer_says_which_allow_it(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(SEVERAL.format(height=-5), encoding="utf-8")
-    found = CliRunner().invoke(commands(), ["check", str(scene)])
+    found = scripts.run("check", scene)
     assert found.exit_code == 1
     words = " ".join(found.output.split())
     assert words.startswith(
@@ -476,7 +475,7 @@ def test_the_answer_says_which_allow_it(tmp_path: Path) -> None:
         "at least 0.5°; the least bend of joint 1 is 0.29°, at least 0.5°." in words
     )
     scene.write_text(SEVERAL.format(height=-60), encoding="utf-8")
-    found = CliRunner().invoke(commands(), ["check", str(scene)])
+    found = scripts.run("check", scene)
     assert found.exit_code == 0
     assert "Allowed by General Motors, truck and Spicer (tolerable)." in found.output
 

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+import scripts
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.axial_travel.figures import drawn_slides
 from cardan.app.answers.rows import worst_of
@@ -133,7 +134,7 @@ def test_what_does_not_suffice(old: str, new: str, words: str, tmp_path: Path) -
     found = figures(path.read_text())
     assert verdict_of(found) == "beyond"
     assert words in " ".join(SPLINE.text(found).split())
-    assert CliRunner().invoke(commands(), ["check", str(path)]).exit_code == 1
+    assert scripts.run("check", path).exit_code == 1
 
 
 def test_one_position_has_no_travel() -> None:

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
+import scripts
 from cardan import Driveline
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.limits.check import check_scene
-from cardan.app.command import commands
 from cardan.app.scene import Scene, StatesResult
 from example_scenes import example
 from pages import figure, page_of
@@ -42,7 +41,7 @@ def run(command: str, text: str, folder: Path, *options: str) -> tuple[int, str]
     # What it draws is judged elsewhere.
     path.write_text(re.sub(r"(?m)^picture = .*$", "", text), encoding="utf-8")
     into = ["--into", str(folder)] if command == "run" else []
-    result = CliRunner().invoke(commands(), [command, str(path), *into, *options])
+    result = scripts.run(command, path, *into, *options)
     return result.exit_code, result.output
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import scripts
 import tiers
 from cardan.app.answers.answer import Answer, JudgedFigure
 from cardan.app.answers.limits.check import check_scene
@@ -229,10 +230,7 @@ AT_ZERO = {"[slip] push_in_mm"}
 def agreed(path: Path) -> Answer:
     """Return the answer to a scene of which all that people see agrees."""
     answer = Answer(load_scene(path))
-    printed, data = (
-        CliRunner().invoke(commands(), ["check", str(path), *more], env={"COLUMNS": "80"})
-        for more in ((), ("--json",))
-    )
+    printed, data = (scripts.run("check", path, *more) for more in ((), ("--json",)))
     page = path.with_suffix(".html")
     write_report(answer.of, page)
     agree(answer, (printed.exit_code, printed.output), json.loads(data.stdout), page.read_text())
@@ -358,7 +356,7 @@ def test_each_part_is_found_once_per_call(
 
 def checked(scene: dict[str, Any], path: Path) -> dict[str, Any]:
     path.write_text("\n".join(f"{name} = {as_toml(keys)}" for name, keys in scene.items()))
-    result = CliRunner().invoke(commands(), ["check", str(path), "--json"])
+    result = scripts.run("check", path, "--json")
     found: dict[str, Any] = json.loads(result.stdout)
     return found
 

@@ -11,15 +11,14 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from numpy.typing import ArrayLike
 
+import scripts
 from cardan import Driveline, approximations
 from cardan.app.answers.json_schema import VERSION
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.yokes.figures import advice, scene_advice
 from cardan.app.answers.yokes.text import remedies
-from cardan.app.command import commands
 from cardan.app.scene import Scene
 from cardan.motion import workshop
 from example_scenes import EXAMPLES
@@ -36,7 +35,7 @@ OPPOSITE = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 
 def phase(path: Path | str, *options: str) -> str:
-    result = CliRunner().invoke(commands(), ["phase", str(path), *options])
+    result = scripts.run("phase", path, *options)
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -371,7 +370,7 @@ def test_many_shafts_come_near_as_well(n: int, teeth: int) -> None:
 @pytest.mark.parametrize("teeth", ["0", "-3", "1001", "2.5", "true", '"16"', "[16]", "[16, 0]"])
 def test_teeth_are_positive_whole_numbers(teeth: str, tmp_path: Path) -> None:
     path = scene(tmp_path, f"bends_deg = [9, 8, 6]\nteeth = {teeth}")
-    result = CliRunner().invoke(commands(), ["phase", str(path)])
+    result = scripts.run("phase", path)
     assert result.exit_code == 2
     assert "teeth" in result.output
     assert len(result.output.splitlines()) == 1
@@ -396,6 +395,6 @@ def test_a_check_advises_what_the_teeth_allow(tmp_path: Path) -> None:
         "that leaves 0°."
     ]
     path = scene(tmp_path, f"{text}1")
-    said = CliRunner().invoke(commands(), ["check", str(path)]).output
+    said = scripts.run("check", path).output
     assert "No teeth of the splines bring it within the limit of 3°" in said
     assert "Turn the output-side yoke" not in said

@@ -17,6 +17,8 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
+import scripts
+
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
@@ -199,7 +201,7 @@ def test_the_command_writes_a_folder_and_goes_on(
     assert first.output.endswith(f"\n\n{text}\n")
     assert parquet.read_table(folder).equals(in_one_process(scene))
     (folder / "part-000002.parquet").unlink()
-    again = CliRunner().invoke(commands(), [*arguments, "--json"])
+    again = scripts.run(*arguments, "--json")
     answer = json.loads(again.output)
     assert answer["files"] == [{"file": str(folder), "rows": 183, "parts": 4, "found": 3}]
     assert answer["study"] == data_of(study_figures(result, 72))
@@ -310,7 +312,7 @@ def test_what_cannot_be_done(
     path = tmp_path / "a.toml"
     path.write_text(scene_text)
     with dask.config.set({"distributed.comm.timeouts.connect": "300ms"}):
-        result = CliRunner().invoke(commands(), ["run", str(path), *options])
+        result = scripts.run("run", path, *options)
     assert result.exit_code == 2
     assert message in result.stderr
     assert result.stderr.count("\n") == 1

@@ -25,6 +25,7 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+import scripts
 from cardan import torsion
 from cardan.app.command import commands
 from oracle import OUTPUT_LIMITS
@@ -248,7 +249,7 @@ def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert scene is not None
     shown = next(code for language, code in SNIPPETS if language == "text")
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(commands(), ["run", str(ROOT / scene[1])])
+    result = scripts.run("run", ROOT / scene[1])
     assert result.exit_code == 0, result.output
     assert result.output == shown
     shown = next(code for language, code in SNIPPETS if language == "toml")

@@ -30,8 +30,8 @@ from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.sweep import Sweep
 from cardan.reference import vectors
 from cardan.reference.approximations import thoma_moment_ratios, thoma_small_angle
+from drawn_texts import drawn, texts
 from example_scenes import EXAMPLES
-from pictures import drawn, texts
 
 # --- pictures on axes ------------------------------------------------------------------------
 
@@ -201,19 +201,6 @@ def test_a_frame_is_as_wide_as_its_curves_and_holds_them(name: str) -> None:
     assert ticks == np.arange(0.0, right + 1.0, 90.0 if right > 180.0 else ticks[1]).tolist()
 
 
-def test_more_curves_than_can_be_told_apart_are_refused() -> None:
-    many = Driveline.from_bends(np.arange(1.0, 8.0)[:, None], degrees=True)
-    with pytest.raises(ValueError, match="at most 6 curves that can be told apart"):
-        plots.plot_curves(many)
-    joints = TRUCK.evaluate(np.zeros(3), "moment", load=FLYWHEEL)
-    with pytest.raises(ValueError, match=r"9 curves of moment; .* evaluate fewer shafts, joints"):
-        plots.plot_result(joints)
-    bearings = TRUCK.evaluate(np.zeros(3), "bearing_force", load=FLYWHEEL)
-    with pytest.raises(ValueError, match=r"15 curves of .* draw each bearing with cardan"):
-        plots.plot_result(bearings)
-    assert pyplot.get_fignums() == []
-
-
 # --- curves over the turn --------------------------------------------------------------------
 
 
@@ -234,24 +221,6 @@ def test_curves_of_every_output(name: str) -> None:
     unit = {"rad": " [deg]", "1": ""}.get(output.unit, f" [{output.unit}]")
     item = {"shaft": "shaft 2", "joint": "joint 1", "bearing": "bearing 3"}[output.per]
     assert axes.get_ylabel() == f"{output.label}\n{item}{unit}"
-
-
-@pytest.mark.parametrize(
-    ("line", "output", "options", "message"),
-    [
-        (SEVERAL[:, None], "angle", {}, r"shape \(3, 1\); .* batch of one dimension"),
-        (SEVERAL, "moment", {"load": FLYWHEEL}, r"shape \(3,\); .* shows one driveline"),
-        (SINGLE, "angel", {}, "did you mean 'angle'"),
-        (SINGLE, "angle", {"angle": 1.0}, r"angle has shape \(\)"),
-        (SEVERAL, "angle", {"labels": ["one"]}, "labels has 1 entries; there are 3 curves"),
-        (SINGLE, "torque", {}, "load"),
-    ],
-)
-def test_curves_that_make_no_picture(
-    line: Driveline, output: str, options: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        plots.plot_curves(line, output, **options)
 
 
 # --- figures of the sources ------------------------------------------------------------------
@@ -311,20 +280,6 @@ def test_bend_vectors_of_the_catalogues_example() -> None:
     assert (size.get_text(), size.xy) == ("70.9°", tuple(end))  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(
-    ("line", "shaft", "message"),
-    [
-        (SEVERAL, 1, "shows one driveline"),
-        (SPATIAL, 0, "must lie between two joints"),
-        (SPATIAL, -1, "must lie between two joints"),
-        (Driveline.from_bends([0, 5], degrees=True), 1, "a straight joint beside it"),
-    ],
-)
-def test_bend_vectors_that_make_no_picture(line: Driveline, shaft: int, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        plots.plot_bend_vectors(line, shaft)
-
-
 def test_grossmanns_figures() -> None:
     angle_deg, torque = curve(plots.plot_torque_ratio(), 0)
     bend, angle = np.radians(50.0), np.radians(angle_deg)
@@ -371,21 +326,6 @@ def test_harmonics() -> None:
         np.testing.assert_allclose(x, 2 * n, atol=0.5)
         np.testing.assert_allclose(y, np.degrees(np.tan(bend / 2) ** (2 * n) / n), rtol=1e-13)
     assert axes.get_ylim()[0] < min(curve(axes, 0)[1])
-
-
-@pytest.mark.parametrize(
-    ("line", "options", "message"),
-    [
-        (SEVERAL[None], {}, "batch of one dimension"),
-        (SINGLE, {"quantity": "angle"}, "known are angle_error, speed_ratio"),
-        (SINGLE, {"orders": [0]}, "an order is at least 1"),
-    ],
-)
-def test_harmonics_that_make_no_picture(
-    line: Driveline, options: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        plots.plot_harmonics(line, **options)
 
 
 def test_lines_of_a_map_lie_where_the_library_has_them() -> None:
@@ -442,14 +382,6 @@ def test_a_key_of_few_values_makes_a_curve_of_each(few_first: bool) -> None:
     assert legend.get_title().get_text() == "phase, shaft 1 [deg]"
     assert [text.get_text() for text in legend.get_texts()] == ["0", "5", "limit 3 deg"]
     assert axes.get_xlabel() == "bend, joint 1 [deg]"
-
-
-def test_studies_that_make_no_picture() -> None:
-    with pytest.raises(ValueError, match="known are equivalent_bend, non_uniformity"):
-        plots.plot_study(study(COMPENSATION), "bend")
-    text = COMPENSATION.replace("[10, 10]", "[10, 10]\ntwists_deg = [0]")
-    with pytest.raises(ValueError, match="varies 3 keys; a picture shows 1 or 2"):
-        plots.plot_study(study(text + "twists_deg.0 = [0, 1]\n"))
 
 
 def test_hodograph_is_a_circle_and_an_ellipse() -> None:
@@ -596,17 +528,6 @@ def test_lengths_are_named_in_the_unit_of_the_scene() -> None:
         assert named_lengths(axes) == ["1234.6 mm" if "mm" in text else "1.2346 m"]
 
 
-def test_drivelines_that_make_no_picture() -> None:
-    with pytest.raises(ValueError, match="shows one driveline"):
-        plots.plot_driveline(SEVERAL)
-    with pytest.raises(ValueError, match=r"points has shape \(3, 3\); it must be \(5, 3\)"):
-        plots.plot_driveline(TRUCK, points=POINTS[:3])
-    moved = np.array(POINTS)
-    moved[3, 1] = -100
-    with pytest.raises(ValueError, match=r"points\[2\] and \[3\] do not lie along shaft 2"):
-        plots.plot_driveline(TRUCK, points=moved)
-
-
 JOINTS = Driveline.from_bends([0.3, 0.2])
 SOUND: dict[str, Any] = {"line": JOINTS, "length": 60.0, "synchronous_deg": 30.0}
 """What the pictures take that need nothing else."""
@@ -635,10 +556,69 @@ def test_arguments_of_a_wrong_kind_are_named(name: str, wrong: object) -> None:
     pyplot.close("all")
 
 
-@pytest.mark.parametrize(
-    "draw", [plots.plot_driven_angle, plots.plot_torque_ratio, plots.plot_bending_moments]
+# What annotations refuse as well.
+ANGLE: Any = "angle"
+TWO: Any = [10.0, 20.0]
+MOVED = [*POINTS[:3], [3150.0, -100.0, 45.0], POINTS[4]]
+FEW = "at most 6 curves that can be told apart"
+THREE_KEYS = (
+    COMPENSATION.replace("[10, 10]", "[10, 10]\ntwists_deg = [0]") + "twists_deg.0 = [0, 1]"
 )
-def test_a_picture_of_one_bend_refuses_several(draw: Callable[..., Axes]) -> None:
-    """The last of them would draw two joints as one."""
-    with pytest.raises(ArgumentError, match=r"^bend_deg has shape \(2,\); it must be one number$"):
-        draw([10.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    ("draw", "message"),
+    [
+        (
+            partial(plots.plot_curves, SEVERAL[:, None]),
+            r"shape \(3, 1\); .* batch of one dimension",
+        ),
+        (partial(plots.plot_curves, SEVERAL, "moment", load=FLYWHEEL), "shows one driveline"),
+        (partial(plots.plot_curves, SINGLE, "angel"), "did you mean 'angle'"),
+        (partial(plots.plot_curves, SINGLE, "angle", angle=1.0), r"angle has shape \(\)"),
+        (partial(plots.plot_curves, SEVERAL, labels=["one"]), "1 entries; there are 3 curves"),
+        (partial(plots.plot_curves, SINGLE, "torque"), "load"),
+        (partial(plots.plot_curves, Driveline.from_bends(np.full((7, 1), 0.1))), FEW),
+        (
+            lambda: plots.plot_result(TRUCK.evaluate(np.zeros(3), "moment", load=FLYWHEEL)),
+            r"9 curves of moment; .* evaluate fewer shafts, joints",
+        ),
+        (
+            lambda: plots.plot_result(TRUCK.evaluate(np.zeros(3), "bearing_force", load=FLYWHEEL)),
+            r"15 curves of .* draw each bearing with cardan",
+        ),
+        (partial(plots.plot_bend_vectors, SEVERAL, 1), "shows one driveline"),
+        (partial(plots.plot_bend_vectors, SPATIAL, 0), "must lie between two joints"),
+        (partial(plots.plot_bend_vectors, SPATIAL, -1), "must lie between two joints"),
+        (
+            partial(plots.plot_bend_vectors, Driveline.from_bends([0, 0.1])),
+            "a straight joint beside",
+        ),
+        (partial(plots.plot_harmonics, SEVERAL[None]), "batch of one dimension"),
+        (lambda: plots.plot_harmonics(SINGLE, ANGLE), "known are angle_error, speed_ratio"),
+        (partial(plots.plot_harmonics, SINGLE, orders=[0]), "an order is at least 1"),
+        (lambda: plots.plot_study(study(COMPENSATION), "bend"), "known are equivalent_bend, non_u"),
+        (lambda: plots.plot_study(study(THREE_KEYS)), "varies 3 keys; a picture shows 1 or 2"),
+        (partial(plots.plot_driveline, SEVERAL), "shows one driveline"),
+        (
+            partial(plots.plot_driveline, TRUCK, points=POINTS[:3]),
+            r"points has shape \(3, 3\); it must be \(5, 3\)",
+        ),
+        (
+            partial(plots.plot_driveline, TRUCK, points=MOVED),
+            r"points\[2\] and \[3\] do not lie along shaft 2",
+        ),
+        *(
+            (partial(draw, TWO), r"^bend_deg has shape \(2,\); it must be one number$")
+            for draw in (
+                plots.plot_driven_angle,
+                plots.plot_torque_ratio,
+                plots.plot_bending_moments,
+            )
+        ),
+    ],
+)
+def test_what_makes_no_picture_is_refused(draw: Callable[[], Axes], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        draw()
+    assert pyplot.get_fignums() == []

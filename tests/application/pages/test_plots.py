@@ -19,9 +19,9 @@ from cardan.app.answers.turn.picture import key_figures
 from cardan.app.command import commands
 from cardan.app.plots import plot_scene, write_picture
 from cardan.app.scene import Scene, SceneResult
+from drawn_texts import drawn, texts
 from example_scenes import EXAMPLES, each_driveline
 from heights import NAMES, drivelines, scene_text
-from pictures import drawn, texts
 
 FOLDER = Path(__file__).parents[3] / "examples"
 

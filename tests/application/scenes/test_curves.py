@@ -14,13 +14,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pyarrow import parquet
 
+import scripts
 from cardan import Driveline, Load
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.text import angles_text, few_samples_text
-from cardan.app.command import commands
 from cardan.app.files import columns as curves
 from cardan.app.files import map_parquet
 from cardan.app.files.tables import read_ahead, write_behind
@@ -355,7 +354,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
 
 
 def test_the_command_says_how_fast(scene: Path, tmp_path: Path) -> None:
-    result = CliRunner().invoke(commands(), ["stream", str(scene), "--into", str(tmp_path)])
+    result = scripts.run("stream", scene, "--into", tmp_path)
     assert result.exit_code == 0, result.output
     assert result.output.startswith(f"wrote {tmp_path / 'out.parquet'} (1000 rows, ")
     rate, angles = result.stdout.splitlines()
@@ -440,7 +439,7 @@ def test_scenes_that_cannot_be_streamed(
     scene: Path, tmp_path: Path, before: str, after: str, message: str
 ) -> None:
     scene.write_text(CHUNKS_SCENE.replace(before, after, 1))
-    result = CliRunner().invoke(commands(), ["stream", str(scene), "--into", str(tmp_path)])
+    result = scripts.run("stream", scene, "--into", tmp_path)
     assert result.exit_code == 2
     assert message in result.stderr
     assert result.stderr.count("\n") == 1

@@ -9,13 +9,13 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from matplotlib.patches import StepPatch
 
+import scripts
 from cardan import Driveline
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.turn.orders import Bands, orders
-from cardan.app.command import commands
 from cardan.app.plots import plot_scene
 from cardan.app.scene import Scene
 
@@ -29,7 +29,7 @@ TO_DEG = 180.0 / np.pi
 
 
 def identify(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), ["identify", *map(str, arguments)])
+    return scripts.run("identify", *arguments)
 
 
 @pytest.fixture
@@ -361,7 +361,7 @@ def test_what_cannot_be_drawn(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(text)
-    done = CliRunner().invoke(commands(), ["plot", "a.toml", *options])
+    done = scripts.run("plot", "a.toml", *options)
     assert done.exit_code == 2
     assert message in done.stderr
     assert not Path("a.svg").exists()
@@ -372,7 +372,7 @@ def test_the_command_draws_orders_of_a_sweep(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(JOINT)
-    done = CliRunner().invoke(commands(), ["plot", "a.toml", "--over", "orders"])
+    done = scripts.run("plot", "a.toml", "--over", "orders")
     assert done.exit_code == 0, done.output
     assert Path("a.svg").read_text().count("<path") > 100
 

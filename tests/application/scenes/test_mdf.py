@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
+import scripts
 from cardan import Driveline
-from cardan.app.command import commands
 from cardan.app.files.recording import read_chunks, read_columns
 from cardan.app.scene import Scene, stream
 from cardan.app.scene.study.curves import write_curves
@@ -131,7 +130,7 @@ def test_the_bend_in_channels(tmp_path: Path) -> None:
         file.append(signals, common_timebase=True)
         file.save(tmp_path / "run.mf4")
     arguments = ["identify", str(tmp_path / "run.mf4"), "--drive", "crank", "--driven", "axle"]
-    found = CliRunner().invoke(commands(), [*arguments, "--json"])
+    found = scripts.run(*arguments, "--json")
     assert found.exit_code == 0, found.output
     joint = json.loads(found.stdout)
     assert joint["equivalent_bend_deg"] == pytest.approx(11.0, abs=1e-8)
@@ -222,6 +221,6 @@ def test_without_asammdf(recording: Path, monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(ImportError, match=r"needs asammdf: pip install 'cardan\[mdf\]'"):
         read_columns(recording, ["n"])
     options = ["--drive", "n", "--driven", "m"]
-    result = CliRunner().invoke(commands(), ["identify", str(recording), *options])
+    result = scripts.run("identify", recording, *options)
     assert result.exit_code == 2
     assert result.stderr == "cardan: this needs asammdf: pip install 'cardan[mdf]'\n"

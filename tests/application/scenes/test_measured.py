@@ -11,16 +11,15 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
+import scripts
 from cardan import Driveline, Load
 from cardan._core import Integral
 from cardan.app.answers.limits.check import check_scene
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.turn.figures import drive_angles
 from cardan.app.answers.turn.text import angles_text, signals_text
-from cardan.app.command import commands
 from cardan.app.files.columns import write_columns
 from cardan.app.report.page import page
 from cardan.app.scene import Scene, stream
@@ -46,10 +45,6 @@ JOINTS = "[driveline]\nbends_deg = [10, 12]\nphases_deg = [20]\n"
 
 
 ANGLES = "[angles]\nfile = 'run.csv'\ntime_column_s = 't'\nspeed_column_rpm = 'n'\n"
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def written(folder: Path, **table: Sequence[float] | Floats) -> Path:
@@ -202,7 +197,7 @@ def test_missing_rows(tmp_path: Path) -> None:
     torques = result.values.torque[~missing]
     assert result.study.values["torque_mean"] == pytest.approx(np.mean(torques), rel=1e-12)
     (tmp_path / "run.toml").write_text(text)
-    said = command("run", tmp_path / "run.toml", "--into", tmp_path).output
+    said = scripts.run("run", tmp_path / "run.toml", "--into", tmp_path).output
     assert "43 of 3000 samples are missing in run.csv; their results are NaN." in said
 
 
@@ -304,11 +299,11 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
         "                            11 samples, 0.01000 s",
     ]
     (tmp_path / "run.toml").write_text(text)
-    done = command("run", tmp_path / "run.toml")
+    done = scripts.run("run", tmp_path / "run.toml")
     assert done.stdout.startswith(f"{said}\n\nDriveline\n")
     assert "22.00 turns" not in done.stdout
     assert "0° to 7920°, 22 turns of 90.91 samples" in done.stdout
-    answer = json.loads(command("run", tmp_path / "run.toml", "--json").stdout)
+    answer = json.loads(scripts.run("run", tmp_path / "run.toml", "--json").stdout)
     ANSWERS.validate(answer)
     signals = answer["drive_angles"]["signals"]
     assert [signal["column"] for signal in signals] == ["t", "n", "m", None]
@@ -327,7 +322,7 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
     assert "over 4 samples, 0.003000 s" in " ".join(signals_text(drive_angles(few)).split())
     # Times in ms look like a machine that turns a thousand times as often between samples.
     scene = measured(tmp_path, text, **{**table, "t": 1e3 * time})
-    done = command("run", tmp_path / "run.toml")
+    done = scripts.run("run", tmp_path / "run.toml")
     assert "only 0.09091 samples per turn" in done.stderr
     assert "1.000 samples per second" in done.stdout
 
@@ -350,7 +345,7 @@ def noisy(folder: Path, reach: int, noise_rpm: float, *, of_angle: bool = False)
 
 
 def acceleration(path: Path) -> dict[str, Any]:
-    answer = json.loads(command("run", path, "--json").stdout)
+    answer = json.loads(scripts.run("run", path, "--json").stdout)
     ANSWERS.validate(answer)
     (found,) = [one for one in answer["drive_angles"]["signals"] if one["signal"] == "acceleration"]
     return dict(found)
@@ -368,7 +363,7 @@ def test_an_acceleration_that_is_mostly_noise_is_said(tmp_path: Path) -> None:
     assert found["noise"] == pytest.approx(np.std(inner), rel=0.05)
     reach = found["quiet_reach"]
     assert 30 < reach < 80
-    said = command("run", path)
+    said = scripts.run("run", path)
     noise = f"{found['noise']:.4g}"
     assert f"cardan: the acceleration is mostly noise, {noise} rad/s² rms" in said.stderr
     assert f"try filter_reach = {reach} in [angles]" in said.stderr
@@ -376,7 +371,7 @@ def test_an_acceleration_that_is_mostly_noise_is_said(tmp_path: Path) -> None:
     found = acceleration(path)
     assert "quiet_reach" not in found
     assert found["noise"] == pytest.approx(0.1 * 220.0 * RPM, rel=0.15)
-    assert command("run", path).stderr == ""
+    assert scripts.run("run", path).stderr == ""
 
 
 def test_the_noise_of_an_acceleration_from_angles(tmp_path: Path) -> None:
@@ -385,13 +380,13 @@ def test_the_noise_of_an_acceleration_from_angles(tmp_path: Path) -> None:
     assert scene.load_case is not None
     inner = np.asarray(scene.load_case.acceleration)[5:-5]
     assert found["noise"] == pytest.approx(np.std(inner), rel=0.05)
-    assert "is mostly noise" in command("run", path).stderr
+    assert "is mostly noise" in scripts.run("run", path).stderr
 
 
 @pytest.mark.parametrize("noise_rpm", [0.0, 0.001, 0.3])
 def test_little_noise_is_not_said(tmp_path: Path, noise_rpm: float) -> None:
     path = noisy(tmp_path, 5, noise_rpm)
-    assert command("run", path).stderr == ""
+    assert scripts.run("run", path).stderr == ""
     assert "quiet_reach" not in acceleration(path)
 
 
@@ -402,9 +397,9 @@ def test_vibration_is_no_noise(tmp_path: Path) -> None:
     written(tmp_path, t=time, n=np.round(speed, 1))
     path = tmp_path / "run.toml"
     path.write_text(JOINTS + ANGLES)
-    assert command("run", path).stderr == ""
+    assert scripts.run("run", path).stderr == ""
     written(tmp_path, t=time, n=np.full(time.size, 900.0))
-    assert command("run", path).stderr == ""
+    assert scripts.run("run", path).stderr == ""
 
 
 @pytest.mark.parametrize(
@@ -534,7 +529,7 @@ def test_check_takes_the_speed_of_each_bend(tmp_path: Path) -> None:
     # The largest acceleration ratio is close to the non-uniformity.
     np.testing.assert_allclose(value, exact, rtol=2e-3)
     (tmp_path / "run.toml").write_text(text)
-    answer = json.loads(command("check", tmp_path / "run.toml", "--json").stdout)
+    answer = json.loads(scripts.run("check", tmp_path / "run.toml", "--json").stdout)
     ANSWERS.validate(answer)
     assert answer["limits"]["torsional_excitation"]["value_rad_s2"] == pytest.approx(np.max(value))
 
@@ -629,7 +624,7 @@ def printed(folder: Path, time: np.ndarray, rpm: np.ndarray) -> str:
 def test_gaps_are_printed_and_answered(tmp_path: Path) -> None:
     said = printed(tmp_path, with_gaps(), np.full(1000, 600.0))
     assert "1000 samples per second; 3 gaps, the longest 3.501 s after 2.3 s" in said
-    done = CliRunner().invoke(commands(), ["run", str(tmp_path / "a.toml"), "--json"])
+    done = scripts.run("run", tmp_path / "a.toml", "--json")
     answer = json.loads(done.stdout)
     jsonschema.Draft202012Validator(answers_schema()).validate(answer)
     (time,) = (s for s in answer["drive_angles"]["signals"] if s["signal"] == "time")
@@ -645,7 +640,7 @@ def test_a_drive_that_turns_back(tmp_path: Path) -> None:
     assert angles.turns == pytest.approx(2.0 * half, rel=0.01)
     text = angles_text(angles)
     assert re.match(r"first 0°, last .*, least -?[0-9.]+°, largest 17964°, .* back", text)
-    done = CliRunner().invoke(commands(), ["run", str(tmp_path / "a.toml"), "--json"])
+    done = scripts.run("run", tmp_path / "a.toml", "--json")
     jsonschema.Draft202012Validator(answers_schema()).validate(json.loads(done.stdout))
     ahead = drive_angles(scene(tmp_path, TIMES_TIME, np.abs(rpm)))
     assert ahead.max is None

@@ -13,17 +13,16 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import scripts
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.study.figures import study_figures
 from cardan.app.answers.study.text import study_text
 from cardan.app.answers.turn.data import run_data
 from cardan.app.answers.turn.figures import turn_figures
 from cardan.app.answers.turn.text import summary_text
-from cardan.app.command import commands
 from cardan.app.scene import Scene
 from cardan.app.scene.language.errors import Location
 from cardan.app.scene.language.rules import Rule
@@ -43,7 +42,7 @@ def test_schema_is_a_schema() -> None:
 
 
 def test_the_command_prints_it() -> None:
-    assert json.loads(CliRunner().invoke(commands(), ["schema"]).output) == Scene.schema()
+    assert json.loads(scripts.run("schema").output) == Scene.schema()
 
 
 def test_it_knows_every_key() -> None:

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import openpyxl
 import pytest
-from click.testing import CliRunner, Result
 
-from cardan.app.command import commands
+import scripts
 from cardan.app.files import columns as files
 from cardan.app.files.columns import write_columns
 from cardan.app.files.sheets import SHEET_ROWS, write_sheets
@@ -59,10 +58,6 @@ def save(path: Path, rows: Sequence[Sequence[object]], title: str = "Heights") -
     for row in rows:
         sheet.append(list(row))
     book.save(path)
-
-
-def cardan(*arguments: object) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def read(path: Path) -> dict[str, list[dict[str, Any]]]:
@@ -321,12 +316,12 @@ def test_what_a_scene_reads_is_not_overwritten(tmp_path: Path) -> None:
         more = "" if section != "joints" else "[study]\nspeed_rpm = [1]\n"
         scene.write_text(LINE + table.format(name, section, key) + more)
         before = (tmp_path / name).read_bytes()
-        result = cardan("run", scene, "--into", tmp_path)
+        result = scripts.run("run", scene, "--into", tmp_path)
         assert result.exit_code == 2, result.output
         assert f"is the file of [{section}] that the scene reads" in result.output
         assert (tmp_path / name).read_bytes() == before
     scene.write_text(LINE + '[states]\nfile = "a.xlsx"\n')
-    result = cardan("check", scene, "--workbook", tmp_path / "a.xlsx")
+    result = scripts.run("check", scene, "--workbook", tmp_path / "a.xlsx")
     assert "is the file of [states] that the scene reads" in result.output
 
 
@@ -424,7 +419,7 @@ def check_machine(machine: str, folder: Path, command: str) -> int:
     scene, path = folder / "a.toml", folder / "answer.xlsx"
     scene.write_text(STARTERS[machine].text, encoding="utf-8")
     into = ("--into", folder) if command == "run" else ()
-    result = cardan(command, scene, *into, "--json", "--workbook", path)
+    result = scripts.run(command, scene, *into, "--json", "--workbook", path)
     assert result.exit_code < 2, result.output
     data = json.loads(result.output)
     if command == "run":
@@ -456,7 +451,7 @@ def test_every_command_writes_its_tables(command: str, tmp_path: Path) -> None:
 def test_the_first_sheet_says_the_verdict(tmp_path: Path) -> None:
     scene, path = tmp_path / "a.toml", tmp_path / "answer.xlsx"
     scene.write_text('title = "=1+1"\n' + LINE + "[limits]\nequivalent_bend_deg = 0.01\n")
-    result = cardan("check", scene, "--workbook", path)
+    result = scripts.run("check", scene, "--workbook", path)
     assert result.exit_code == 1
     assert result.output.endswith(f"wrote {path} (3 sheets)\n")
     sheet = openpyxl.load_workbook(path)["answer"]
@@ -475,13 +470,13 @@ def test_a_workbook_that_cannot_be_written_is_refused_first(
 ) -> None:
     scene = tmp_path / "a.toml"
     scene.write_text(LINE)
-    result = cardan(command, scene, "--workbook", tmp_path / "a.csv")
+    result = scripts.run(command, scene, "--workbook", tmp_path / "a.csv")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "a.csv must end in .xlsx" in result.output
-    result = cardan(command, scene, "--workbook", tmp_path / "none" / "a.xlsx")
+    result = scripts.run(command, scene, "--workbook", tmp_path / "none" / "a.xlsx")
     assert (result.exit_code, result.stdout) == (2, "")
     monkeypatch.setitem(sys.modules, "openpyxl", None)
-    result = cardan(command, scene, "--workbook", tmp_path / "a.xlsx")
+    result = scripts.run(command, scene, "--workbook", tmp_path / "a.xlsx")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "this needs openpyxl: pip install 'cardan[app]'" in result.output
     assert [*tmp_path.iterdir()] == [scene]
@@ -490,7 +485,7 @@ def test_a_workbook_that_cannot_be_written_is_refused_first(
 def test_a_workbook_is_not_a_file_of_the_scene(tmp_path: Path) -> None:
     scene = tmp_path / "a.toml"
     scene.write_text(LINE + '[output]\ncurves = "a.xlsx"\n')
-    result = cardan("run", scene, "--into", tmp_path, "--workbook", tmp_path / "a.xlsx")
+    result = scripts.run("run", scene, "--into", tmp_path, "--workbook", tmp_path / "a.xlsx")
     assert "is a file that the scene writes" in result.output
     assert [*tmp_path.iterdir()] == [scene]
 
@@ -503,7 +498,7 @@ def test_curves_and_studies_as_workbooks(tmp_path: Path) -> None:
     output = '[output]\ncurves = "curves.{0}"\ntable = "study.{0}"\n[study]\nspeed_rpm = [1, 2]\n'
     for suffix in ("csv", "xlsx"):
         scene.write_text(LINE + output.format(suffix))
-        result = cardan("run", scene, "--into", tmp_path)
+        result = scripts.run("run", scene, "--into", tmp_path)
         assert result.exit_code == 0, result.output
         assert f"wrote {tmp_path / 'curves'}.{suffix} (17 rows)" in result.output
     for name in ("curves", "study"):
@@ -537,7 +532,7 @@ def test_too_many_rows_are_refused_first(tmp_path: Path) -> None:
     scene = tmp_path / "a.toml"
     study = f"[study]\nspeed_rpm = {{from = 1, to = 2, steps = {SHEET_ROWS}}}\n"
     scene.write_text(LINE + '[output]\ntable = "a.xlsx"\n' + study)
-    result = cardan("run", scene, "--into", tmp_path)
+    result = scripts.run("run", scene, "--into", tmp_path)
     assert f"{SHEET_ROWS} rows are too many for a sheet, which has {SHEET_ROWS}" in result.output
     assert [*tmp_path.iterdir()] == [scene]
     files.check_rows("a.xlsx", SHEET_ROWS - 1)

@@ -7,10 +7,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from matplotlib import pyplot
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
@@ -18,15 +16,14 @@ from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
 import cardan
+import scripts
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
 from cardan.app.answers.json_schema import answer
 from cardan.app.answers.limits.data import check_data
-from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import TorsionBasics, TorsionFigures, torsion_figures
 from cardan.app.answers.torsion.text import sentences, torsion_advice
-from cardan.app.command import commands
 from cardan.app.plots import (
     plot_campbell,
     plot_part,
@@ -36,14 +33,12 @@ from cardan.app.plots import (
 )
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.sections.torsion import TorsionCase
+from example_scenes import ANSWERS
 
 ROOT = Path(__file__).parents[3]
 
 
 TRUCK, RIG = (ROOT / "examples" / f"{name}_torsion.toml" for name in ("truck", "rig"))
-
-
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 
 
 RPM = np.pi / 30.0
@@ -93,10 +88,6 @@ def basics(scene: Scene) -> TorsionBasics:
 
 def torsion_data(title: str, found: TorsionFigures) -> dict[str, Any]:
     return answer("torsion", title, **data_of(found), files=[])
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def chain_matrices() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -393,9 +384,9 @@ def test_verdicts() -> None:
 def test_the_command_says_what_it_does_not_evaluate(section: str, tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(JOINT, encoding="utf-8")
-    assert "not evaluated" not in command("torsion", scene).stdout
+    assert "not evaluated" not in scripts.run("torsion", scene).stdout
     scene.write_text(f"{JOINT}[{section}]\nbends_deg.0 = [20, 30]\n", encoding="utf-8")
-    said = command("torsion", scene).stdout
+    said = scripts.run("torsion", scene).stdout
     assert said.endswith(f"[driveline]; the section [{section}] is not evaluated.\n")
 
 

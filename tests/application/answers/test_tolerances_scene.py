@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import cardan
+import scripts
 from cardan import Driveline, Load
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.printed import quantity
@@ -26,7 +26,6 @@ from cardan.app.answers.tolerances.text import (
     permitted_texts,
     sentences,
 )
-from cardan.app.command import commands
 from cardan.app.plots import plot_tolerance_shares, plot_tolerances
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -63,10 +62,6 @@ def figures(text: str) -> ToleranceFigures:
     found = tolerance_figures(scene(text))
     assert found is not None
     return found
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def test_values_are_those_of_the_library() -> None:
@@ -167,7 +162,7 @@ def test_what_is_refused(text: str, said: str) -> None:
 
 
 def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
-    result = command("check", WORKSHOP)
+    result = scripts.run("check", WORKSHOP)
     assert result.exit_code == 1
     flat = " ".join(result.output.split())
     sentence = (
@@ -313,28 +308,6 @@ def figure(text: str = STATES_TEXT) -> ToleranceFigure:
     found = tolerance_figures(Scene.parse(text))
     assert found is not None
     return found.figures[0]
-
-
-def test_states_values_are_those_of_the_library() -> None:
-    found, states = figure(), line()
-    sizes = {"points": 1e-3, "phases": np.radians(3.0), "limit": np.radians(2.0)}
-    own = states.tolerances(**sizes, states=0, samples=20_000, seed=0)
-    assert found.passing is not None
-    assert found.guaranteed is not None
-    assert found.worst.value == pytest.approx(own.worst, rel=1e-9)
-    assert found.passing.value == own.passing
-    quantiles = (found.half, found.most, found.nearly)
-    assert quantiles == pytest.approx(own.quantile([0.5, 0.95, 0.99]), rel=1e-9)
-    assert found.worst.state == ("low", "rest", "high")[own.worst_state]
-    for i, state in enumerate(("low", "rest", "high")):
-        alone = states[i].tolerances(**sizes, samples=20_000, seed=0)
-        assert found.nominal.each[state] == pytest.approx(alone.nominal, rel=1e-9)
-        assert found.worst.each[state] == pytest.approx(alone.worst, rel=1e-9)
-        assert found.guaranteed.each[state] == pytest.approx(alone.guaranteed, rel=1e-9)
-        assert found.passing.each[state] == alone.passing
-    assert own.passing <= min(found.passing.each.values())
-    # As drawn the worst state is another one than within the tolerances.
-    assert found.nominal.state == "high" != found.worst.state
 
 
 def test_speed_and_load_are_those_of_each_state() -> None:

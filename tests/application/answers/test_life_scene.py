@@ -12,18 +12,17 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
 import cardan
+import scripts
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.figures import LifeFigures, needed
 from cardan.app.answers.life.text import sentences
 from cardan.app.answers.rows import Judged
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.tubes.figures import TubeFigures
-from cardan.app.command import commands
 from cardan.app.plots import plot_heat, plot_part, plot_pin_load, plot_sizes, save
 from cardan.app.scene import Scene
 
@@ -81,10 +80,6 @@ def value(judged: Judged | None) -> float:
 
 def verdict(judged: Judged | None) -> str:
     return "" if judged is None else judged.verdict
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 def law(bend_deg: float, rpm: float, torque: float, rating: float) -> float:
@@ -407,33 +402,6 @@ def test_straight_joints_shake_no_tube() -> None:
         assert any("Thoma" in each for each in PARTS["tubes"].sentences((found,))) == known
 
 
-def test_half_the_critical_speed_is_judged_wherever_a_tube_turns() -> None:
-    """Over states, steps of the duty cycle and a study, which lie on either side of 3302 rpm."""
-    tube = f"{TUBE}resonance_margin = 0.15\n"
-    text = "[driveline]\nbends_deg = [18, 18]\n[load]\nspeed_rpm = {}\n"
-    states = '[states]\nspeed_rpm = [2000, 3700]\nnames = ["low", "high"]\n'
-    duty = '[life]\nhours = [2, 1]\nspeed_rpm = [1000, 3500]\nnames = ["haul", "lift"]\n'
-    duty += "output_torque_Nm = [50, 60]\n"
-    study = "[study]\nspeed_rpm = [2000, 3100, 6000]\n"
-    for section, nearest, place in (
-        ("", 1.0 - 1700.0 / 3302.1, ""),
-        (states, 3700.0 / 3302.1 - 1.0, "high"),
-        (duty, 3500.0 / 3302.1 - 1.0, "lift"),
-        (study, 1.0 - 3100.0 / 3302.1, {"speed_rpm": 3100.0}),
-    ):
-        scene = Scene.parse(f"{text.format(1700)}{section}{tube}")
-        answer = Answer(scene)
-        (found,) = answer["tubes"]
-        assert value(found.half) == pytest.approx(nearest, abs=2e-5)
-        assert place in (found.half.state, found.half.at)
-        assert verdict(found.half) == ("beyond" if section else "within")
-        if section:
-            assert answer.verdict == "beyond"
-            (said,) = (each for each in PARTS["tubes"].sentences((found,)) if "half" in each)
-            assert "(3302 of 6604 rpm)" in said
-            assert "; the scene requires 15%: the moments of its bent joints" in said
-
-
 def test_life_is_judged_in_every_driveline_of_a_study() -> None:
     """The shortest life counts, in the driveline with the highest speed."""
     speeds = "[study]\nspeed_rpm = [350, 1000, 540]\n"
@@ -588,7 +556,7 @@ def test_a_target_that_no_size_reaches_is_beyond(tmp_path: Path) -> None:
     best = answer["life"].of_sizes
     assert best.value == next(one.hours for one in answer["life"].sizes if one.size == "large")
     assert "No size of the table reaches 2000000 h" in headline(answer["life"])
-    assert CliRunner().invoke(commands(), ["check", write(tmp_path, text)]).exit_code == 1
+    assert scripts.run("check", write(tmp_path, text)).exit_code == 1
 
 
 def write(folder: Path, text: str) -> str:

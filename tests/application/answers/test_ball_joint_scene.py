@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import cardan
+import scripts
 from cardan import BallJoint
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.ball_joint.figures import (
@@ -20,7 +20,6 @@ from cardan.app.answers.ball_joint.figures import (
 )
 from cardan.app.answers.drive_speed.figures import SHARE, DriveSpeed
 from cardan.app.answers.table import PARTS
-from cardan.app.command import commands
 from cardan.app.plots import plot_ball_joint
 from cardan.app.scene import BallJointScene, Scene, load_scene
 from cardan.app.scene.language.errors import SceneError
@@ -35,10 +34,6 @@ DRIVELINE = "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 60\noutput_torqu
 
 
 PART = PARTS["ball_joint"]
-
-
-def command(*arguments: str | Path) -> Any:  # noqa: ANN401 - click's result
-    return CliRunner().invoke(commands(), list(map(str, arguments)))
 
 
 def test_figures_are_those_of_the_library() -> None:
@@ -183,25 +178,25 @@ def test_load_scene_tells_them_apart(tmp_path: Path) -> None:
 def test_run_check_plot_and_report(tmp_path: Path) -> None:
     path = tmp_path / "ball.toml"
     path.write_text(TEXT)
-    done = command("run", path, "--into", tmp_path)
+    done = scripts.run("run", path, "--into", tmp_path)
     assert done.exit_code == 0, done.output
     assert "uses 97% of what" in " ".join(done.output.split())
     assert (tmp_path / "ball_joint.svg").exists()
-    assert command("check", path).exit_code == 0
+    assert scripts.run("check", path).exit_code == 0
     for line in ("plot", "report"):
         out = tmp_path / {"plot": "a.png", "report": "a.html"}[line]
-        assert command(line, path, "--output", out).exit_code == 0
+        assert scripts.run(line, path, "--output", out).exit_code == 0
         assert out.exists()
     page = (tmp_path / "a.html").read_text()
     assert "lined with PTFE fabric" in page
     assert "live-module" not in page
     assert "nan" not in page.partition("</style>")[2]
     path.write_text(replaced(TEXT, ("radius_mm = 16", "radius_mm = 12")))
-    done = command("check", path)
+    done = scripts.run("check", path)
     assert done.exit_code == 1
     assert "A ball of 15.7 mm radius is within it" in " ".join(done.output.split())
     for line in ("phase", "explain", "stream"):
-        done = command(line, path)
+        done = scripts.run(line, path)
         assert done.exit_code == 2
         assert done.output.count("\n") == 1
 
@@ -210,10 +205,10 @@ def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> N
     path = tmp_path / "scene.toml"
     good = DRIVELINE.replace("10", "1")
     path.write_text(TEXT + good)
-    assert command("check", path).exit_code == 0
+    assert scripts.run("check", path).exit_code == 0
     path.write_text(replaced(TEXT, ("radius_mm = 16", "radius_mm = 12")) + good)
-    assert command("check", path).exit_code == 1
-    data = json.loads(command("check", path, "--json").stdout)
+    assert scripts.run("check", path).exit_code == 1
+    data = json.loads(scripts.run("check", path, "--json").stdout)
     assert (data["verdict"], data["passes"]) == ("beyond", False)
     assert [each["figure"].split(".")[0] for each in data["beyond"]] == ["ball_joint"]
 
@@ -483,6 +478,6 @@ def test_check_and_report_say_it(tmp_path: Path, answered: Answers) -> None:
     # It is advice and no limit.
     weak = path.read_text().replace("[8.5]", "[2]").replace("[0.2,", "[0.01,")
     (tmp_path / "weak.toml").write_text(weak)
-    done = CliRunner().invoke(commands(), ["check", str(tmp_path / "weak.toml")])
+    done = scripts.run("check", tmp_path / "weak.toml")
     assert "not a fair assumption" in done.output
     assert done.exit_code == 0

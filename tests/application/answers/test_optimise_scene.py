@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from numpy.typing import NDArray
 
+import scripts
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.text import by_state, change_lines
-from cardan.app.command import commands
 from cardan.app.plots import plot_over_variable
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -47,7 +47,7 @@ VARY = '[optimise]\nvary = {"points_mm.2.y" = [-40, 40], "phases_deg.0" = "free"
 
 def run(folder: Path, text: str, *options: str) -> Result:
     (folder / "a.toml").write_text(text, encoding="utf-8")
-    return CliRunner().invoke(commands(), ["optimise", str(folder / "a.toml"), *options])
+    return scripts.run("optimise", folder / "a.toml", *options)
 
 
 def largest_bend(scene: Scene) -> float:
@@ -72,7 +72,7 @@ def test_the_scene_with_the_values_found_is_written_and_checked(tmp_path: Path) 
     assert said
     assert [before, after] == [near(end) for end in said.groups()]
     assert after < 0.5 * before
-    check = CliRunner().invoke(commands(), ["check", str(written)])
+    check = scripts.run("check", written)
     assert check.exit_code == 0, check.output
 
 

@@ -8,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from test_verdicts import RUBBER
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.lateral.figures import LateralFigures
 from cardan.app.answers.lateral.vibration import KNOWN
 from cardan.app.answers.table import PARTS
-from cardan.app.command import commands
 from cardan.app.plots import plot_part
 from cardan.app.scene import Scene, SceneError
 
@@ -80,10 +78,6 @@ def shudder(text: str) -> tuple[float, float, float]:
     assert met.peak
     assert met.moved
     return static, met.peak, 1e3 * met.moved
-
-
-def command(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(commands(), [*map(str, arguments)])
 
 
 # By N/mm: natural frequency, speed of the shudder, order 2 there and how many times the static
