@@ -16,6 +16,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
     TorsionBasics,
     TorsionFigures,
+    shape_text,
     torsion_figures,
 )
 from cardan.app.answers.torsion.text import torsion_advice
@@ -419,3 +420,21 @@ def test_a_margin_is_that_of_the_stiffness_at_the_critical_speed() -> None:
     assert found.margin.verdict == "beyond"
     above = basics(BY_MEAN.replace("[1300, 2200]", "[1900, 2200]"))
     assert above.margin.value == pytest.approx((1900 - 1773.7) / 1773.7, abs=1e-3)
+
+
+SHAPES: list[tuple[list[float], bool, str]] = [
+    ([1.0, -0.3], True, "A against B"),
+    ([-0.2, 1.0, 0.9], True, "A against the rest"),
+    ([-0.05, 1.0, 0.9], True, "B and C against A"),
+    ([0.02, 1.0, -0.3], True, "B against the rest"),
+    ([0.3, -0.8, 1.0], True, "B against the rest"),
+    ([0.0, 1.0], False, "B against the drive"),
+    ([0.0, 0.5, 1.0], False, "B and C against the drive"),
+    ([0.0, 1.0, -0.7], False, "B against C"),
+]
+
+
+@pytest.mark.parametrize(("sizes", "is_free", "said"), SHAPES)
+def test_shapes_in_words(sizes: list[float], is_free: bool, said: str) -> None:
+    bodies = [([(i, 0)], "ABC"[i]) for i in range(len(sizes))]
+    assert shape_text([(size, size) for size in sizes], bodies, is_free=is_free) == said
