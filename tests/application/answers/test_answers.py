@@ -24,7 +24,7 @@ from cardan.app.answers.torsion.text import brief as torsion_check_text
 from cardan.app.scene import Scene, starters
 from cardan.design.wrapping import fill
 from example_scenes import ANSWERS, Answers, each_driveline, each_example, example
-from pages import EXAMPLES, printed, three
+from pages import EXAMPLES, first_number, near, printed, three
 
 ROOT = Path(__file__).parents[3]
 
@@ -423,3 +423,41 @@ def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
     bend = float(found[1])
     assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
     assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
+
+
+def needed(name: str) -> TorsionFigures:
+    found = torsion_figures(Scene.load(EXAMPLES / f"{name}.toml"))
+    assert found
+    return found
+
+
+def test_largest_torques() -> None:
+    found = needed("truck_torsion")
+    shafts, speeds, *ends = table(found, "Largest torques")
+    assert [label for label, *_ in ends] == ["least torque", "largest torque", "mean torque"]
+    system = found.torsion.system
+    speed = np.linspace(500.0, 3000.0, 2501)
+    steady = system.steady(speed * np.pi / 30.0)
+    for place, shaft in enumerate(shafts):
+        assert shaft == f"shaft {system.compliant[place]}"
+        rpm, least, most, mean = (first_number(row[place + 1]) for row in (speeds, *ends))
+        at = int(np.argmax(np.fmax(steady.torque_max, -steady.torque_min)[place]))
+        assert rpm == pytest.approx(speed[at], abs=1.0)
+        assert least == pytest.approx(steady.torque_min[place, at], rel=2e-3)
+        assert most == pytest.approx(steady.torque_max[place, at], rel=2e-3)
+        assert mean == pytest.approx(steady.torque_mean[place, at], rel=5e-3)
+    sentences = " ".join(torsion_text(found).rpartition("\n\n")[2].split())
+    largest = max(found.largest, key=lambda torque: torque.size)
+    ratio = largest.size / abs(largest.mean)
+    (said,) = re.findall(r"in shaft 1 at \d+ rpm, ([\d.]+) times the mean torque there", sentences)
+    assert ratio == near(said)
+    # The worst critical speed of the table, with the amplitude that stands there.
+    amplitudes = {
+        first_number(amplitude): speed
+        for _, _, speed, _, inside, amplitude in table(found, "Critical speeds")[1:]
+        if inside == "yes"
+    }
+    worst = max(amplitudes)
+    assert f"The range contains {len(amplitudes)} critical speeds; the worst is" in sentences
+    assert f"at {amplitudes[worst]}, where this order of the torque of shaft 2 is" in sentences
+    assert f"is ±{worst:.0f} N m." in sentences
