@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import Result
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 import scripts
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.text import by_state, change_lines
+from cardan.app.answers.schema import answers_schema
 from cardan.app.plots import plot_over_variable
 from cardan.app.report import write_report
 from cardan.app.scene import Scene
@@ -471,3 +473,22 @@ def test_bearings_that_cannot_move(path: str, message: str) -> None:
     asked = f'[optimise]\nvary = {{"{path}" = [-1, 1]}}\nminimise = "joint_force_0_peak"\n'
     with pytest.raises(ValueError, match=re.escape(message)):
         Scene.parse(text + asked)
+
+
+def test_json_follows_its_schema(tmp_path: Path) -> None:
+    result = run(tmp_path, EXAMPLE, "--json")
+    data = json.loads(result.stdout)
+    jsonschema.Draft202012Validator(answers_schema()).validate(data)
+    after = Scene.load(tmp_path / "a.optimised.toml")
+    assert data["minimised"]["after"] == pytest.approx(largest_bend(after), rel=1e-9)
+    first = data["variables"][0]
+    assert (first["key"], first["unit"]) == ("points_mm.2.y", "mm")
+    assert (first["least"], first["largest"]) == pytest.approx((-40, 40))
+    assert first["before"] + first["change"] == pytest.approx(first["after"])
+    assert first["at_end"] == "low"
+    assert (data["variables"][1]["least"], data["variables"][1]["largest"]) == (None, None)
+    turned = data["variables"][1]["teeth"] * 15.0
+    assert data["variables"][1]["change"] == pytest.approx(turned)
+    assert [state["state"] for state in data["minimised"]["states"]][4] == "rest"
+    assert data["kept"][0]["limit"] == pytest.approx(300)
+    assert data["files"] == [str(tmp_path / "a.optimised.toml")]
