@@ -446,3 +446,30 @@ def test_the_picture_of_the_force_has_its_peak() -> None:
     speed, force = curves["order 2"]
     assert np.max(force[speed < 1000]) == pytest.approx(513.5, abs=0.2)
     assert np.all(curves["largest"][1] >= force)
+
+
+def test_half_the_stiffness_of_one_of_two_bearings_moves_its_own_resonance() -> None:
+    text = """
+        [driveline]
+        slopes_vertical_deg = [-2, -3, -5, -8, -4]
+        lengths_m = [0.3, 1.1, 1.0, 1.4, 0.3]
+        [load]
+        drive_torque_Nm = 800
+        [tubes]
+        outer_diameter_mm = 76
+        wall_mm = 2
+        [lateral]
+        speed_rpm = {from = 300, to = 3000, steps = 271}
+        tube_loss_factor = 0.01
+        """ + "".join(
+        f"[[bearing]]\nshaft = {shaft}\nfrom_end_mm = 100\nstiffness_N_per_mm = {stiffness}\n"
+        "loss_factor = 0.1\n"
+        for shaft, stiffness in ((1, 180), (2, 220))
+    )
+    soft = next(each for each in figures(text).remedies if each.stiffness == 0.5)
+    after = figures(changed(text, ("= 180", "= 90")))
+    worst = max((each for each in after.resonances if each.peak), key=lambda each: each.peak or 0.0)
+    assert worst.order == 2
+    assert soft.resonance == pytest.approx(worst.peak_speed, rel=2e-3)
+    assert soft.peak == pytest.approx(worst.peak, rel=1e-3)
+    assert soft.moved == pytest.approx(worst.moved, rel=1e-3)
