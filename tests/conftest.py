@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from selenium import webdriver
 
     from example_scenes import Answers
+    from live import Run
 
 _starts: dict[np.random.Generator, Any] = {}
 """How random generators that modules of tests share are after their import."""
@@ -99,6 +100,14 @@ def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRe
 
 
 @pytest.fixture(scope="session")
+def node() -> Iterator[Run]:
+    """One process of Node for all scripts: that it starts takes longer than most of them."""
+    import live
+
+    yield from live.scripts()
+
+
+@pytest.fixture(scope="session")
 def chromium() -> Iterator[webdriver.Chrome]:
     """One browser for all tests that need one, which xdist gives to one worker."""
     import pages
@@ -124,6 +133,22 @@ def truck(browser: webdriver.Chrome, answered: Answers, tmp_path: Path) -> webdr
 
     pages.opened(browser, answered(example("truck-shaft.toml")).page, tmp_path)
     return browser
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A scene that writes its curves and its picture."""
+    path = tmp_path / "scene.toml"
+    path.write_text("[driveline]\nbends_deg = [8.5]\n[output]\ncurves = 'a.csv'\npicture = 'a.svg'")
+    return path
+
+
+@pytest.fixture
+def into(tmp_path: Path) -> Path:
+    """An empty folder."""
+    path = tmp_path / "into"
+    path.mkdir()
+    return path
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

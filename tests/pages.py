@@ -32,6 +32,38 @@ from example_scenes import example
 
 REQUIRED = bool(os.environ.get("CARDAN_REQUIRE_BROWSER"))
 in_browser = pytest.mark.xdist_group("browser")
+HOSTILE = (
+    "</title><script>document.title = 'taken'</script>&amp;\"'<!-- \x01\x1b"
+    " $title ${x} {{ title }} {% raw %} {#"
+)
+
+
+Z_SHAFT = """\
+title = "Z shaft"
+[driveline]
+bends_deg = [12, 9]
+twists_deg = [170]
+phases_deg = [20]
+[load]
+speed_rpm = 1500
+drive_torque_Nm = 300
+inertias_kgm2 = [0, 0.1, 0.3]
+"""
+
+ODD = {
+    "hostile": f"title = {json.dumps(HOSTILE)}\n[driveline]\nbends_deg = [8.5]\n",
+    "straight": "[driveline]\nbends_deg = [0, 0]\n[load]\noutput_torque_Nm = 5\n",
+    "long": f"title = '{'Propellerwelle' * 8}'\n[driveline]\nbends_deg = {[3.0] * 40}\n",
+    "steep": "[driveline]\nbends_deg = [89]\n[sweep]\nturns = 0.25\nstart_deg = -30\n",
+    "cube": "[driveline]\nbends_deg = [5, 6]\n[load]\nspeed_rpm = 100\n[study]\n"
+    "bends_deg.0 = {from = 0, to = 30, steps = 7}\nbends_deg.1 = [1, 2, 3]\n"
+    "speed_rpm = [100, 200]\n",
+    "states": "[driveline]\nbends_deg = [5, 6]\n[states]\n"
+    f"bends_deg.0 = {list(range(12, 0, -1))}\n"
+    f"names = {[f'ride height {place} mm, WWWWWWWWWWW' for place in range(12)]}\n",
+}
+"""Scenes whose pages have something that others do not."""
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 

@@ -60,3 +60,7 @@ def heed_signals() -> None:
     """Undo what a parent may have told its children to ignore, as ``nohup`` does."""
     for heeded in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
         signal.signal(heeded, signal.SIG_DFL)
+
+
+def failed(result: Result, message: str) -> None:
+    assert (result.exit_code, result.output) == (2, f"cardan: {message}\n")
