@@ -84,97 +84,10 @@ class _Outputs(Mapping[str, Output]):
         return "OUTPUTS"
 
 
-# What each output means, and its equation; the core's table says everything else.
-_PROSE = {
-    "angle": (
-        "rotation, mean-synchronous with the drive",
-        "tan angle = tan a / cos b (Thoma 4, Grossmann 1)",
-    ),
-    "angle_error": (
-        "rotation minus the drive angle, with mean zero",
-        "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)",
-    ),
-    "speed_ratio": (
-        "speed over that of the drive",
-        "cos b / (cos² b cos² a + sin² a) (from Thoma 4)",
-    ),
-    "acceleration_ratio": (
-        "second derivative of the rotation by the drive angle; times the square of the "
-        "drive speed it is the acceleration at constant drive speed",
-        "-2 cos b sin² b sin a cos a / (cos² b cos² a + sin² a)² (from Thoma 4)",
-    ),
-    "jerk_ratio": (
-        "third derivative of the rotation by the drive angle; times the cube of the "
-        "drive speed it is the jerk at constant drive speed",
-        "2 cos b sin² b (sin⁴ a + 3 sin² b sin² a cos² a - cos² b cos⁴ a) / "
-        "(cos² b cos² a + sin² a)³ (derived here from Thoma 4)",
-    ),
-    "torque": (
-        "torsion entering the shaft",
-        "D / speed ratio of the joint (Grossmann 7), minus the share of the inertias (Thoma 8)",
-    ),
-    "support_moment": (
-        "moment vector that the bearings must exert on the shaft",
-        "moment of the joint at its end minus that at its start, without the part along the shaft",
-    ),
-    "moment": (
-        "moment vector that the joint exerts on its driven shaft",
-        "D (u_in + tan b sin a (sin a e_in - cos a m)), perpendicular to both pins (Thoma 5)",
-    ),
-    "bending_driving": (
-        "magnitude of the bending moment in the driving shaft",
-        "D tan b |sin a| (Grossmann 6)",
-    ),
-    "bending_driven": (
-        "magnitude of the bending moment in the driven shaft",
-        "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
-    ),
-    "pin_moment": (
-        "magnitude of the moment vector, which the pins of both yokes bear",
-        "D √(1 + tan² b sin² a), the length of the moment (Thoma 5)",
-    ),
-    "joint_force": (
-        "force vector that the joint exerts on its driven shaft, across the shaft that it supports",
-        "balance of that shaft; for a floating shaft of length L: (u x support moment) / L",
-    ),
-    "bearing_force": (
-        "force vector that the bearing exerts on its shaft, across the shaft",
-        "balance of the shaft: moments about its other support",
-    ),
-    "tilt_driving": (
-        "signed tilt of the cross, driving shaft",
-        "tan tilt = tan b sin a (Grossmann 3)",
-    ),
-    "tilt_driven": (
-        "signed tilt of the cross, driven shaft",
-        "sin tilt = sin b cos a (Grossmann 5)",
-    ),
-    "swing_driving": (
-        "rate of the cross in the driving yoke per radian of the drive; the derivative of "
-        "tilt_driving by the drive angle",
-        "speed ratio of the driven shaft times sin tilt_driven (derived here from Grossmann 3)",
-    ),
-    "swing_driven": (
-        "rate of the cross in the driven yoke per radian of the drive; the derivative of "
-        "tilt_driven by the drive angle",
-        "-(speed ratio of the driving shaft) sin tilt_driving (derived here from Grossmann 5)",
-    ),
-    "driving_pin": (
-        "unit vector along the pin of the driving yoke",
-        "cos a e_in + sin a m (Thoma, before 1)",
-    ),
-    "driven_pin": ("unit vector along the pin of the driven yoke", "unit(u_out x driving_pin)"),
-}
-
-
-def _rows() -> Iterator[Output]:
-    for name, per, unit, components, needs_load, ideal in _core.outputs():
-        meaning, source = _PROSE[name]
-        named = tuple(filter(None, components))
-        yield Output(name, per, unit, meaning, source, named, needs_load, ideal)
-
-
-OUTPUTS: Mapping[str, Output] = _Outputs(_rows())
+OUTPUTS: Mapping[str, Output] = _Outputs(
+    Output(*said, tuple(axes), needs_load, ideal)
+    for *said, axes, needs_load, ideal in _core.outputs()
+)
 """Every output by name, in the order of the documentation."""
 
 

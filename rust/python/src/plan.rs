@@ -602,17 +602,29 @@ pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
 }
 
-/// Name, `"shaft"`, `"joint"` or `"bearing"`, unit, names of the components, whether it needs a load, and
-/// whether only ideal joints have it.
-type OutputRow = (&'static str, &'static str, &'static str, Vec<&'static str>, bool, bool);
+/// An output: name, `"shaft"`, `"joint"` or `"bearing"`, unit, meaning, equation, axes of a vector, whether
+/// it needs a load, and whether only ideal joints have it.
+type OutputRow = (
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    Vec<&'static str>,
+    bool,
+    bool,
+);
 
 /// The table of outputs.
 #[pyfunction]
 pub(crate) fn outputs() -> Vec<OutputRow> {
     let row = |output: Output| {
         let row = output.row();
-        let of = [output.needs_load(), output.is_ideal()];
-        (row.name, row.per.name(), row.unit, row.components.to_vec(), of[0], of[1])
+        let axes = row.components.iter().copied().filter(|axis| !axis.is_empty()).collect();
+        let per = row.per.name();
+        let (meaning, source) = (output.meaning(), output.source());
+        let of = (output.needs_load(), output.is_ideal());
+        (row.name, per, row.unit, meaning, source, axes, of.0, of.1)
     };
     Output::ALL.into_iter().map(row).collect()
 }

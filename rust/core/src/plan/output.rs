@@ -80,14 +80,14 @@ pub struct Row {
 const SCALAR: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 
-/// The table: each row has a description, a variant, a name, the part described, a unit, the
-/// components, the needs, and what else is true of it.
+/// The table: each row has a variant, a name, the part described, a unit, the components, the needs,
+/// what else is true of it, its meaning in a line, and its equation.
 macro_rules! outputs {
-    ($($(#[$meaning:meta])* $output:ident: $name:literal, $per:ident, $unit:literal,
-        $components:ident, $needs:expr, [$($trait:ident),*];)*) => {
+    ($($output:ident: $name:literal, $per:ident, $unit:literal, $components:ident, $needs:expr,
+        [$($trait:ident),*], $meaning:literal, $source:literal;)*) => {
         /// A quantity that can be requested.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-        pub enum Output {$($(#[$meaning])* $output,)*}
+        pub enum Output {$(#[doc = $meaning] $output,)*}
 
         impl Output {
             /// All outputs, in the order of the documentation.
@@ -109,49 +109,90 @@ macro_rules! outputs {
                     },)*
                 }
             }
+
+            /// What the output is, in a line.
+            pub const fn meaning(self) -> &'static str {
+                match self {
+                    $(Self::$output => $meaning,)*
+                }
+            }
+
+            /// Its equation, with where it comes from; `a` is the input angle of the joint, or of the
+            /// single joint equivalent to the chain, `b` its bend, and `D` the torsion that enters it.
+            pub const fn source(self) -> &'static str {
+                match self {
+                    $(Self::$output => $source,)*
+                }
+            }
         }
     };
 }
 
 outputs! {
-    /// Rotation of a shaft, continuous and mean-synchronous with the drive.
-    Angle: "angle", Shaft, "rad", SCALAR, Needs::Motion(None), [];
-    /// Angle of a shaft minus the drive angle, mean zero.
-    AngleError: "angle_error", Shaft, "rad", SCALAR, Needs::Motion(Some(0.0)), [];
-    /// Speed of a shaft over the speed of the drive, `ω_i/ω_0`.
-    SpeedRatio: "speed_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(1.0)), [];
-    /// `d²(angle)/dα²`.
-    AccelerationRatio: "acceleration_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [];
-    /// `d³(angle)/dα³`.
-    JerkRatio: "jerk_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [];
-    /// Torsional moment entering a shaft.
-    Torque: "torque", Shaft, "N m", SCALAR, Needs::Power, [];
-    /// Moment vector that the bearings exert on a shaft.
-    SupportMoment: "support_moment", Shaft, "N m", VECTOR, Needs::Support, [];
-    /// Moment vector that a joint exerts on its driven shaft.
-    Moment: "moment", Joint, "N m", VECTOR, Needs::Torsion, [];
-    /// Magnitude of the bending moment in a joint's driving shaft.
-    BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion, [Kinks];
-    /// Magnitude of the bending moment in a joint's driven shaft.
-    BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion, [Kinks];
-    /// Magnitude of the moment vector, which the pins bear in both yokes.
-    PinMoment: "pin_moment", Joint, "N m", SCALAR, Needs::Torsion, [Ideal, Kinks];
-    /// Force that a joint exerts on its driven shaft.
-    JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force, [];
-    /// Force that a bearing exerts on its shaft.
-    BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force, [];
-    /// Signed tilt `ψ₁` of the cross against the driving shaft.
-    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [];
-    /// Signed tilt `ψ₂` of the cross against the driven shaft.
-    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [];
-    /// Rate of the cross in the driving yoke per radian of the drive.
-    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal];
-    /// Rate of the cross in the driven yoke per radian of the drive.
-    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal];
-    /// Unit vector along the pin of the driving yoke.
-    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal];
-    /// Unit vector along the pin of the driven yoke.
-    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal];
+    Angle: "angle", Shaft, "rad", SCALAR, Needs::Motion(None), [],
+        "rotation, mean-synchronous with the drive",
+        "tan angle = tan a / cos b (Thoma 4, Grossmann 1)";
+    AngleError: "angle_error", Shaft, "rad", SCALAR, Needs::Motion(Some(0.0)), [],
+        "rotation minus the drive angle, with mean zero",
+        "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)";
+    SpeedRatio: "speed_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(1.0)), [],
+        "speed over that of the drive",
+        "cos b / (cos² b cos² a + sin² a) (from Thoma 4)";
+    AccelerationRatio: "acceleration_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [],
+        "second derivative of the rotation by the drive angle; times the square of the drive \
+         speed it is the acceleration at constant drive speed",
+        "-2 cos b sin² b sin a cos a / (cos² b cos² a + sin² a)² (from Thoma 4)";
+    JerkRatio: "jerk_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0)), [],
+        "third derivative of the rotation by the drive angle; times the cube of the drive speed \
+         it is the jerk at constant drive speed",
+        "2 cos b sin² b (sin⁴ a + 3 sin² b sin² a cos² a - cos² b cos⁴ a) / (cos² b cos² a + \
+         sin² a)³ (derived here from Thoma 4)";
+    Torque: "torque", Shaft, "N m", SCALAR, Needs::Power, [],
+        "torsion entering the shaft",
+        "D / speed ratio of the joint (Grossmann 7), minus the share of the inertias (Thoma 8)";
+    SupportMoment: "support_moment", Shaft, "N m", VECTOR, Needs::Support, [],
+        "moment vector that the bearings must exert on the shaft",
+        "moment of the joint at its end minus that at its start, without the part along the \
+         shaft";
+    Moment: "moment", Joint, "N m", VECTOR, Needs::Torsion, [],
+        "moment vector that the joint exerts on its driven shaft",
+        "D (u_in + tan b sin a (sin a e_in - cos a m)), perpendicular to both pins (Thoma 5)";
+    BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion, [Kinks],
+        "magnitude of the bending moment in the driving shaft",
+        "D tan b |sin a| (Grossmann 6)";
+    BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion, [Kinks],
+        "magnitude of the bending moment in the driven shaft",
+        "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)";
+    PinMoment: "pin_moment", Joint, "N m", SCALAR, Needs::Torsion, [Ideal, Kinks],
+        "magnitude of the moment vector, which the pins of both yokes bear",
+        "D √(1 + tan² b sin² a), the length of the moment (Thoma 5)";
+    JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force, [],
+        "force vector that the joint exerts on its driven shaft, across the shaft that it \
+         supports",
+        "balance of that shaft; for a floating shaft of length L: (u x support moment) / L";
+    BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force, [],
+        "force vector that the bearing exerts on its shaft, across the shaft",
+        "balance of the shaft: moments about its other support";
+    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [],
+        "signed tilt of the cross, driving shaft",
+        "tan tilt = tan b sin a (Grossmann 3)";
+    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt), [],
+        "signed tilt of the cross, driven shaft",
+        "sin tilt = sin b cos a (Grossmann 5)";
+    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal],
+        "rate of the cross in the driving yoke per radian of the drive; the derivative of \
+         tilt_driving by the drive angle",
+        "speed ratio of the driven shaft times sin tilt_driven (derived here from Grossmann 3)";
+    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing), [Ideal],
+        "rate of the cross in the driven yoke per radian of the drive; the derivative of \
+         tilt_driven by the drive angle",
+        "-(speed ratio of the driving shaft) sin tilt_driving (derived here from Grossmann 5)";
+    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal],
+        "unit vector along the pin of the driving yoke",
+        "cos a e_in + sin a m (Thoma, before 1)";
+    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin), [Ideal],
+        "unit vector along the pin of the driven yoke",
+        "unit(u_out x driving_pin)";
 }
 
 /// The outputs that are formulas of one sample of a joint, each with its formula: magnitudes of moments
