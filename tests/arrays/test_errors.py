@@ -26,6 +26,7 @@ from cardan import (
     Machine,
     Sweep,
     TorsionalSystem,
+    optimise,
 )
 from cardan.reference import approximations as approximate
 
@@ -363,6 +364,11 @@ def test_no_code_of_the_package_reads_the_text_of_an_error() -> None:
             lambda: TorsionalSystem(TWO, inertias=ONES, stiffnesses=[1, 1, 1], couplings=[3]),  # type: ignore[arg-type]
             "couplings",
             "is [3]; it must map shafts to couplings",
+        ),
+        (
+            lambda: optimise(lambda x: TWO, 0.1, keep=[("bend", 1)]),  # type: ignore[arg-type]
+            "keep",
+            "is [('bend', 1)]; it must map quantities to limits",
         ),
         (lambda: cardan.Scene.parse(b"x"), "text", "it must be the text of a scene"),  # type: ignore[arg-type]
         (lambda: TWO.evaluate(0.1, tolerance="0"), "tolerance", "it must be a number"),  # type: ignore[arg-type]

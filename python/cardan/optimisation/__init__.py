@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64, finite, import_optional, shares_of
 from cardan.arrays.errors import (
+    ArgumentTypeError,
     ArgumentValueError,
     Place,
     check_choice,
@@ -426,6 +427,8 @@ def _kept_of(
     keep: Mapping[str, float], n_joints: int, load: Load | None, speed: FloatArray | None
 ) -> tuple[tuple[Measure, ...], FloatArray]:
     """Return the measures of the kept quantities and the lengths that they may have."""
+    if not isinstance(keep, Mapping):
+        raise ArgumentTypeError("keep", f"is {keep!r}; it must map quantities to limits")
     measures, lengths = [], []
     for name, limit in keep.items():
         argument = f"keep[{name!r}]"

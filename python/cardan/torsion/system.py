@@ -165,7 +165,8 @@ class TorsionalSystem:
         shafts = line.n_joints + 1
         springs = _per_shaft("stiffnesses", as_float64("stiffnesses", stiffnesses), shafts)
         made = _couplings(couplings, loss_factors, springs)
-        springs, load = springs.copy(), float(finite("load_torque", load_torque).mean())
+        springs, loads = springs.copy(), finite("load_torque", load_torque)
+        load = float(loads.mean()) if loads.size else 0.0
         for shaft, coupling in made.items():
             springs[..., shaft] = coupling.stiffness_at(load)
         rule = "; a stiffness must be positive, infinite for a rigid shaft"
@@ -179,7 +180,7 @@ class TorsionalSystem:
             "inertias": (_pairs(not_negative("inertias", inertias), shafts), 2),
             "stiffnesses": (springs, 1),
             "dampings": (_per_shaft("dampings", viscosity, shafts), 1),
-            "load_torque": (finite("load_torque", load_torque), 0),
+            "load_torque": (loads, 0),
             "load_damping": (not_negative("load_damping", load_damping), 0),
         }
         if drive is None and np.any(given["inertias"][0][..., 0, 0] != 0.0):
