@@ -366,7 +366,7 @@ def test_no_code_of_the_package_reads_the_text_of_an_error() -> None:
             "is [3]; it must map shafts to couplings",
         ),
         (
-            lambda: optimise(lambda x: TWO, 0.1, keep=[("bend", 1)]),  # type: ignore[arg-type]
+            lambda: optimise(lambda x: TWO, [0.1], keep=[("bend", 1)]),  # type: ignore[arg-type]
             "keep",
             "is [('bend', 1)]; it must map quantities to limits",
         ),

@@ -85,8 +85,8 @@ class _Outputs(Mapping[str, Output]):
 
 
 OUTPUTS: Mapping[str, Output] = _Outputs(
-    Output(*said, tuple(axes), needs_load, ideal)
-    for *said, axes, needs_load, ideal in _core.outputs()
+    Output(name, per, unit, meaning, source, tuple(axes), needs_load, ideal)
+    for name, per, unit, meaning, source, axes, needs_load, ideal in _core.outputs()
 )
 """Every output by name, in the order of the documentation."""
 
