@@ -15,6 +15,7 @@ import shutil
 import sys
 import tempfile
 import tomllib
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,6 @@ import asammdf
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from click.testing import CliRunner
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "examples"
@@ -46,6 +46,8 @@ NUMBERS = [0, -1, 1, 0.5, 1e-9, 89.999, 90, 1e300, float("nan"), float("inf"), 7
 OTHERS = ["", "free", True, [], {}, [[1, 2], [3]], "rest"]
 # What matters in files: decimal commas, quotes, ends of lines, sections and values.
 TOKENS = [b",", b";", b'"', b"\r\n", b"\n\n", b"\xef\xbb\xbf", b"nan", b" = [", b"1e308", b"[a]\n"]
+# The same for all inputs: click keeps each stream that it wrote to.
+STREAMS = [io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2)]
 FOLDER = Path(tempfile.mkdtemp())
 for recording in EXAMPLES.glob("*.csv"):
     shutil.copy(recording, FOLDER)
@@ -149,16 +151,29 @@ def answer(given: atheris.FuzzedDataProvider) -> None:
     command = given.PickValueInList(COMMANDS)
     options = {"run": ["--into", str(FOLDER)], "optimise": ["--to", str(FOLDER / "best.toml")]}
     arguments = [command, str(path), "--json", *options.get(command, [])]
-    found = CliRunner().invoke(commands(), arguments)
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise AssertionError(f"{arguments}\n{text}") from found.exception
-    if found.exit_code == 2:
-        assert not found.stdout, (text, found.stdout)
-        assert found.stderr.startswith("cardan: "), (text, found.stderr)
-        assert found.stderr.count("\n") == 1, (text, found.stderr)
+    try:
+        with redirect_stdout(STREAMS[0]), redirect_stderr(STREAMS[1]):
+            commands().main(arguments, "cardan")
+    except SystemExit as end:
+        status = end.code
+    except Exception as error:
+        raise AssertionError(f"{arguments}\n{text}") from error
+    stdout, stderr = map(taken, STREAMS)
+    if status == 2:
+        assert not stdout, (text, stdout)
+        assert stderr.startswith("cardan: "), (text, stderr)
+        assert stderr.count("\n") == 1, (text, stderr)
         return
-    assert found.exit_code in (0, 1), (found.exit_code, text)
-    json.loads(found.stdout, parse_constant=no_json)
+    assert status in (0, 1), (status, text)
+    json.loads(stdout, parse_constant=no_json)
+
+
+def taken(stream: io.TextIOWrapper[io.BytesIO]) -> str:
+    """Return what was written to a stream, and empty it."""
+    written = stream.buffer.getvalue().decode()
+    stream.seek(0)
+    stream.truncate()
+    return written
 
 
 def no_json(constant: str) -> None:
