@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
-from cardan.evaluation.request import REDUCTIONS, Reduction
+from cardan.evaluation.reductions import REDUCTIONS, Reduction
 from oracle import Exact, ExactTurn, Fold, limits, mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
