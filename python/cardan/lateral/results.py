@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,6 +89,16 @@ class Unbalance:
     mass_arm: ArrayLike
     direction: ArrayLike
 
+
+ITEMS: dict[str, tuple[type[Any], dict[str, int]]] = {
+    "bearings": (
+        ElasticBearing,
+        {"position": 1, "stiffness": 2, "axis": 3, "loss_factor": 2, "damping": 2},
+    ),
+    "masses": (PointMass, {"position": 1, "mass": 1, "across": 1, "along": 1}),
+    "unbalance": (Unbalance, {"position": 1, "mass_arm": 1, "direction": 3}),
+}
+"""Class of each kind of item, and sizes of the numbers in its fields, in the core's order."""
 
 Vectors: TypeAlias = Literal[
     "bearing_force", "bearing_displacement", "joint_force", "joint_displacement", "displacement"

@@ -28,6 +28,7 @@ from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.geometry.geometry import require_driveline
 from cardan.lateral.results import (
+    ITEMS,
     VECTORS,
     ElasticBearing,
     LateralModes,
@@ -59,15 +60,6 @@ _FOR_BROWSERS = {
     "unbalance": ("unbalance_shafts", "of_unbalances"),
 }
 
-# Of each item its class, and its fields as numbers with their sizes.
-_ITEMS: dict[str, tuple[type[Any], dict[str, int]]] = {
-    "bearings": (
-        ElasticBearing,
-        {"position": 1, "stiffness": 2, "axis": 3, "loss_factor": 2, "damping": 2},
-    ),
-    "masses": (PointMass, {"position": 1, "mass": 1, "across": 1, "along": 1}),
-    "unbalance": (Unbalance, {"position": 1, "mass_arm": 1, "direction": 3}),
-}
 _OF_SHAFTS: dict[type, tuple[int, tuple[str, ...]]] = {
     RigidShaft: (_RIGID, ("mass", "centre", "across", "along")),
     Tube: (
@@ -427,7 +419,7 @@ def _of_shafts(shafts: Sequence[object]) -> tuple[list[int], FloatArray]:
 
 def _numbers(name: str, items: Sequence[Any]) -> FloatArray:
     """Return the numbers of items of one kind, ``(..., items, numbers)``."""
-    kind, fields = _ITEMS[name]
+    kind, fields = ITEMS[name]
     columns = []
     for i, item in enumerate(items):
         if not isinstance(item, kind):

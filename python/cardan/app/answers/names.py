@@ -8,25 +8,20 @@ from types import MappingProxyType
 import numpy as np
 
 from cardan.app.scene.language.units import ENDINGS, as_shown, split
+from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.load import LOAD
 from cardan.app.scene.study.study import Column
 from cardan.evaluation.outputs import OUTPUTS
 
-# What an entry of a list is, of what, and the number of the first one.
 _ENTRIES: Mapping[str, tuple[str, str, int]] = MappingProxyType(
     {
-        "bends": ("bend", "joint", 0),
-        "twists": ("twist", "shaft", 1),
-        "phases": ("phase", "shaft", 1),
-        "points": ("", "point", 0),
-        "directions": ("direction", "shaft", 0),
-        "slopes_vertical": ("slope in side view", "shaft", 0),
-        "slopes_horizontal": ("slope in top view", "shaft", 0),
-        "projected_bends_vertical": ("bend in side view", "joint", 0),
-        "projected_bends_horizontal": ("bend in top view", "joint", 0),
-        "inertias": ("inertia", "shaft", 0),
-        "lengths": ("length", "shaft", 0),
+        split(name)[0]: key.entry
+        for section in (DRIVELINE, LOAD)
+        for name, key in section.keys.items()
+        if key.entry
     }
 )
+"""What an entry of a list is, of what, and the number of the first one; without units."""
 
 _REDUCED = MappingProxyType({"peak": "largest", "min": "minimum", "max": "maximum"})
 

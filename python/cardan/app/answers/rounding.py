@@ -6,6 +6,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.evaluation.outputs import OUTPUTS
 from cardan.motion.equivalent import EquivalentJoint
 
 ROUNDING = 1e-9
@@ -31,7 +32,11 @@ def is_steady(curve: FloatArray, scale: float) -> bool:
     return high - low <= max(STEADY * max(abs(low), abs(high)), ROUNDING * scale)
 
 
-MAGNITUDES = ("pin_moment", "bending_driving", "bending_driven")
+MAGNITUDES = frozenset(
+    name
+    for name, output in OUTPUTS.items()
+    if output.per == "joint" and output.unit == "N m" and not output.vector
+)
 """Outputs of a joint that are magnitudes in proportion to its torque."""
 
 

@@ -32,6 +32,7 @@ class Key:
         default: the value where the key is left out.
         per: what a list has one value for: ``"joint"``, ``"shaft"``, … of ``check_counts``.
         kind: what to call its values, if not as the rule does.
+        entry: of a list what an entry is, of what, and the number of the first one.
     """
 
     rule: Rule
@@ -41,6 +42,7 @@ class Key:
     default: Any = None
     per: str = ""
     kind: str = ""
+    entry: tuple[str, str, int] | None = None
 
 
 def with_us_keys(keys: Mapping[str, Key]) -> dict[str, Key]:

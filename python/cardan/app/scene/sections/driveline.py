@@ -338,13 +338,14 @@ def has_lengths(line: Driveline) -> bool:
     return bool(line._geometry.lengths.shape[-1])
 
 
-def _vectors(meaning: str, argument: str) -> Key:
-    return Key(rules.ListOf(rules.VECTOR, "vectors [x, y, z]"), meaning, argument, kind="vectors")
+def _vectors(meaning: str, argument: str, entry: tuple[str, str, int]) -> Key:
+    rule = rules.ListOf(rules.VECTOR, "vectors [x, y, z]")
+    return Key(rule, meaning, argument, kind="vectors", entry=entry)
 
 
-def _slopes(meaning: str, argument: str) -> Key:
+def _slopes(meaning: str, argument: str, entry: tuple[str, str, int]) -> Key:
     slope = rules.Number(-90, 90, above=True, below=True)
-    return Key(rules.ListOf(slope, "numbers"), meaning, argument, kind="slopes")
+    return Key(rules.ListOf(slope, "numbers"), meaning, argument, kind="slopes", entry=entry)
 
 
 _READING = rules.Directed(
@@ -370,39 +371,55 @@ _OFFSET = rules.Directed(
     '"45 left" or "45 right", looking as the driver does',
 )
 
+_POINT, _LENGTH = ("", "point", 0), ("length", "shaft", 0)
+
 DRIVELINE: Section[Described] = Section(
     "driveline",
     "joints and shafts, required; give exactly one description",
     {
-        "bends_deg": Key(rules.numbers(rules.BEND), "bend of each joint, in [0, 90)", "bends"),
+        "bends_deg": Key(
+            rules.numbers(rules.BEND),
+            "bend of each joint, in [0, 90)",
+            "bends",
+            entry=("bend", "joint", 0),
+        ),
         "twists_deg": Key(
             rules.numbers(),
             "with bends_deg: angle from one bend plane to the next about each intermediate "
             "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
+            entry=("twist", "shaft", 1),
         ),
         "points_m": _vectors(
-            "driving end, joint centres, driven end, in right-handed axes", "points"
+            "driving end, joint centres, driven end, in right-handed axes", "points", _POINT
         ),
-        "points_mm": _vectors("the same in mm", "points"),
+        "points_mm": _vectors("the same in mm", "points", _POINT),
         "directions": _vectors(
-            "a vector of any length along each shaft, in right-handed axes", "directions"
+            "a vector of any length along each shaft, in right-handed axes",
+            "directions",
+            ("direction", "shaft", 0),
         ),
         "slopes_vertical_deg": _slopes(
-            "slope of each shaft in side view, positive upwards", "vertical"
+            "slope of each shaft in side view, positive upwards",
+            "vertical",
+            ("slope in side view", "shaft", 0),
         ),
         "slopes_horizontal_deg": _slopes(
             "slope of each shaft in top view, positive to the right, looking from the drive "
             "towards the output: towards the vehicle's left if its drive is in front",
             "horizontal",
+            ("slope in top view", "shaft", 0),
         ),
         "projected_bends_vertical_deg": _slopes(
-            "bends of two joints in side view, from the common shaft, positive upwards", "vertical"
+            "bends of two joints in side view, from the common shaft, positive upwards",
+            "vertical",
+            ("bend in side view", "joint", 0),
         ),
         "projected_bends_horizontal_deg": _slopes(
             "bends of two joints in top view, from the common shaft, positive as "
             "slopes_horizontal_deg",
             "horizontal",
+            ("bend in top view", "joint", 0),
         ),
         READINGS: Key(
             rules.ListOf(_READING, "readings"),
@@ -467,6 +484,7 @@ DRIVELINE: Section[Described] = Section(
             "angle from the input-side to the output-side yoke of each intermediate shaft, "
             "clockwise looking from the drive towards the output; default 0",
             "phases",
+            entry=("phase", "shaft", 1),
         ),
         TEETH: Key(
             rules.TOOTH_COUNTS,
@@ -481,9 +499,13 @@ DRIVELINE: Section[Described] = Section(
             "lengths",
             factor=1e-3,
             per="shaft",
+            entry=_LENGTH,
         ),
         "lengths_m": Key(
-            rules.ListOf(rules.POSITIVE, "numbers"), "or: the same in metres", per="shaft"
+            rules.ListOf(rules.POSITIVE, "numbers"),
+            "or: the same in metres",
+            per="shaft",
+            entry=_LENGTH,
         ),
     },
     _described,

@@ -192,6 +192,7 @@ LOAD: Section[Loaded] = Section(
             "moment of inertia of each shaft about its axis",
             "inertias",
             per="shaft",
+            entry=("inertia", "shaft", 0),
         ),
     },
     _loaded,

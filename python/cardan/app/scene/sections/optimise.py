@@ -25,6 +25,7 @@ from cardan.app.scene.language.rules import (
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import us_keys
 from cardan.app.scene.sections.bearing import POSITIONS
+from cardan.app.scene.sections.driveline import DRIVELINE
 from cardan.app.scene.study.axes import ENTRIES
 from cardan.design.quantities import MOTION_QUANTITIES
 
@@ -44,10 +45,8 @@ def _either(*keys: str) -> str:
 
 _PHASES = "phases_deg"
 _VECTORS = _either("points_m", "points_mm", "directions")
-_LISTS = (
-    "(bends_deg|twists_deg|slopes_vertical_deg|slopes_horizontal_deg"
-    "|projected_bends_vertical_deg|projected_bends_horizontal_deg)"
-)
+_ANGLES = [name for name, key in DRIVELINE.keys.items() if key.entry and name.endswith("_deg")]
+_LISTS = f"({'|'.join(name for name in _ANGLES if name != _PHASES)})"
 
 
 @dataclass(frozen=True)

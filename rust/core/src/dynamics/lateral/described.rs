@@ -1,8 +1,8 @@
 //! Systems as arrays of numbers, which is how other languages give them.
 
+use crate::dynamics::lateral::bearing::ElasticBearing;
 use crate::dynamics::lateral::system::{
-    Attached, BendingShaft, ElasticBearing, LateralShaft, LateralSystem, PointMass, RigidShaft,
-    Unbalance,
+    Attached, BendingShaft, LateralShaft, LateralSystem, PointMass, RigidShaft, Unbalance,
 };
 use crate::error::{Error, Result};
 use crate::input::batch::check_length;
@@ -34,7 +34,7 @@ pub struct Described<'a> {
 
 impl<'a> Numbers<'a> {
     /// Numbers of fields of a shaft, a bearing, a mass and an unbalance.
-    pub const COUNTS: [usize; 4] = [5, 10, 4, 5];
+    pub const COUNTS: [usize; 4] = [5, ElasticBearing::FIELDS, 4, 5];
 
     fn each<const N: usize, T>(
         self,
@@ -73,15 +73,6 @@ impl Described<'_> {
                 loss_factor,
             }),
         })?;
-        let bearing =
-            |shaft, &[position, k1, k2, x, y, z, eta1, eta2, c1, c2]: &[f64; 10]| ElasticBearing {
-                shaft,
-                position,
-                stiffness: [k1, k2],
-                axis: (!x.is_nan()).then(|| Vector::new(x, y, z)),
-                loss_factor: [eta1, eta2],
-                damping: [c1, c2],
-            };
         let mass = |shaft, &[position, mass, across, along]: &[f64; 4]| PointMass {
             shaft,
             position,
@@ -96,7 +87,7 @@ impl Described<'_> {
             direction: Vector::new(x, y, z),
         };
         let attached = Attached {
-            bearings: self.bearings.each("bearings", bearing)?,
+            bearings: self.bearings.each("bearings", ElasticBearing::of)?,
             masses: self.masses.each("masses", mass)?,
             unbalances: self.unbalances.each("unbalance", unbalance)?,
         };

@@ -10,10 +10,9 @@
 use nalgebra::{Complex, Vector2};
 
 use crate::dynamics::lateral::band::Band;
+use crate::dynamics::lateral::bearing::ElasticBearing;
 use crate::dynamics::lateral::span::{Section, Stiffness, Transfer};
-use crate::dynamics::lateral::system::{
-    BendingShaft, ElasticBearing, LateralShaft, LateralSystem, pair_across,
-};
+use crate::dynamics::lateral::system::{BendingShaft, LateralShaft, LateralSystem, pair_across};
 use crate::mechanics::geometry::Vector;
 
 type C = Complex<f64>;
@@ -70,20 +69,8 @@ impl Rate {
     }
 
     /// The sign of `ω`, 0 for none.
-    fn sign(self) -> f64 {
+    pub(super) fn sign(self) -> f64 {
         if self.omega == 0.0 { 0.0 } else { self.omega.signum() }
-    }
-
-    /// The dynamic stiffness of a bearing in its two directions.
-    pub(super) fn bearing(self, own: &ElasticBearing) -> [C; 2] {
-        [0, 1].map(|i| {
-            let stiffness = own.stiffness[i];
-            if !self.damped {
-                return C::from(stiffness);
-            }
-            let loss = stiffness * own.loss_factor[i] * self.sign();
-            Complex::new(stiffness, loss + self.omega * own.damping[i])
-        })
     }
 
     fn section(self, own: &BendingShaft, turn: f64) -> Section {
@@ -301,7 +288,7 @@ impl BandEquations {
         }
         for ((axes, place), own) in layout.bearings.iter().zip(&system.attached.bearings) {
             let turning = system.turning(own.shaft);
-            for (axis, stiffness) in axes.iter().zip(at.bearing(own)) {
+            for (axis, stiffness) in axes.iter().zip(own.dynamic_stiffness(at)) {
                 let along = turning.map(|e| dot(axis, e));
                 for (i, row) in along.iter().enumerate() {
                     for (j, column) in along.iter().enumerate() {

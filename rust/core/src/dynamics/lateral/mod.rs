@@ -2,6 +2,7 @@
 //! moments of ideal joints and by unbalances at steady speeds.
 
 mod band;
+mod bearing;
 mod described;
 mod equations;
 mod largest;
@@ -11,13 +12,13 @@ mod span;
 mod system;
 mod torque;
 
+pub use bearing::ElasticBearing;
 pub use described::{Described, Numbers};
 pub use largest::largest_lengths;
 pub use modes::LateralMode;
 pub use response::LateralRuns;
 pub use system::{
-    Attached, BendingShaft, ElasticBearing, LateralShaft, LateralSystem, PointMass, RigidShaft,
-    Unbalance,
+    Attached, BendingShaft, LateralShaft, LateralSystem, PointMass, RigidShaft, Unbalance,
 };
 pub use torque::{TorqueStiffness, Yokes};
 

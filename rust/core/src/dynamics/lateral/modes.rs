@@ -253,7 +253,8 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::dynamics::lateral::system::{Attached, BendingShaft, ElasticBearing, PointMass};
+    use crate::dynamics::lateral::bearing::ElasticBearing;
+    use crate::dynamics::lateral::system::{Attached, BendingShaft, PointMass};
     use crate::mechanics::geometry::Vector;
 
     const TUBE: BendingShaft = BendingShaft {

@@ -161,7 +161,7 @@ impl LateralRuns<'_> {
         let moved = |shaft, place| equations.displacement(layout, shaft, place);
         for ((axes, place), own) in bearings.clone() {
             let moved = moved(own.shaft, *place);
-            let forces = at.bearing(own);
+            let forces = own.dynamic_stiffness(at);
             let along = [0, 1].map(|i| forces[i] * scalar(moved, axes[i]));
             put([0, 1, 2].map(|i| -(along[0] * axes[0][i] + along[1] * axes[1][i])));
         }
@@ -188,7 +188,7 @@ impl LateralRuns<'_> {
         for ((axes, place), own) in bearings {
             let moved = moved(own.shaft, *place);
             let lost = |(axis, stiffness): (_, C)| stiffness.im * scalar(moved, axis).norm_sqr();
-            let both: f64 = axes.iter().copied().zip(at.bearing(own)).map(lost).sum();
+            let both: f64 = axes.iter().copied().zip(own.dynamic_stiffness(at)).map(lost).sum();
             put(0.5 * at.omega * both);
         }
         put(if at.lossy { 0.5 * at.omega * equations.lost_in_pieces() } else { 0.0 });

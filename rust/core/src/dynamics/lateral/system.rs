@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 
+use crate::dynamics::lateral::bearing::ElasticBearing;
 use crate::error::{Error, Result};
 use crate::mechanics::geometry::Vector;
 
@@ -48,23 +49,6 @@ pub struct BendingShaft {
     /// Loss factor of the material, for orders from 2 on: it turns with the shaft and sees an order
     /// less by 1.
     pub loss_factor: f64,
-}
-
-/// A bearing with the dynamic stiffness `k (1 + i η sign ω) + iωc` in two directions across a shaft.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElasticBearing {
-    /// The shaft that it holds.
-    pub shaft: usize,
-    /// Distance from the shaft's upstream end in m.
-    pub position: f64,
-    /// `k` along the part of `axis` across the shaft and at right angles to it in N/m.
-    pub stiffness: [f64; 2],
-    /// Needed where the two directions differ.
-    pub axis: Option<Vector>,
-    /// `η` in both directions.
-    pub loss_factor: [f64; 2],
-    /// `c` in both directions in N s/m.
-    pub damping: [f64; 2],
 }
 
 /// A yoke, flange or disc on a shaft.
@@ -247,7 +231,8 @@ impl LateralSystem {
         let mut attached = std::mem::take(&mut self.attached);
         for (i, own) in attached.bearings.iter_mut().enumerate() {
             own.position = self.moving_place("bearings", i, own.shaft, own.position)?;
-            self.check_bearing(own).map_err(|problem| Error::new("bearings", &[i], problem))?;
+            own.check(self.directions[own.shaft])
+                .map_err(|problem| Error::new("bearings", &[i], problem))?;
         }
         for (i, own) in attached.masses.iter_mut().enumerate() {
             own.position = self.moving_place("masses", i, own.shaft, own.position)?;
@@ -258,7 +243,7 @@ impl LateralSystem {
         for (i, own) in attached.unbalances.iter_mut().enumerate() {
             own.position = self.moving_place("unbalance", i, own.shaft, own.position)?;
             check_each(&[("mass arm", own.mass_arm)])
-                .and_then(|()| self.check_axis("direction", own.direction, own.shaft))
+                .and_then(|()| check_axis("direction", own.direction, self.directions[own.shaft]))
                 .map_err(|problem| Error::new("unbalance", &[i], problem))?;
         }
         self.attached = attached;
@@ -278,38 +263,6 @@ impl LateralSystem {
             return Err(Error::new(name, &[item], problem));
         }
         Ok(place)
-    }
-
-    fn check_bearing(&self, own: &ElasticBearing) -> std::result::Result<(), String> {
-        let given = [("stiffness", own.stiffness), ("damping", own.damping)];
-        for (name, pair) in given {
-            check_each(&pair.map(|value| (name, value)))?;
-        }
-        if let Some(loss) = own.loss_factor.iter().find(|loss| !(0.0..=1.0).contains(*loss)) {
-            return Err(format!("has the loss factor {loss:?}; it must lie in [0, 1]"));
-        }
-        if let Some(axis) = own.axis {
-            return self.check_axis("axis", axis, own.shaft);
-        }
-        let pairs = [own.stiffness, own.damping, own.loss_factor];
-        if pairs.iter().all(|[first, second]| first == second) {
-            return Ok(());
-        }
-        Err("differs in its two directions; it needs an axis for the first".into())
-    }
-
-    fn check_axis(
-        &self,
-        name: &str,
-        axis: Vector,
-        shaft: usize,
-    ) -> std::result::Result<(), String> {
-        let across = axis.cross(&self.directions[shaft]).norm();
-        if across > 1e-9 * axis.norm() && across.is_finite() {
-            return Ok(());
-        }
-        let [x, y, z] = [axis.x, axis.y, axis.z];
-        Err(format!("has the {name} ({x:?}, {y:?}, {z:?}); it must have a part across the shaft"))
     }
 
     /// The joint that a shaft lacks as a support slides on it, as in statics.
@@ -381,11 +334,25 @@ fn check_shaft(shaft: LateralShaft) -> std::result::Result<(), String> {
 }
 
 /// Refuses values that are negative or not finite.
-fn check_each(values: &[(&str, f64)]) -> std::result::Result<(), String> {
+pub(super) fn check_each(values: &[(&str, f64)]) -> std::result::Result<(), String> {
     match values.iter().find(|(_, value)| !(0.0..f64::INFINITY).contains(value)) {
         None => Ok(()),
         Some((name, value)) => {
             Err(format!("has the {name} {value:?}; it must be finite and not negative"))
         }
     }
+}
+
+/// A vector that must have a part across a shaft with this direction.
+pub(super) fn check_axis(
+    name: &str,
+    axis: Vector,
+    direction: Vector,
+) -> std::result::Result<(), String> {
+    let across = axis.cross(&direction).norm();
+    if across > 1e-9 * axis.norm() && across.is_finite() {
+        return Ok(());
+    }
+    let [x, y, z] = [axis.x, axis.y, axis.z];
+    Err(format!("has the {name} ({x:?}, {y:?}, {z:?}); it must have a part across the shaft"))
 }
