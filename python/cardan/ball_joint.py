@@ -327,7 +327,7 @@ class BallJoint:
 
 
 def _not_negative(name: str, value: ArrayLike) -> FloatArray:
-    """What is evaluated, unlike what makes a joint, may be NaN."""
+    """Return an input of an evaluation, which may be NaN."""
     array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
     check_elements(name, array, ~wrong, "; it must be finite and not negative")

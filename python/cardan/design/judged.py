@@ -178,7 +178,7 @@ class Finding:
 
     @property
     def margin(self) -> FloatArray:
-        """What is left up to the limit, in ``unit`` and in the shape of ``value``.
+        """Margin to the limit, in ``unit`` and in the shape of ``value``.
 
         It is negative above the limit, and NaN without one.
         """
@@ -235,7 +235,7 @@ class Finding:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What follows "is": verdict and margin, the speeds of the limits, numbers of a batch."""
+        """Phrases after "is": verdict and margin, the speeds of the limits, numbers of a batch."""
         parts = [*self._verdict_words(), *self._speed_words()]
         if self.figure == "equivalent_bend" and self.limit and not math.isnan(self.worst):
             own, most = non_uniformity(self.worst), non_uniformity(self.limit.limit)

@@ -41,7 +41,7 @@ RANKS: tuple[MachineVerdict, ...] = ("not judged", "within", "tolerable", "beyon
 
 @dataclass(frozen=True)
 class Kind:
-    """What a figure of a machine is.
+    """Description of a figure of a machine.
 
     Attributes:
         name: for programs, as in ``limits``.

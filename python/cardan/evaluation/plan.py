@@ -328,7 +328,7 @@ class Plan:
         return shape
 
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """What is left of the samples' shape when the last axis is reduced."""
+        """Return the samples' shape without the reduced last axis."""
         if not shape:
             problem = "works over the last axis of the samples; one angle has none"
             raise ArgumentValueError("reduce", problem)

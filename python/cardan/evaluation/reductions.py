@@ -1,4 +1,4 @@
-"""What rows of samples can be reduced to: one table, for all that a reduction needs in Python."""
+"""Reductions of rows of samples: one table of all that a reduction needs in Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of a driveline, and where the outputs lie among the planes of the result.
+"""Requests to a driveline, and where the outputs lie among the planes of the result.
 
 A plane has one number for each sample. There is one for each item and component.
 """
@@ -94,7 +94,7 @@ class PlanePlace(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What a plan knows of its result before it knows the driveline."""
+    """Layout of the result of a plan, which no driveline changes."""
 
     names: tuple[str, ...]
     shafts: list[int]  # of the outputs per shaft

@@ -42,7 +42,7 @@ class Options(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What to evaluate, apart from the parameters and the drive angles."""
+    """Settings of an evaluation, apart from the parameters and the drive angles."""
 
     outputs: str | Sequence[str]
     shafts: Items = None  # of the outputs per shaft

@@ -93,7 +93,7 @@ class Unbalance:
 Vectors: TypeAlias = Literal[
     "bearing_force", "bearing_displacement", "joint_force", "joint_displacement", "displacement"
 ]
-"""What a response has as vectors."""
+"""Names of the vectors of a response."""
 
 VECTORS: tuple[Vectors, ...] = get_args(Vectors)
 

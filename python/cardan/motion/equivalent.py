@@ -258,7 +258,7 @@ def transmission(line: Driveline, shaft: int = -1) -> Transmission:
 
 @dataclass(frozen=True, eq=False)
 class Steering:
-    """What a steering column does about straight ahead; fields have the shape of the batch.
+    """Behaviour of a steering column about straight ahead; fields have the shape of the batch.
 
     The last shaft follows the column as the driven shaft of one joint. Its ratio is ``(1 -
     k**2)/(1 - 2 k cos 2 t + k**2)`` at the input angle ``t`` of that joint, which is even about

@@ -135,7 +135,7 @@ class Identification:
 
     @property
     def angle_offset(self) -> float:
-        """What to add to the drive angle to get the joint's input angle, in (-pi/2, pi/2] rad."""
+        """Offset of the joint's input angle from the drive angle, in (-pi/2, pi/2] rad."""
         return _wrapped(-0.5 * float(np.angle(-self.q))) if self.q else 0.0
 
     @property
@@ -385,7 +385,7 @@ def _fitted(
     beside = np.column_stack([offset, drift, waves[:, [0, 2]].real, waves[:, [0, 2]].imag])
 
     def fit() -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What the motion of ``q`` leaves, the linear equations for it, and their solution."""
+        """Return the residual of ``q``, the linear equations for it, and their solution."""
         model, slope = _model(q, turned, of_angle)
         matrix = np.column_stack([slope.real, -slope.imag, beside])
         rest = values - model

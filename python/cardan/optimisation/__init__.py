@@ -68,7 +68,7 @@ class NotKeptError(ArgumentValueError):
 
 @dataclass(frozen=True)
 class ActiveLimit:
-    """What keeps an optimum from being better.
+    """Limit that keeps an optimum from being better.
 
     Attributes:
         kind: ``"low"`` or ``"high"`` for the bound of a variable, ``"keep"`` for a kept quantity.
@@ -265,7 +265,7 @@ def optimise(
 
 
 def _active(problem: Problem, begin: Candidate, best: Candidate) -> tuple[ActiveLimit, ...]:
-    """What keeps an optimum from being better.
+    """Return the limits that keep an optimum from being better.
 
     There the slopes of the largest values and of what is at a limit add up to nothing, with
     factors that are not negative (Karush, Kuhn, Tucker). A limit without such a factor is reached

@@ -208,7 +208,7 @@ _STEP = 6e-6
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a variable changes: parameters of the driveline, in every state alike."""
+    """Change by a variable: parameters of the driveline, in every state alike."""
 
     kind: LayoutVariables
     place: tuple[Any, ...]  # an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``
@@ -217,7 +217,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What to minimise over which ``m`` variables."""
+    """Quantity to minimise, and the ``m`` variables."""
 
     lines_of: Callable[[FloatArray], Driveline]  # its batch is the states
     low: FloatArray  # lower bounds, (m,); -inf where there is none

@@ -166,7 +166,7 @@ class System:
 
 @dataclass(frozen=True)
 class Motion:
-    """What a system does at drive angles; states come last.
+    """Motion of a system at drive angles; states come last.
 
     Attributes are as of ``cardan.torsion.Orbit``, the torque of the drive with the harmonics at its
     end, and the acceleration while a held drive keeps its speed.
@@ -233,7 +233,7 @@ def _behind(system: System, angles: Sequence[Value] | Array) -> list[list[_End]]
 
 
 class _Balance(NamedTuple):
-    """What acts in states: by springs, and by the drive and the springs as those who turn."""
+    """Torques in states by spring, accelerations by the drive and the springs."""
 
     groups: list[list[_End]]  # ends that turn with each of the latter
     torques: list[Value]  # of the springs

@@ -176,11 +176,11 @@ class Case:
         return complex(self._amplitude(kind, {}, 1)[0])
 
     def _vectors(self, kind: Amplitude | int) -> ComplexArray:
-        """What each tolerance adds to an amplitude, to first order."""
+        """Return the effect of each tolerance on an amplitude, to first order."""
         return np.asarray(self._differences(partial(self._amplitude, kind)))
 
     def _differences(self, of: Callable[[Deviations, int], Any]) -> Any:  # noqa: ANN401
-        """What each tolerance adds to first order to what a function finds of many samples."""
+        """Return the first-order effect of each tolerance on a function of many samples."""
         steps = np.diag(np.full(len(self.box.places), _STEP))
         units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])

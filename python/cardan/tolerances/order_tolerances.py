@@ -1,4 +1,4 @@
-"""What tolerances of joints make of one order of the angle error.
+"""Effect of tolerances of joints on one order of the angle error.
 
 To first order the complex amplitude of an order is that of the drawing plus one vector for each
 deviation, in proportion to it. The vectors are the derivatives by the deviations, summed over a
@@ -30,7 +30,7 @@ _FEWEST = 256
 
 @dataclass(frozen=True, eq=False)
 class OrderTolerances:
-    """What tolerances of joints make of one order; made by ``Driveline.order_tolerances``.
+    """Effect of tolerances of joints on one order; made by ``Driveline.order_tolerances``.
 
     Amplitudes are those of the angle error in rad. Multiply by ``(order speed)**2`` for the
     acceleration of the shaft at a steady speed of the drive.

@@ -1,4 +1,4 @@
-"""What follows from the equations of one system: modes, unstable speeds, motions side by side."""
+"""Analyses of the equations of one system: modes, unstable speeds, motions side by side."""
 
 from __future__ import annotations
 

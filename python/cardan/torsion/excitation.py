@@ -1,4 +1,4 @@
-"""What a torsional system has beside springs: torques of engines and machines, and couplings."""
+"""Parts of a torsional system beside springs: torques of engines and machines, and couplings."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class TorqueHarmonic:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """What connects the ends of a compliant shaft where that is not a spring of one stiffness.
+    """Connection of the ends of a compliant shaft that is no spring of one stiffness.
 
     One of ``stiffness``, ``twist`` with ``torque``, and ``mean_torque`` with ``stiffness_by_mean``
     is given. The dampings of the system are added.

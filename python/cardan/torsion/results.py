@@ -43,7 +43,7 @@ _REASONS = (
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """What a search for periodic orbits found; ``...`` is the shape of systems and speeds.
+    """Result of a search for periodic orbits; ``...`` is the shape of systems and speeds.
 
     Attributes:
         found: whether there is an orbit, ``(...)``. Where there is none, the results are NaN.

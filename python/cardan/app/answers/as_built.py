@@ -1,4 +1,4 @@
-"""What the deviations of a scene's joints add: the orders of its shafts, and their extremes."""
+"""Effect of the deviations of a scene's joints: orders of its shafts, and their extremes."""
 
 from __future__ import annotations
 

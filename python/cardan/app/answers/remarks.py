@@ -1,4 +1,4 @@
-"""What a reader of a scene would ask about: inputs in a wrong unit, torques that reverse.
+"""Remarks on doubtful points of a scene: inputs in a wrong unit, torques that reverse.
 
 Remarks are no verdict. Each is a line about a section or about a shaft.
 """

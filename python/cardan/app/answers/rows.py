@@ -52,7 +52,7 @@ UNITS: Mapping[str, Unit] = _MORE | {
 Rows and JSON have SI units; US units are those in which figures are shown.
 """
 SI_UNITS = tuple(unit for unit in UNITS if unit not in ENDINGS or not ENDINGS[unit].si)
-"""Those of the JSON."""
+"""Units of the JSON."""
 
 
 class Digits(NamedTuple):
@@ -106,7 +106,7 @@ def key_of(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """What there is to say of a field, but for its value."""
+    """Description of a field without its value."""
 
     kind: Kind
     label: str  # what people call it
@@ -180,7 +180,7 @@ def as_shown(declared: Any) -> Any:  # noqa: ANN401 - as of figure
 
 
 def _declares(kind: Kind) -> Callable[..., Any]:
-    """What declares a field of a kind by its label, its meaning and whether it is a detail."""
+    """Return a function that declares a field: its label, its meaning, whether it is a detail."""
 
     def declare(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
         return field(metadata={"row": Row(kind, label, meaning=meaning, is_detail=is_detail)})

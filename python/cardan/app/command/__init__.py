@@ -35,8 +35,8 @@ SUBCOMMANDS = {
     "tolerances": ("parts", "Say how much tolerances matter."),
     "torsion": ("parts", "Find resonances of the shafts."),
 }
-"""Of each subcommand the module, in which a function of its name has options and help, and what it
-does in a line."""
+"""Module and short help of each subcommand. In the module, a function of its name has options and
+help."""
 
 
 def commands() -> click.Group:

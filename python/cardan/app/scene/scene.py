@@ -68,7 +68,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands before all sections."""
+    """Keys before all sections."""
 
     title: str
     units: System

@@ -1,4 +1,4 @@
-"""What helps against order 2 at a bearing: heights, slopes, yokes and other stiffnesses."""
+"""Remedies for order 2 at a bearing: heights, slopes, yokes and other stiffnesses."""
 
 from __future__ import annotations
 

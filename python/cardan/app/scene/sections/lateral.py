@@ -29,7 +29,7 @@ _INERTIA = Number(0, 1e6, what="an inertia")
 
 @dataclass(frozen=True, eq=False)
 class LateralCase:
-    """What a scene says of shafts that bend and of their bearings.
+    """Shafts of a scene that bend, and their bearings.
 
     Attributes:
         speed: drive speeds in rad/s, rising; empty if the scene gives none.

@@ -49,7 +49,7 @@ OF_PARTS: Mapping[str, Key] = {
 
 @dataclass(frozen=True, eq=False)
 class GivenLimits:
-    """What a check compares with: the motion, and other figures by key and in its unit."""
+    """Limits of a check: of the motion, and of other figures by key and in its unit."""
 
     motion: Limits
     parts: Mapping[str, Limit]

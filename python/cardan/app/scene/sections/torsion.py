@@ -130,7 +130,7 @@ class SpeedValues(Rule):
 
 @dataclass(frozen=True)
 class Ratings:
-    """What a coupling bears by its catalogue in N m; ``None`` where the scene does not say.
+    """Catalogue ratings of a coupling in N m; ``None`` where the scene gives none.
 
     Attributes:
         rated: mean torque, continuously.

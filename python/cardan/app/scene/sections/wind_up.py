@@ -20,7 +20,7 @@ _SLOPES = "slopes_vertical_deg"
 
 
 class WindUp(NamedTuple):
-    """What turns or moves entries of a key, as the file has it, by place and per kN m of torque."""
+    """Turn or shift of entries of a key, in units of the file, by place and per kN m of torque."""
 
     key: str
     rates: Mapping[str, Varying]

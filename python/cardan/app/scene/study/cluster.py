@@ -60,12 +60,12 @@ class StudyFolder:
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What is varied."""
+        """Axes of the study."""
         return self.study.axes
 
     @functools.cached_property
     def columns(self) -> tuple[Column, ...]:
-        """What the figures are."""
+        """Columns of the figures."""
         return self.study.part(range(1)).columns
 
     def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
