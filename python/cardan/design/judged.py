@@ -259,13 +259,14 @@ class Finding:
         sign, side, other = (1.0, "above", "below") if self.most else (-1.0, "below", "above")
         past, left = sign * (worst - limit), sign * (maximum - worst)
         if verdict == "within":
-            return [f"within the {text(limit)} limit by {text(max(sign * (limit - worst), 0.0))}"]
+            below = text(max(sign * (limit - worst), 0.0))
+            return [f"{below} {other} the {text(limit)} limit"]
         if verdict == "tolerable":
             above = f"{text(past)} {side} the {text(limit)} limit"
             below = f"{text(max(left, 0.0))} {other} the {text(maximum)} maximum"
             return [f"tolerable, {above} and {below}"]
         bound = "maximum" if maximum != limit else "limit"
-        return [f"beyond the {text(maximum)} {bound} by {text(-left)}"]
+        return [f"{text(-left)} {side} the {text(maximum)} {bound}"]
 
     def _speed_words(self) -> list[str]:
         if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):
