@@ -251,7 +251,7 @@ class ReducedQuantity:
     def derivatives(
         self, line: Driveline, load: Load | None, by: Iterable[_Kind]
     ) -> dict[_Kind, FloatArray]:
-        """Return the derivatives of ``of`` by parameters of each driveline.
+        """Return the derivatives of ``of`` with respect to parameters of each driveline.
 
         An end of the samples changes as the sample at which it lies, and the largest of several
         items as that item. The parameters are any of ``LAYOUT_VARIABLES`` that the drivelines

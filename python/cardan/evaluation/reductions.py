@@ -21,7 +21,7 @@ class _Row(NamedTuple):
     of_pieces: Callable[[Any, NDArray[np.float64]], Any]
     """From the results of the pieces of a row, on the last axis, and their shares of the row."""
     slope: Callable[[FloatArray, bool], FloatArray]
-    """Its derivatives by the samples, which may be vectors, in the shape of the samples."""
+    """Its derivatives with respect to the samples, which may be vectors, in their shape."""
 
 
 def _slope_of_min(samples: FloatArray, vector: bool) -> FloatArray:

@@ -135,7 +135,7 @@ class Identification:
 
     @property
     def angle_offset(self) -> float:
-        """Offset of the joint's input angle from the drive angle, in (-pi/2, pi/2] rad."""
+        """What to add to the drive angle to get the joint's input angle, in (-pi/2, pi/2] rad."""
         return _wrapped(-0.5 * float(np.angle(-self.q))) if self.q else 0.0
 
     @property

@@ -168,7 +168,7 @@ def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
 def _amplitude_derivatives(
     line: Driveline, kind: Amplitude, by: Parameters
 ) -> NDArray[np.complex128]:
-    """The derivatives of ``_amplitude`` by parameters, ``(*batch, *parameters)``."""
+    """Derivatives of ``_amplitude`` in the parameters, ``(*batch, *parameters)``."""
     if kind == "last":
         return line.transmission().dq(by)
     driven = line if kind == "driving" else line.reversed()
@@ -253,7 +253,7 @@ class Problem:
         return found
 
     def derivatives(self, x: FloatArray) -> list[Vectors]:
-        """Return the derivatives of the vectors by the variables, ``(states, r, m)`` each."""
+        """Return the derivatives of the vectors in the variables, ``(states, r, m)`` each."""
         found: list[Vectors | None] = [None] * len(self.measures)
         if self.jac is not None:
             by_q = np.asarray(self.jac(x))
@@ -272,7 +272,7 @@ class Problem:
         return [known for known in found if known is not None]
 
     def _exact(self, x: FloatArray) -> list[Vectors | None]:
-        """The derivatives of the measures of which those by parameters are known."""
+        """Measures whose derivatives with respect to parameters are known, each with these."""
         line = states_of(self.lines_of(x))
         found: list[Vectors | None] = []
         for measure in self.measures:

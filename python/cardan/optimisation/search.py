@@ -82,7 +82,7 @@ class _Program:
         return np.concatenate([np.zeros(0), *bounded, *(1.0 - own for own in values[self.limited])])
 
     def margin_slopes(self, y: FloatArray) -> FloatArray:
-        """The derivatives of the margins by ``y``."""
+        """Return the derivatives of the margins with respect to ``y``."""
         slopes, of_t = self.terms(y)[1], 0 if self.rms else 1
         rows = [np.hstack([-own, np.ones((len(own), of_t))]) for own in slopes[self.bounded]]
         rows += [np.hstack([-own, np.zeros((len(own), of_t))]) for own in slopes[self.limited]]

@@ -180,7 +180,7 @@ class Motion:
 
 
 class _End(NamedTuple):
-    """A shaft end that turns with another one: its angle, and two derivatives by that one's."""
+    """A shaft end that turns with another one: its angle and two derivatives in that one's."""
 
     shaft: int
     side: int
@@ -190,7 +190,7 @@ class _End(NamedTuple):
 
 
 def _passed(u: Vector, v: Vector, m: Vector, angle: Value) -> tuple[Value, Value, Value]:
-    """Return the driven angle from the bend-plane normal, and two derivatives by the driving one.
+    """Return the driven angle from the bend-plane normal, and two derivatives in the driving one.
 
     The driving pin is turned; the driven one is perpendicular to it and to its shaft.
     """
@@ -309,7 +309,7 @@ def _driving(system: System, end: _End) -> Value:
 def _rates(
     system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None = None
 ) -> Array:
-    """Return the derivatives of states by time."""
+    """Return the time derivatives of states."""
     accelerations = _balance(system, speed, torque, state, pieces).accelerations
     return np.concatenate([np.split(state, 2)[1], accelerations])
 

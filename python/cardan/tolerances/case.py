@@ -188,11 +188,11 @@ class Case:
         return np.asarray((plus - minus) / (2.0 * _STEP))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
-        """The derivatives of a reduced output by each parameter."""
+        """Return the derivatives of a reduced output with respect to each parameter."""
         used = {group for group, _ in self.box.places}
         joints = not used.isdisjoint(JOINT_GROUPS)
         if "points" in used and self.is_as_built:
-            # Outputs of joints as built have no derivatives by points.
+            # Outputs of joints as built have no derivatives with respect to points.
             changes = self._differences(partial(self._outputs, quantity))
             return np.asarray(changes / self.box.sizes)
         line = _as_drawn(self.line, self.box.nominal, joints=joints)

@@ -175,7 +175,7 @@ class YokeFigures(Advice):
     """The answer of ``cardan phase``."""
 
     view: str = word("view", "from where senses of rotation are seen")
-    catalogue: RootRules = parts("root rule", "what the catalogues make of the same settings")
+    catalogue: RootRules = parts("root rule", "the same settings by the rule of the catalogues")
     above_limits: tuple[str, ...] = word(
         "above limits", "what the check finds beyond its limits at the setting that can be made"
     )
@@ -237,7 +237,7 @@ def limit_of(scene: Scene) -> float:
 
 
 def root_rule(line: Driveline) -> RootRule:
-    """Return what the root rule makes of one driveline with two or more joints."""
+    """Return the root rule for one driveline with two or more joints."""
     signs, off = line.fork_signs()
     return RootRule(
         tuple(signs.tolist()),

@@ -62,7 +62,7 @@ OF_SIZE = {
         "largest permitted product of speed in rpm and bend in deg",
         "max_speed_bend",
     ),
-    "heat_W": Key(each(POSITIVE), "most permitted mean heat of a joint", "most_heat"),
+    "heat_W": Key(each(POSITIVE), "largest permitted mean heat of a joint", "most_heat"),
 }
 """Description of a size: keys of [joints] and columns of a table of sizes."""
 

@@ -71,8 +71,8 @@ def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
 
 LIMITS: Section[GivenLimits] = Section(
     "limits",
-    "what check compares with; a figure is a number or [limit, maximum]: within up to the "
-    "limit, tolerable up to the maximum, beyond above it",
+    "limits of check; a figure is a number or [limit, maximum]: within up to the limit, "
+    "tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
             rules.OneOrMore(

@@ -1,7 +1,7 @@
 """Studies on a dask cluster: a folder of Parquet files, one for each part of the grid.
 
-dask decides which worker does what, what happens if a worker dies, and what stays in memory. A file
-appears complete or not at all, so a run that was stopped resumes with the files that are missing.
+dask decides which worker does what, what happens if a worker dies, and what stays in memory. Files
+are written completely or not at all, so a run that was stopped resumes with the missing files.
 """
 
 from __future__ import annotations
