@@ -356,7 +356,7 @@ def _length(vectors: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Where a ball touches, and how the pressure falls off from its peak.
+    """Contact area of a ball, and how the pressure falls off from its peak.
 
     Without clearance, the pressure would be zero at a right angle, which None stands for. It is
     beyond the edge of the contact if the seat ends before.

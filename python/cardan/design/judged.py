@@ -15,7 +15,7 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.design.limits import Limit
 
 VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
-"""From the best to the worst."""
+"""Verdicts from the best to the worst."""
 
 LimitVerdict: TypeAlias = Literal["within", "beyond", "not judged"]
 """On a limit without a maximum; ``not judged`` where there is none."""
@@ -221,14 +221,14 @@ class Finding:
 
     @property
     def place(self) -> str:
-        """In a study, the keys and values at which the largest value occurs, else ``""``."""
+        """Keys and values of a study at which the largest value occurs, else ``""``."""
         # Rounding is as large here as there.
         found = self.worst_at if self.worst or not self.most else {}
         return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
 
     @property
     def largest_text(self) -> str:
-        """Where the largest value occurs, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
+        """Place of the largest value, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
         if self.worst_in:
             return f"in {self.worst_in}" if self.worst or not self.most else ""
         return f"at {self.place}" if self.place else ""

@@ -65,7 +65,7 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class Publication:
-    """Where a limit is published; what nobody has noted of it is ``"unknown"``."""
+    """Publication of a limit; whatever is not noted about it is ``"unknown"``."""
 
     title: str
     pages: str = UNKNOWN

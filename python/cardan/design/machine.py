@@ -126,7 +126,7 @@ class Change:
 
     @property
     def change(self) -> float:
-        """By how much it changes."""
+        """Change of the variable."""
         return self.end - self.start
 
 

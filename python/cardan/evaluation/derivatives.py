@@ -349,7 +349,7 @@ def reduced_derivatives(
 
 
 def _slopes(whole: Plan, reduce: Reduction, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
-    """Derivatives of reduced outputs with respect to the samples, in the shape of the samples."""
+    """Return derivatives of reduced outputs with respect to the samples, in their shape."""
     result = whole(angle)
     return {
         name: REDUCTIONS[reduce].slope(np.asarray(result[name], float), whole.places[name][2])

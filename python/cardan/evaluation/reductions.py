@@ -19,7 +19,7 @@ class _Row(NamedTuple):
 
     cell_method: str  # of the CF conventions, appendix E
     of_pieces: Callable[[Any, NDArray[np.float64]], Any]
-    """From the results of the pieces of a row, on the last axis, and their shares of the row."""
+    """Combines the results of pieces of a row, on the last axis, by their shares of the row."""
     slope: Callable[[FloatArray, bool], FloatArray]
     """Its derivatives with respect to the samples, which may be vectors, in their shape."""
 

@@ -75,7 +75,7 @@ _LONGEST = 64
 
 
 class PlanePlace(NamedTuple):
-    """Where an output lies among the planes of a result."""
+    """Place of an output among the planes of a result."""
 
     first: int  # its first plane
     items: int | None  # how many it has; ``None`` for one without an axis for it
@@ -193,7 +193,7 @@ def components_first(array: NDArray[Any], place: PlanePlace) -> NDArray[Any]:
 
 
 def _moved(array: NDArray[Any], source: int, to: int) -> NDArray[Any]:
-    """As ``numpy.moveaxis``, which takes ten times as long."""
+    """Return the same as ``numpy.moveaxis``, which takes ten times as long."""
     axes = [*range(array.ndim)]
     axis = axes.pop(source)
     axes.insert(to % array.ndim, axis)

@@ -312,7 +312,7 @@ def _active(problem: Problem, begin: Candidate, best: Candidate) -> tuple[Active
 
 
 def _slopes(problem: Problem, vectors: NDArray[Any], by: NDArray[Any], length: float) -> FloatArray:
-    """Derivatives of squared lengths in the variables over their scale, ``(states, r, m)``."""
+    """Return slopes of squared lengths in the scaled variables, ``(states, r, m)``."""
     products = np.real(np.conj(vectors)[..., np.newaxis] * by)
     return np.asarray(2.0 / length**2 * products * problem.scale)
 

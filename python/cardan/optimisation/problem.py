@@ -168,7 +168,7 @@ def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
 def _amplitude_derivatives(
     line: Driveline, kind: Amplitude, by: Parameters
 ) -> NDArray[np.complex128]:
-    """Derivatives of ``_amplitude`` in the parameters, ``(*batch, *parameters)``."""
+    """Return derivatives of ``_amplitude`` in parameters, ``(*batch, *parameters)``."""
     if kind == "last":
         return line.transmission().dq(by)
     driven = line if kind == "driving" else line.reversed()
@@ -272,7 +272,7 @@ class Problem:
         return [known for known in found if known is not None]
 
     def _exact(self, x: FloatArray) -> list[Vectors | None]:
-        """Measures whose derivatives with respect to parameters are known, each with these."""
+        """Return the vectors with exact derivatives; ``None`` for measures without them."""
         line = states_of(self.lines_of(x))
         found: list[Vectors | None] = []
         for measure in self.measures:

@@ -241,7 +241,7 @@ class Case:
         return float(self._of_units(quantity)(at[:, np.newaxis])[0]), at
 
     def _found(self, quantity: Quantity) -> FloatArray:
-        """Where the worst driveline is found, in units of the tolerances."""
+        """Return the place of the worst driveline, in units of the tolerances."""
         of, count = self._of_units(quantity), len(self._acting(quantity))
         if self.from_all_corners(quantity):
             return largest_in_box(of, all_corners(count))[1]
@@ -441,7 +441,7 @@ def _root(excess: Callable[[float], float]) -> float:
 
 
 Value: TypeAlias = Callable[[FloatArray], FloatArray]
-"""From deviations in units of the tolerances, ``(parameters, samples)``, to a figure."""
+"""Figure of deviations in units of the tolerances, ``(parameters, samples)``."""
 
 # So many parameters have all their corners compared; fewer also the middles of edges and faces.
 MOST_CORNERS = 16

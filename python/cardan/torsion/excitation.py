@@ -49,7 +49,7 @@ class TorqueHarmonic:
 
     @property
     def amplitude(self) -> float:
-        """In N m."""
+        """Amplitude in N m."""
         return math.hypot(self.cos, self.sin)
 
 
@@ -159,7 +159,7 @@ class Coupling:
         return x, y
 
     def _fields(self, shaft: int) -> tuple[Any, ...]:
-        """As the native module takes it."""
+        """Return the fields for the native module."""
 
         def pairs(x: Any, y: Any) -> list[list[float]]:  # noqa: ANN401 - of checked lists
             return [] if x is None else [list(pair) for pair in zip(x, y, strict=True)]

@@ -35,7 +35,7 @@ _STIFF = 1e-3
 """A speed in rpm that no universal joint reaches."""
 
 _LEAST_BEND = 0.5
-"""In degrees: where all bends are below, they are probably in radians."""
+"""Bend in degrees; if all bends are smaller, they are probably in radians."""
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ SI_UNITS = tuple(unit for unit in UNITS if unit not in ENDINGS or not ENDINGS[un
 
 
 class Digits(NamedTuple):
-    """With how many digits a kind of figure is shown; all that was given if both are ``None``."""
+    """Digits with which a kind of figure is shown; all that were given if both are ``None``."""
 
     decimals: int | None = None
     digits: int | None = None  # so many, but every one before the point
@@ -93,7 +93,7 @@ DIGITS: Mapping[str, Digits] = _UNITS | {
     "measured": Digits(digits=4),
     "given": Digits(),
 }
-"""With how many digits figures are shown, by their unit or their kind.
+"""Digits with which figures are shown, by their unit or their kind.
 
 A figure gets more where it would else read 0, or as what it is told apart from.
 """

@@ -179,7 +179,7 @@ def _motion(scene: Scene) -> Table:
 
 
 def _largest(samples: Samples, per: str) -> Table:
-    """Largest values of each shaft or joint; the motion of shafts has its own table."""
+    """Return largest values of each shaft or joint; the motion of shafts has its own table."""
     scene = samples.result.scene
     columns: _Columns = {}
     states = scene.states is not None and scene.recording is None

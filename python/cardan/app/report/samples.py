@@ -44,7 +44,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PeakSample:
-    """Where a quantity of a shaft or joint is largest."""
+    """Place where a quantity of a shaft or joint is largest."""
 
     output: Output  # the quantity
     item: int  # the shaft or joint

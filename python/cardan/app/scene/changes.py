@@ -129,7 +129,7 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
 
 
 _Piece: TypeAlias = tuple[int, int, str, list[tuple[Span, Changed]]]
-"""Where a piece begins and ends, its text, and what is where in that."""
+"""Begin and end of a piece, its text, and the places of its numbers."""
 
 
 def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:

@@ -339,7 +339,7 @@ def _action(variable: Variable, change: float, shown: str) -> str:
 
 
 def _what(variable: Variable) -> str:
-    """Name the owner of a variable: ``joint 1``, ``the bends of joints 0 and 1``."""
+    """Return the owner of a variable: ``joint 1``, ``the bends of joints 0 and 1``."""
     axis, numbers = variable.axis, _numbers(variable)
     if axis.section == "bearing" and axis.place is not None:
         return f"bearing {axis.place.start}"

@@ -154,7 +154,7 @@ def _changed(where: errors.Location, value: object) -> Varying:
 
 
 def _turned(where: errors.Location, value: Mapping[str, object]) -> Varying:
-    """By what points turn, about which point and axis."""
+    """Return the rotation of points about a point and an axis."""
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
         points = " or ".join(units.alike(where.key, _ABOUT))
@@ -272,7 +272,7 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Entry(rules.Rule):
-    """Which entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
+    """Entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
 
     name = "text"
 
@@ -337,7 +337,7 @@ class Axis:
 
     @property
     def location(self) -> errors.Location:
-        """Where the file gives the values, for errors."""
+        """Place of the values in the file, for errors."""
         return errors.Location.of(self.key)
 
     @property
