@@ -327,7 +327,7 @@ class BallJoint:
 
 
 def _not_negative(name: str, value: ArrayLike) -> FloatArray:
-    """What is evaluated, unlike what makes a joint, may be NaN."""
+    """Return an input of an evaluation, which may be NaN."""
     array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
     check_elements(name, array, ~wrong, "; it must be finite and not negative")
@@ -356,7 +356,7 @@ def _length(vectors: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Where a ball touches, and how the pressure falls off from its peak.
+    """Contact area of a ball, and how the pressure falls off from its peak.
 
     Without clearance, the pressure would be zero at a right angle, which None stands for. It is
     beyond the edge of the contact if the seat ends before.

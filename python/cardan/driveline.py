@@ -243,7 +243,7 @@ class Driveline:
 
     @property
     def has_points(self) -> bool:
-        """Whether derivatives by points exist.
+        """Whether derivatives with respect to points exist.
 
         They do for drivelines from points, unless ``with_bearings`` gave them other lengths.
         """

@@ -32,7 +32,7 @@ _HEADINGS = {
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """What a check found; ``print`` it to read it.
+    """Findings of a check; ``print`` it to read it.
 
     The check of one driveline at one speed is true if it passes: ``if line.check(): ...``. That of
     a batch has no single answer and raises; use ``check.passes.all()`` or ``check.passes.any()``.
@@ -67,7 +67,7 @@ class Check:
 
     @property
     def of_presets(self) -> dict[str, Check]:
-        """What each preset judges by itself, by its name."""
+        """Check against each preset alone, by its name."""
         found = {}
         for name in self.limits.presets:
             own = set(PRESETS[name].figures.values())

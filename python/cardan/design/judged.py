@@ -15,7 +15,7 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.design.limits import Limit
 
 VERDICTS = ("not judged", "within", "tolerable", "unknown", "beyond")
-"""From the best to the worst."""
+"""Verdicts from the best to the worst."""
 
 LimitVerdict: TypeAlias = Literal["within", "beyond", "not judged"]
 """On a limit without a maximum; ``not judged`` where there is none."""
@@ -178,7 +178,7 @@ class Finding:
 
     @property
     def margin(self) -> FloatArray:
-        """What is left up to the limit, in ``unit`` and in the shape of ``value``.
+        """Margin to the limit, in ``unit`` and in the shape of ``value``.
 
         It is negative above the limit, and NaN without one.
         """
@@ -221,21 +221,21 @@ class Finding:
 
     @property
     def place(self) -> str:
-        """In a study, the keys and values at which the largest value occurs, else ``""``."""
+        """Keys and values of a study at which the largest value occurs, else ``""``."""
         # Rounding is as large here as there.
         found = self.worst_at if self.worst or not self.most else {}
         return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
 
     @property
     def largest_text(self) -> str:
-        """Where the largest value occurs, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
+        """Place of the largest value, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
         if self.worst_in:
             return f"in {self.worst_in}" if self.worst or not self.most else ""
         return f"at {self.place}" if self.place else ""
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What follows "is": verdict and margin, the speeds of the limits, numbers of a batch."""
+        """Phrases after "is": verdict and margin, the speeds of the limits, numbers of a batch."""
         parts = [*self._verdict_words(), *self._speed_words()]
         if self.figure == "equivalent_bend" and self.limit and not math.isnan(self.worst):
             own, most = non_uniformity(self.worst), non_uniformity(self.limit.limit)
@@ -259,13 +259,14 @@ class Finding:
         sign, side, other = (1.0, "above", "below") if self.most else (-1.0, "below", "above")
         past, left = sign * (worst - limit), sign * (maximum - worst)
         if verdict == "within":
-            return [f"within the {text(limit)} limit by {text(max(sign * (limit - worst), 0.0))}"]
+            below = text(max(sign * (limit - worst), 0.0))
+            return [f"{below} {other} the {text(limit)} limit"]
         if verdict == "tolerable":
             above = f"{text(past)} {side} the {text(limit)} limit"
             below = f"{text(max(left, 0.0))} {other} the {text(maximum)} maximum"
             return [f"tolerable, {above} and {below}"]
         bound = "maximum" if maximum != limit else "limit"
-        return [f"beyond the {text(maximum)} {bound} by {text(-left)}"]
+        return [f"{text(-left)} {side} the {text(maximum)} {bound}"]
 
     def _speed_words(self) -> list[str]:
         if self.limit is None or self.at_unit_speed is None or not np.size(self.at_unit_speed):

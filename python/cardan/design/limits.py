@@ -25,7 +25,7 @@ Bound: TypeAlias = float | Sequence[float]
 
 @dataclass(frozen=True)
 class Limit:
-    """What a figure should not exceed, and what it must not.
+    """Limit that a figure should not exceed, and maximum that it must not.
 
     Attributes:
         limit: up to here the figure is within.
@@ -65,7 +65,7 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class Publication:
-    """Where a limit is published; what nobody has noted of it is ``"unknown"``."""
+    """Publication of a limit; whatever is not noted about it is ``"unknown"``."""
 
     title: str
     pages: str = UNKNOWN
@@ -358,7 +358,7 @@ MAX_EQUIVALENT_BEND = math.radians(CATALOGUE.limit)
 
 @dataclass(frozen=True, init=False)
 class Limits:
-    """What a check compares a driveline with.
+    """Limits that a check compares a driveline with.
 
     Without arguments it is the limit of the catalogues alone: an equivalent bend of 3°. A preset
     adds the limits of a kind of machine, and a figure of your own replaces the one of the preset.

@@ -41,7 +41,7 @@ RANKS: tuple[MachineVerdict, ...] = ("not judged", "within", "tolerable", "beyon
 
 @dataclass(frozen=True)
 class Kind:
-    """What a figure of a machine is.
+    """Description of a figure of a machine.
 
     Attributes:
         name: for programs, as in ``limits``.
@@ -126,7 +126,7 @@ class Change:
 
     @property
     def change(self) -> float:
-        """By how much it changes."""
+        """Change of the variable."""
         return self.end - self.start
 
 

@@ -125,7 +125,7 @@ MOTION_QUANTITIES: Mapping[str, MotionQuantity] = MappingProxyType(
 
 Ordered: TypeAlias = Literal["angle_error", "acceleration"]
 ORDERED: tuple[Ordered, ...] = get_args(Ordered)
-"""What has orders as quantities."""
+"""Outputs whose orders are quantities."""
 
 ORDER_PATTERN = f"({'|'.join(ORDERED)})_order_([1-9][0-9]?)"
 """Regular expression of their names."""
@@ -153,7 +153,7 @@ class OrderQuantity:
 
     @property
     def label(self) -> str:
-        """What to call it in words: ``order 1 of the acceleration``."""
+        """Name in words: ``order 1 of the acceleration``."""
         return f"order {self.order} of the {self.of.replace('_', ' ')}"
 
     @property
@@ -225,7 +225,7 @@ class ReducedQuantity:
 
     @property
     def label(self) -> str:
-        """What to call it in words: ``support moment of shaft 1, peak``."""
+        """Name in words: ``support moment of shaft 1, peak``."""
         of = "" if self.items is None else f" of {self.output.per} {self.items}"
         return f"{self.output.label}{of}, {self.reduction}"
 
@@ -251,7 +251,7 @@ class ReducedQuantity:
     def derivatives(
         self, line: Driveline, load: Load | None, by: Iterable[_Kind]
     ) -> dict[_Kind, FloatArray]:
-        """Return the derivatives of ``of`` by parameters of each driveline.
+        """Return the derivatives of ``of`` with respect to parameters of each driveline.
 
         An end of the samples changes as the sample at which it lies, and the largest of several
         items as that item. The parameters are any of ``LAYOUT_VARIABLES`` that the drivelines
@@ -272,7 +272,7 @@ class ReducedQuantity:
         return {kind: np.squeeze(getattr(gradient, kind), axis=batch) for kind in by}
 
     def _sizes(self, values: FloatArray) -> FloatArray:
-        """What counts of the reduced output: of a vector, except a peak, its length."""
+        """Return the size of the reduced output: the length of a vector, except a peak."""
         of_vector = self.output.vector and self.reduction != "peak"
         return np.linalg.norm(values, axis=-1) if of_vector else values
 

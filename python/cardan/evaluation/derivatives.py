@@ -95,7 +95,7 @@ class Gradient:
         if needs := wanted.get(name):
             if name in self._others:
                 return self._others[name]
-            raise AttributeError(f"there is no derivative by {name}; it needs {needs}")
+            raise AttributeError(f"there is no derivative with respect to {name}; it needs {needs}")
         raise AttributeError(f"Gradient has no attribute {name!r}")
 
 
@@ -349,7 +349,7 @@ def reduced_derivatives(
 
 
 def _slopes(whole: Plan, reduce: Reduction, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
-    """The derivatives of the reduced outputs by the samples, in the shape of the samples."""
+    """Return derivatives of reduced outputs with respect to the samples, in their shape."""
     result = whole(angle)
     return {
         name: REDUCTIONS[reduce].slope(np.asarray(result[name], float), whole.places[name][2])

@@ -1,4 +1,4 @@
-"""What is asked of a driveline at drive angles: evaluations, plans and harmonics.
+"""Functions of a driveline over drive angles: evaluations, plans and harmonics.
 
 Plans are called at drive angles, at angles of the last shaft, in degrees, and for several
 reductions at once. Of a driven angle the core finds the drive angles in closed form, each with an

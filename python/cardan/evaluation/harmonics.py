@@ -155,7 +155,7 @@ def _closed(
     whole = place.shape(rows)
 
     def spread(array: NDArray[Any], *last: int) -> Any:  # noqa: ANN401 - an array
-        """Of each item, broadcast to the rows."""
+        """Broadcast the array of each item to the rows."""
         each = [np.broadcast_to(own, (*rows, *last)) for own in array]
         return np.array(each, array.dtype).reshape((*whole, *last))
 

@@ -1,4 +1,4 @@
-"""What drives, brakes and accelerates a driveline."""
+"""Load of a driveline: torques, motion and inertias."""
 
 from __future__ import annotations
 

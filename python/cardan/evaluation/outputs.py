@@ -12,7 +12,7 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 
 @dataclass(frozen=True)
 class Output:
-    """What an output is.
+    """Description of an output.
 
     Attributes:
         name: the name by which to request it.
@@ -52,7 +52,7 @@ class Output:
 
     @property
     def label(self) -> str:
-        """What to call it in tables and pictures: ``bending, driving side``."""
+        """Name in tables and pictures: ``bending, driving side``."""
         sides = self.name.replace("_driving", ", driving side").replace("_driven", ", driven side")
         return sides.replace("_", " ")
 

@@ -202,15 +202,15 @@ class Plan:
     ) -> Derivatives:
         """Return the derivatives of every output at every sample.
 
-        Each is a partial derivative: by the bends, twists and phases everything else is held; by
-        the points, bends and twists follow from them and the phases are held. Drivelines given by
-        angles keep their first shaft and first bend plane in space.
+        Each is a partial derivative. With respect to bends, twists and phases, everything else is
+        held; with respect to points, bends and twists follow and the phases are held. Drivelines
+        given by angles keep their first shaft and first bend plane in space.
 
-        Those by points are smooth through straight joints, whose bend plane is arbitrary. The drive
-        angle counts from the plane of joint 0; where that joint is straight, its plane is held.
-        Magnitudes (``bending_driving``, ``bending_driven``) have derivative 0 by their inside where
-        they vanish. Bearings keep their distance from the upstream end of their shaft when points
-        move.
+        Derivatives with respect to points are smooth through straight joints, whose bend plane is
+        arbitrary. The drive angle counts from the plane of joint 0; where that joint is straight,
+        its plane is held. Magnitudes (``bending_driving``, ``bending_driven``) have derivative 0
+        where they vanish. Bearings keep their distance from the upstream end of their shaft when
+        points move.
 
         With ``angle_of="driven"`` the angle of the last shaft is held, and the drive angle follows.
         A reduced output has the derivatives of the sample where it is least or largest, of the
@@ -226,13 +226,13 @@ class Plan:
 
         Returns:
             arrays by output and variable: the output's shape, then that of the variable, such as
-            ``(n,)`` by bends, as ``Gradient`` lists them.
+            ``(n,)`` for bends, as ``Gradient`` lists them.
 
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.
             ValueError: an unknown variable, points of a driveline that was not made from points
                 or has deviations, a torque, lengths or positions that there are not, the angle of
-                reduced outputs, components of forces with ``axes="shaft"``; by deviations,
+                reduced outputs, components of forces with ``axes="shaft"``; for deviations,
                 ``axes="shaft"`` and ``angle_of="driven"``.
 
         >>> import cardan
@@ -245,9 +245,9 @@ class Plan:
         return derivatives(self, self._drive_angles(angle), by)
 
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
-        """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
+        """Return ``sum(weights * outputs)`` and its gradient with respect to all parameters.
 
-        Optimisers need this sum (reverse mode): one pass gives the derivatives by all
+        Optimisers need this sum (reverse mode): one pass gives the derivatives with respect to all
         parameters, whatever their number, and stores nothing per sample. The results do not depend
         on the number of threads.
 
@@ -328,7 +328,7 @@ class Plan:
         return shape
 
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """What is left of the samples' shape when the last axis is reduced."""
+        """Return the samples' shape without the reduced last axis."""
         if not shape:
             problem = "works over the last axis of the samples; one angle has none"
             raise ArgumentValueError("reduce", problem)

@@ -1,4 +1,4 @@
-"""What rows of samples can be reduced to: one table, for all that a reduction needs in Python."""
+"""Reductions of rows of samples: one table of all that a reduction needs in Python."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class _Row(NamedTuple):
 
     cell_method: str  # of the CF conventions, appendix E
     of_pieces: Callable[[Any, NDArray[np.float64]], Any]
-    """From the results of the pieces of a row, on the last axis, and their shares of the row."""
+    """Combines the results of pieces of a row, on the last axis, by their shares of the row."""
     slope: Callable[[FloatArray, bool], FloatArray]
-    """Its derivatives by the samples, which may be vectors, in the shape of the samples."""
+    """Its derivatives with respect to the samples, which may be vectors, in their shape."""
 
 
 def _slope_of_min(samples: FloatArray, vector: bool) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What is asked of a driveline, and where the outputs lie among the planes of the result.
+"""Requests to a driveline, and where the outputs lie among the planes of the result.
 
 A plane has one number for each sample. There is one for each item and component.
 """
@@ -75,7 +75,7 @@ _LONGEST = 64
 
 
 class PlanePlace(NamedTuple):
-    """Where an output lies among the planes of a result."""
+    """Place of an output among the planes of a result."""
 
     first: int  # its first plane
     items: int | None  # how many it has; ``None`` for one without an axis for it
@@ -94,7 +94,7 @@ class PlanePlace(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What a plan knows of its result before it knows the driveline."""
+    """Layout of the result of a plan, which no driveline changes."""
 
     names: tuple[str, ...]
     shafts: list[int]  # of the outputs per shaft
@@ -193,7 +193,7 @@ def components_first(array: NDArray[Any], place: PlanePlace) -> NDArray[Any]:
 
 
 def _moved(array: NDArray[Any], source: int, to: int) -> NDArray[Any]:
-    """As ``numpy.moveaxis``, which takes ten times as long."""
+    """Return the same as ``numpy.moveaxis``, which takes ten times as long."""
     axes = [*range(array.ndim)]
     axis = axes.pop(source)
     axes.insert(to % array.ndim, axis)

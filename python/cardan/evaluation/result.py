@@ -1,4 +1,4 @@
-"""What an evaluation returns."""
+"""Result of an evaluation."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def require_driveline(name: str, line: object, place: Place = ()) -> None:
 
 
 class Geometry(NamedTuple):
-    """What makes a batch of drivelines: angles in rad and unit vectors, as of ``Driveline``."""
+    """Geometry of a batch of drivelines: angles in rad and unit vectors, as of ``Driveline``."""
 
     bends: FloatArray
     twists: FloatArray

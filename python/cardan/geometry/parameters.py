@@ -60,7 +60,7 @@ def _known(line: Driveline, by: str, known: tuple[str, ...], place: tuple[int, .
         rule = "only drivelines from points have them, with the lengths between them"
         raise ArgumentValueError("by", f"is 'points'; {rule}", place)
     if by == "points":
-        line._geometry.check_ideal("derivatives by points are", "use bends and twists")
+        line._geometry.check_ideal("derivatives with respect to points are", "use bends and twists")
     if by == "lengths" and not has_lengths(line):
         raise ArgumentValueError("by", "is 'lengths', which the driveline does not have", place)
     if by == "positions" and not line.n_bearings:

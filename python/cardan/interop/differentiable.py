@@ -42,7 +42,7 @@ class Options(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What to evaluate, apart from the parameters and the drive angles."""
+    """Settings of an evaluation, apart from the parameters and the drive angles."""
 
     outputs: str | Sequence[str]
     shafts: Items = None  # of the outputs per shaft
@@ -116,7 +116,7 @@ class Evaluation:
         weights: Mapping[str, Any],
         by_angle: bool = True,
     ) -> tuple[dict[str, FloatArray], FloatArray]:
-        """Return the derivatives of ``sum(weights * outputs)`` by parameters and by the angles.
+        """Return the gradient of ``sum(weights * outputs)`` in the parameters and the angles.
 
         Without ``by_angle`` the latter are 0.
         """

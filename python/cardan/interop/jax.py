@@ -19,7 +19,7 @@ def evaluate(
     outputs: str | Sequence[str] = ("angle", "speed_ratio"),
     **options: Unpack[Options],
 ) -> dict[str, Any]:
-    """Evaluate outputs as a function that JAX differentiates by parameters and drive angles.
+    """Evaluate outputs as a function that JAX can differentiate.
 
     JAX calls the evaluation on the host (``jax.pure_callback``) and takes its derivatives from
     ``Plan.gradient`` (``jax.custom_vjp``). The function runs under ``jit``, ``vmap`` and ``grad``.

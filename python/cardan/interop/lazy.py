@@ -306,7 +306,7 @@ def _copied(cls: type[Driveline], bearings: tuple[int, ...], *arrays: NDArray[An
 
 
 def _load_parts(load: Load) -> dict[str, _Part]:
-    """What of a load changes from sample to sample."""
+    """Return the parts of a load that change from sample to sample."""
     parts = {
         name: _Part(array, 0)
         for name in ("torque", "speed", "acceleration")

@@ -15,7 +15,7 @@ from cardan.interop.differentiable import Evaluation, Options
 __all__ = ["Objective"]
 
 Cost: TypeAlias = Callable[[Mapping[str, FloatArray]], tuple[float, Mapping[str, FloatArray]]]
-"""From the outputs a number, and its derivatives by them."""
+"""Function of the outputs that returns a number and its derivatives with respect to them."""
 
 
 class Objective:
@@ -45,8 +45,8 @@ class Objective:
             vary: names of the parameters that the function takes, flat and one after another.
             angle: drive angles in rad.
             outputs: names from ``cardan.OUTPUTS``.
-            cost: from a mapping of outputs to a number and a mapping of its derivatives by them;
-                by default the sum of the mean squares of all outputs.
+            cost: returns for a mapping of outputs a number and a mapping of its derivatives with
+                respect to them; by default the sum of the mean squares of all outputs.
             options: ``shafts``, ``joints``, ``speed``, ``acceleration`` and ``bearings``, as of
                 ``cardan.jax.evaluate``.
 
@@ -94,6 +94,6 @@ class Objective:
 
 
 def mean_squares(outputs: Mapping[str, FloatArray]) -> tuple[float, dict[str, FloatArray]]:
-    """Return the sum of the mean squares of all outputs, and its derivatives by them."""
+    """Return the sum of the mean squares of all outputs, and its derivatives."""
     value: Any = sum(np.mean(array**2) for array in outputs.values())
     return value, {name: 2.0 * array / array.size for name, array in outputs.items()}

@@ -19,7 +19,7 @@ def evaluate(
     outputs: str | Sequence[str] = ("angle", "speed_ratio"),
     **options: Unpack[Options],
 ) -> dict[str, Any]:
-    """Evaluate outputs as tensors of doubles that PyTorch differentiates by parameters and angles.
+    """Evaluate outputs as tensors of doubles that PyTorch can differentiate.
 
     The evaluation is a ``torch.autograd.Function`` that runs on the processor in double precision,
     differentiable once.

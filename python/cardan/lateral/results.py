@@ -103,7 +103,7 @@ ITEMS: dict[str, tuple[type[Any], dict[str, int]]] = {
 Vectors: TypeAlias = Literal[
     "bearing_force", "bearing_displacement", "joint_force", "joint_displacement", "displacement"
 ]
-"""What a response has as vectors."""
+"""Names of the vectors of a response."""
 
 VECTORS: tuple[Vectors, ...] = get_args(Vectors)
 

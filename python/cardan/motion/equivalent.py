@@ -87,7 +87,7 @@ class EquivalentJoint:
 
 
 class Motion(NamedTuple):
-    """The motion of a shaft at drive angles, differentiated by the drive angle.
+    """Motion of a shaft at drive angles, with its derivatives with respect to the drive angle.
 
     All four have the shape of the batch, followed by that of the angles.
     """
@@ -103,7 +103,7 @@ class Motion(NamedTuple):
 
 
 class Transmission:
-    """How one shaft follows the drive: its motion at one angle, and the derivatives by ``q``.
+    """Relation of a shaft to the drive: motion at an angle, derivatives with respect to ``q``.
 
     Behind a chain of joints all motion of a shaft depends on the drive angle ``a`` and on one
     complex number ``q = B/A`` of the map ``w -> A w + B conj(w)``. With ``u = exp(-2 i a)`` and
@@ -156,7 +156,7 @@ class Transmission:
         return self._columns(self._core.motion, angle)
 
     def gradient(self, angle: ArrayLike) -> Motion:
-        """Return the complex derivatives of the motion by ``q``.
+        """Return the complex derivatives of the motion with respect to ``q``.
 
         A change ``dq`` changes each quantity by ``(derivative * dq).real``.
 
@@ -171,24 +171,24 @@ class Transmission:
         return np.asarray(self.q.real**2 + self.q.imag**2)[()]
 
     def dq(self, by: Parameters = "bends") -> NDArray[np.complex128]:
-        """Return the derivatives of ``q`` by parameters of the driveline.
+        """Return the derivatives of ``q`` with respect to parameters of the driveline.
 
-        Those by the parameters of joints behind the shaft are 0. Angles are in rad and points in
-        their own unit. By bends, twists or phases everything else keeps its value; by points all
-        bends and twists change.
+        Those with respect to joints behind the shaft are 0. Angles are in rad and points in their
+        own unit. For bends, twists or phases everything else keeps its value; for points all bends
+        and twists change.
 
         A joint gives ``dk/db = tan(b/2)/cos(b/2)**2`` and a shaft ``exp(i p)`` with ``p = phase -
         twist + 90°``; products of the chain's maps before and behind them do the rest (derived
-        here from Thoma 4). By points the product ``k exp(2 i P)`` of a joint is differentiated, not
-        ``k`` and its plane's angle ``P``. Derivatives are therefore smooth through straight joints,
-        whose plane is arbitrary.
+        here from Thoma 4). For points, the product ``k exp(2 i P)`` of a joint is differentiated,
+        not ``k`` and its plane's angle ``P``. Derivatives are therefore smooth through straight
+        joints, whose plane is arbitrary.
 
         The drive angle counts from the plane of joint 0, and ``q`` turns with it. Where joint 0 is
-        straight, that plane has no derivative by points and is held. ``d_abs2`` does not depend on
-        it.
+        straight, that plane has no derivative with respect to points and is held. ``d_abs2`` does
+        not depend on it.
 
         Args:
-            by: ``"bends"``, by which they are ``(..., n)``; ``"twists"`` or ``"phases"``,
+            by: ``"bends"``, for which they are ``(..., n)``; ``"twists"`` or ``"phases"``,
                 ``(..., n - 1)``; or ``"points"``, ``(..., n + 2, 3)``.
 
         Raises:
@@ -201,7 +201,7 @@ class Transmission:
         return flat.reshape(*line.shape, *parameter_shape(kind, line.n_joints))
 
     def d_abs2(self, by: Parameters = "bends") -> NDArray[np.float64]:
-        """Return the derivatives of ``abs2`` by parameters of the driveline.
+        """Return the derivatives of ``abs2`` with respect to parameters of the driveline.
 
         They are ``2 Re(conj(q) dq)``, smooth everywhere and 0 at constant velocity.
 
@@ -222,8 +222,8 @@ class Transmission:
             TypeError: always. At constant velocity, where the bend is least, its slope is infinite.
         """
         raise TypeError(
-            f"the equivalent bend has no derivative by {by} at constant velocity, where its slope "
-            "is infinite; use d_abs2, the derivatives of abs(q)**2, or dq"
+            f"the equivalent bend has no derivative with respect to {by} at constant velocity, "
+            "where its slope is infinite; use d_abs2, the derivatives of abs(q)**2, or dq"
         )
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
@@ -248,7 +248,7 @@ def equivalent(line: Driveline, shaft: int = -1) -> EquivalentJoint:
 
 
 def transmission(line: Driveline, shaft: int = -1) -> Transmission:
-    """Return how a shaft follows the drive: motion at one angle, derivatives by ``q``.
+    """Return how a shaft follows the drive: motion at an angle, derivatives in ``q``.
 
     Args:
         shaft: index of the shaft, by default the last.
@@ -258,7 +258,7 @@ def transmission(line: Driveline, shaft: int = -1) -> Transmission:
 
 @dataclass(frozen=True, eq=False)
 class Steering:
-    """What a steering column does about straight ahead; fields have the shape of the batch.
+    """Behaviour of a steering column about straight ahead; fields have the shape of the batch.
 
     The last shaft follows the column as the driven shaft of one joint. Its ratio is ``(1 -
     k**2)/(1 - 2 k cos 2 t + k**2)`` at the input angle ``t`` of that joint, which is even about
@@ -268,7 +268,7 @@ class Steering:
 
     Attributes:
         ratio: speed of the last shaft over that of the column, straight ahead.
-        slope: derivative of the ratio by the angle of the column there, per rad.
+        slope: derivative of the ratio with respect to the column angle there, per rad.
         offset: angle in rad by which straight ahead is beyond the nearest symmetric position,
             within [-pi/4, pi/4].
         quick: whether that position is one of the largest ratio.

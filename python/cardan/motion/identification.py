@@ -385,7 +385,7 @@ def _fitted(
     beside = np.column_stack([offset, drift, waves[:, [0, 2]].real, waves[:, [0, 2]].imag])
 
     def fit() -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What the motion of ``q`` leaves, the linear equations for it, and their solution."""
+        """Return the residual of ``q``, the linear equations for it, and their solution."""
         model, slope = _model(q, turned, of_angle)
         matrix = np.column_stack([slope.real, -slope.imag, beside])
         rest = values - model

@@ -148,7 +148,7 @@ def of_steps(drive: FloatArray, driven: FloatArray, rest: FloatArray, step: floa
 
 
 Z_95 = 1.959963984540054
-"""Of a normal distribution 95 % lie within so many standard deviations."""
+"""Standard deviations on each side within which 95 % of a normal distribution lie."""
 
 
 def times_of(freedom: float) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardan.arrays import FloatArray, as_float64
 
 VIEW = "looking from the drive towards the output"
-"""From where a sense of rotation is seen: with the power flow, whichever way the vehicle drives."""
+"""View for senses of rotation: with the power flow, whichever way the vehicle drives."""
 
 ARROW = "drive → output"
 """The direction of view as an arrow."""

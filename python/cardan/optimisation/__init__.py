@@ -68,7 +68,7 @@ class NotKeptError(ArgumentValueError):
 
 @dataclass(frozen=True)
 class ActiveLimit:
-    """What keeps an optimum from being better.
+    """Limit that keeps an optimum from being better.
 
     Attributes:
         kind: ``"low"`` or ``"high"`` for the bound of a variable, ``"keep"`` for a kept quantity.
@@ -265,7 +265,7 @@ def optimise(
 
 
 def _active(problem: Problem, begin: Candidate, best: Candidate) -> tuple[ActiveLimit, ...]:
-    """What keeps an optimum from being better.
+    """Return the limits that keep an optimum from being better.
 
     There the slopes of the largest values and of what is at a limit add up to nothing, with
     factors that are not negative (Karush, Kuhn, Tucker). A limit without such a factor is reached
@@ -312,7 +312,7 @@ def _active(problem: Problem, begin: Candidate, best: Candidate) -> tuple[Active
 
 
 def _slopes(problem: Problem, vectors: NDArray[Any], by: NDArray[Any], length: float) -> FloatArray:
-    """The derivatives of squared lengths by the variables over their scale, ``(states, r, m)``."""
+    """Return slopes of squared lengths in the scaled variables, ``(states, r, m)``."""
     products = np.real(np.conj(vectors)[..., np.newaxis] * by)
     return np.asarray(2.0 / length**2 * products * problem.scale)
 

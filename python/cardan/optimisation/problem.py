@@ -168,7 +168,7 @@ def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
 def _amplitude_derivatives(
     line: Driveline, kind: Amplitude, by: Parameters
 ) -> NDArray[np.complex128]:
-    """The derivatives of ``_amplitude`` by parameters, ``(*batch, *parameters)``."""
+    """Return derivatives of ``_amplitude`` in parameters, ``(*batch, *parameters)``."""
     if kind == "last":
         return line.transmission().dq(by)
     driven = line if kind == "driving" else line.reversed()
@@ -208,7 +208,7 @@ _STEP = 6e-6
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a variable changes: parameters of the driveline, in every state alike."""
+    """Change by a variable: parameters of the driveline, in every state alike."""
 
     kind: LayoutVariables
     place: tuple[Any, ...]  # an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``
@@ -217,7 +217,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What to minimise over which ``m`` variables."""
+    """Quantity to minimise, and the ``m`` variables."""
 
     lines_of: Callable[[FloatArray], Driveline]  # its batch is the states
     low: FloatArray  # lower bounds, (m,); -inf where there is none
@@ -253,7 +253,7 @@ class Problem:
         return found
 
     def derivatives(self, x: FloatArray) -> list[Vectors]:
-        """Return the derivatives of the vectors by the variables, ``(states, r, m)`` each."""
+        """Return the derivatives of the vectors in the variables, ``(states, r, m)`` each."""
         found: list[Vectors | None] = [None] * len(self.measures)
         if self.jac is not None:
             by_q = np.asarray(self.jac(x))
@@ -272,7 +272,7 @@ class Problem:
         return [known for known in found if known is not None]
 
     def _exact(self, x: FloatArray) -> list[Vectors | None]:
-        """The derivatives of the measures of which those by parameters are known."""
+        """Return the vectors with exact derivatives; ``None`` for measures without them."""
         line = states_of(self.lines_of(x))
         found: list[Vectors | None] = []
         for measure in self.measures:

@@ -76,20 +76,20 @@ class _Program:
         return self._terms[1:]
 
     def margins(self, y: FloatArray) -> FloatArray:
-        """What must not be negative."""
+        """Return the values that must not be negative."""
         values, t = self.terms(y)[0], 0.0 if self.rms else y[self.count]
         bounded = [t - own for own in values[self.bounded]]
         return np.concatenate([np.zeros(0), *bounded, *(1.0 - own for own in values[self.limited])])
 
     def margin_slopes(self, y: FloatArray) -> FloatArray:
-        """The derivatives of the margins by ``y``."""
+        """Return the derivatives of the margins with respect to ``y``."""
         slopes, of_t = self.terms(y)[1], 0 if self.rms else 1
         rows = [np.hstack([-own, np.ones((len(own), of_t))]) for own in slopes[self.bounded]]
         rows += [np.hstack([-own, np.zeros((len(own), of_t))]) for own in slopes[self.limited]]
         return np.vstack([np.zeros((0, self.count + of_t)), *rows])
 
     def goal(self, y: FloatArray) -> float:
-        """What is minimised: ``t``, or the weighted mean of the squared lengths."""
+        """Return the value minimised: ``t``, or the weighted mean of the squared lengths."""
         if self.rms:
             values = self.terms(y)[0][0]
             return float(self._weights(values) @ values)
@@ -103,7 +103,7 @@ class _Program:
         return np.append(np.zeros(self.count), 1.0)
 
     def _weights(self, rows: FloatArray) -> FloatArray:
-        """Of each squared length in the mean: those of the states, in equal parts."""
+        """Return the weight of each squared length: those of the states, in equal parts."""
         parts = len(rows) // len(self.problem.weights)
         return np.repeat(self.problem.weights / parts, parts)
 
@@ -181,7 +181,7 @@ class Candidate:
 
     @property
     def rank(self) -> tuple[float, float]:
-        """What to compare: first the limits, then the goal."""
+        """Sort key: first the limits, then the goal."""
         return (self.excess if self.excess > TOLERANCE else 0.0, self.size)
 
 

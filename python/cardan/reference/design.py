@@ -1,4 +1,4 @@
-"""What a designer asks again: layouts, steering, excitations, splines, slides, play and tubes.
+"""Design computations again: layouts, steering, excitations, splines, slides, play and tubes.
 
 Motion comes from the turning yokes of ``cardan.reference``, forces from the equilibrium of every
 body at once, and what is round or bends is divided into rings and short beams. Loads are as for

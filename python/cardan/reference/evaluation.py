@@ -159,7 +159,7 @@ def largest(
 def slopes(
     of: Callable[[list[float]], ArrayLike], at: Sequence[float], *, step: float = 1e-3
 ) -> list[NDArray[Any]]:
-    """Return the derivatives of a quantity ``of`` some numbers by each, by differences.
+    """Return the derivatives of a quantity ``of`` some numbers in each, by differences.
 
     They may be bends, an angle or a torque; the error grows with the fourth power of the step.
     """

@@ -134,7 +134,7 @@ class Unbalance:
 
 @dataclass(frozen=True)
 class Response:
-    """What a system does, with the attributes of ``cardan.lateral.LateralResponse``."""
+    """Response of a system, with the attributes of ``cardan.lateral.LateralResponse``."""
 
     orders: tuple[float, ...]
     bearing_force: Complex

@@ -161,7 +161,7 @@ class Transmission:
         return motion(one, angle + ahead, offset=0.0)
 
     def gradient(self, angle: float) -> tuple[complex, complex, complex, complex]:
-        """Return the derivatives by ``q`` of angle error, speed, acceleration and jerk ratio.
+        """Return the ``q`` derivatives of angle error, speed, acceleration and jerk ratio.
 
         A change ``dq`` changes each by ``(derivative * dq).real``.
 
@@ -190,7 +190,7 @@ def transmission(shafts: Shafts, shaft: int = -1) -> Transmission:
 def dq(
     laid_out: Callable[[list[float]], Shafts], parameters: Sequence[float], shaft: int = -1
 ) -> tuple[complex, ...]:
-    """Return the derivatives of ``q`` by parameters of a driveline, such as its bends.
+    """Return the derivatives of ``q`` in parameters of a driveline, such as its bends.
 
     The parameters are at least 0.002 inside the range of each.
 

@@ -166,7 +166,7 @@ class System:
 
 @dataclass(frozen=True)
 class Motion:
-    """What a system does at drive angles; states come last.
+    """Motion of a system at drive angles; states come last.
 
     Attributes are as of ``cardan.torsion.Orbit``, the torque of the drive with the harmonics at its
     end, and the acceleration while a held drive keeps its speed.
@@ -180,7 +180,7 @@ class Motion:
 
 
 class _End(NamedTuple):
-    """A shaft end that turns with another one: its angle, and two derivatives by that one's."""
+    """A shaft end that turns with another one: its angle and two derivatives in that one's."""
 
     shaft: int
     side: int
@@ -190,7 +190,7 @@ class _End(NamedTuple):
 
 
 def _passed(u: Vector, v: Vector, m: Vector, angle: Value) -> tuple[Value, Value, Value]:
-    """Return the driven angle from the bend-plane normal, and two derivatives by the driving one.
+    """Return the driven angle from the bend-plane normal, and two derivatives in the driving one.
 
     The driving pin is turned; the driven one is perpendicular to it and to its shaft.
     """
@@ -233,7 +233,7 @@ def _behind(system: System, angles: Sequence[Value] | Array) -> list[list[_End]]
 
 
 class _Balance(NamedTuple):
-    """What acts in states: by springs, and by the drive and the springs as those who turn."""
+    """Torques in states by spring, accelerations by the drive and the springs."""
 
     groups: list[list[_End]]  # ends that turn with each of the latter
     torques: list[Value]  # of the springs
@@ -309,7 +309,7 @@ def _driving(system: System, end: _End) -> Value:
 def _rates(
     system: System, speed: float, torque: Value, state: Array, pieces: Sequence[Value] | None = None
 ) -> Array:
-    """Return the derivatives of states by time."""
+    """Return the time derivatives of states."""
     accelerations = _balance(system, speed, torque, state, pieces).accelerations
     return np.concatenate([np.split(state, 2)[1], accelerations])
 

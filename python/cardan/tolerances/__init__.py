@@ -1,4 +1,4 @@
-"""Tolerances: what the errors of a workshop make of a driveline."""
+"""Tolerances: the effect of manufacturing errors on a driveline."""
 
 from cardan.tolerances.box import JOINT_GROUPS
 from cardan.tolerances.request import REDUCTIONS, tolerances

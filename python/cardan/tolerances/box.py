@@ -132,7 +132,7 @@ class Box:
 
     @cached_property
     def bend_changes(self) -> FloatArray:
-        """By how much each bend can change at most, in rad, ``(n,)``."""
+        """Largest change of each bend in rad, ``(n,)``."""
         return self.cones[1:] + self.cones[:-1] + self.by_group(self.sizes).get("bends", 0.0)
 
     def check(self) -> None:

@@ -176,11 +176,11 @@ class Case:
         return complex(self._amplitude(kind, {}, 1)[0])
 
     def _vectors(self, kind: Amplitude | int) -> ComplexArray:
-        """What each tolerance adds to an amplitude, to first order."""
+        """Return the effect of each tolerance on an amplitude, to first order."""
         return np.asarray(self._differences(partial(self._amplitude, kind)))
 
     def _differences(self, of: Callable[[Deviations, int], Any]) -> Any:  # noqa: ANN401
-        """What each tolerance adds to first order to what a function finds of many samples."""
+        """Return the first-order effect of each tolerance on a function of many samples."""
         steps = np.diag(np.full(len(self.box.places), _STEP))
         units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
@@ -188,11 +188,11 @@ class Case:
         return np.asarray((plus - minus) / (2.0 * _STEP))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
-        """The derivatives of a reduced output by each parameter."""
+        """Return the derivatives of a reduced output with respect to each parameter."""
         used = {group for group, _ in self.box.places}
         joints = not used.isdisjoint(JOINT_GROUPS)
         if "points" in used and self.is_as_built:
-            # Outputs of joints as built have no derivatives by points.
+            # Outputs of joints as built have no derivatives with respect to points.
             changes = self._differences(partial(self._outputs, quantity))
             return np.asarray(changes / self.box.sizes)
         line = _as_drawn(self.line, self.box.nominal, joints=joints)
@@ -241,7 +241,7 @@ class Case:
         return float(self._of_units(quantity)(at[:, np.newaxis])[0]), at
 
     def _found(self, quantity: Quantity) -> FloatArray:
-        """Where the worst driveline is found, in units of the tolerances."""
+        """Return the place of the worst driveline, in units of the tolerances."""
         of, count = self._of_units(quantity), len(self._acting(quantity))
         if self.from_all_corners(quantity):
             return largest_in_box(of, all_corners(count))[1]
@@ -441,7 +441,7 @@ def _root(excess: Callable[[float], float]) -> float:
 
 
 Value: TypeAlias = Callable[[FloatArray], FloatArray]
-"""From deviations in units of the tolerances, ``(parameters, samples)``, to a figure."""
+"""Figure of deviations in units of the tolerances, ``(parameters, samples)``."""
 
 # So many parameters have all their corners compared; fewer also the middles of edges and faces.
 MOST_CORNERS = 16

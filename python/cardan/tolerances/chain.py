@@ -46,7 +46,7 @@ class Nominal:
 
 
 Deviations: TypeAlias = Mapping[ParameterPlace, FloatArray]
-"""By how much parameters deviate in each sample, ``(samples,)``; those left out do not."""
+"""Deviations of parameters in each sample, ``(samples,)``; those left out are 0."""
 
 
 def deviated(group: str, own: FloatArray, deviations: Deviations, samples: int) -> FloatArray:
@@ -127,7 +127,7 @@ def _between(nominal: Nominal) -> range:
 
 
 def _displacement(nominal: Nominal, shaft: int, *parts: FloatArray) -> float:
-    """By how much ``q`` of a shaft can move in the disc."""
+    """Return the largest move of ``q`` of a shaft in the disc."""
     grown, changes, corners, turned = parts
     q = abs(as_drawn("last", nominal, shaft))
     r = float(np.tanh(0.5 * _moved(grown[:shaft], changes, corners, turned, nearer=False)))

@@ -1,9 +1,10 @@
-"""What tolerances of joints make of one order of the angle error.
+"""Effect of tolerances of joints on one order of the angle error.
 
 To first order the complex amplitude of an order is that of the drawing plus one vector for each
-deviation, in proportion to it. The vectors are the derivatives by the deviations, summed over a
-turn with the order's wave. Their tolerances span a convex polygon. Its corners are combinations of
-tolerances with signs, and the one that is farthest from zero is the worst (derived here).
+deviation, in proportion to it. The vectors are the derivatives with respect to the deviations,
+summed over a turn with the order's wave. Their tolerances span a convex polygon. Its corners are
+combinations of tolerances with signs, and the one that is farthest from zero is the worst (derived
+here).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _FEWEST = 256
 
 @dataclass(frozen=True, eq=False)
 class OrderTolerances:
-    """What tolerances of joints make of one order; made by ``Driveline.order_tolerances``.
+    """Effect of tolerances of joints on one order; made by ``Driveline.order_tolerances``.
 
     Amplitudes are those of the angle error in rad. Multiply by ``(order speed)**2`` for the
     acceleration of the shaft at a steady speed of the drive.
@@ -103,7 +104,7 @@ def order_tolerances(
     shaft: SupportsIndex = -1,
     distribution: Literal["uniform", "normal"] = "uniform",
 ) -> OrderTolerances:
-    """Return what tolerances of the joints make of one order of the angle error.
+    """Return how tolerances of the joints affect one order of the angle error.
 
     The worst corner of the tolerances is evaluated as built, the spread is of first order.
     ``tolerances`` has quantiles of drivelines as built, and other figures.

@@ -72,7 +72,7 @@ def tolerances(
     seed: int | None = None,
     workers: int | None = None,
 ) -> Tolerances:
-    """Return what errors of manufacture and assembly make of the driveline.
+    """Return how manufacturing and assembly errors affect the driveline.
 
     Near constant velocity the equivalent bend grows with the square root of an error: 5° of
     phase spoil a shaft with two bends of 10° to 4.2°. The result is lazy: random drivelines

@@ -1,4 +1,4 @@
-"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares.
+"""Effect of tolerances on a driveline: the worst case, bounds, quantiles and shares.
 
 Random drivelines are drawn in chunks on several threads. Each chunk has its own stream of random
 numbers, spawned from the seed by the number of the chunk, so that the samples depend on neither the

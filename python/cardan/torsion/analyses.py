@@ -1,4 +1,4 @@
-"""What follows from the equations of one system: modes, unstable speeds, motions side by side."""
+"""Analyses of the equations of one system: modes, unstable speeds, motions side by side."""
 
 from __future__ import annotations
 
@@ -621,7 +621,7 @@ def _sizes(found: SteadyState, place: int) -> FloatArray:
 
 
 def _reversals(speed: FloatArray, steady: SteadyState, place: int) -> Iterator[tuple[float, float]]:
-    """Where the torque changes its sign though it has a mean, the ends interpolated."""
+    """Yield the speed ranges in which a torque with a mean changes its sign, interpolated."""
     if not np.any(steady.found):
         return
     mean = steady.torque_mean[place]

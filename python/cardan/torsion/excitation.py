@@ -1,4 +1,4 @@
-"""What a torsional system has beside springs: torques of engines and machines, and couplings."""
+"""Parts of a torsional system beside springs: torques of engines and machines, and couplings."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ class TorqueHarmonic:
 
     @property
     def amplitude(self) -> float:
-        """In N m."""
+        """Amplitude in N m."""
         return math.hypot(self.cos, self.sin)
 
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """What connects the ends of a compliant shaft where that is not a spring of one stiffness.
+    """Connection of the ends of a compliant shaft that is no spring of one stiffness.
 
     One of ``stiffness``, ``twist`` with ``torque``, and ``mean_torque`` with ``stiffness_by_mean``
     is given. The dampings of the system are added.
@@ -159,7 +159,7 @@ class Coupling:
         return x, y
 
     def _fields(self, shaft: int) -> tuple[Any, ...]:
-        """As the native module takes it."""
+        """Return the fields for the native module."""
 
         def pairs(x: Any, y: Any) -> list[list[float]]:  # noqa: ANN401 - of checked lists
             return [] if x is None else [list(pair) for pair in zip(x, y, strict=True)]

@@ -43,7 +43,7 @@ _REASONS = (
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """What a search for periodic orbits found; ``...`` is the shape of systems and speeds.
+    """Result of a search for periodic orbits; ``...`` is the shape of systems and speeds.
 
     Attributes:
         found: whether there is an orbit, ``(...)``. Where there is none, the results are NaN.
@@ -95,7 +95,7 @@ class Stability(Searched):
     Attributes:
         multipliers: Floquet multipliers of a period, largest modulus first, ``(..., 2 *
             compliant)``; one more of a free drive, without the multiplier 1 of a shift in time.
-        drive_torque_slope: derivative of the mean torque of a free drive by its mean speed in
+        drive_torque_slope: derivative of mean torque of a free drive with respect to mean speed in
             N m s/rad, ``(...)``; NaN of a held one.
         speed_multiplier: the multiplier with which the speed of the whole driveline returns,
             ``(...)``; NaN of a held drive.

@@ -28,7 +28,7 @@ OfTimeAndSpeed: TypeAlias = float | Callable[[float, float], float]
 
 @dataclass(frozen=True, eq=False)
 class TorsionalMotion:
-    """What a system does at some times; ``...`` is their shape.
+    """Motion of a system at some times; ``...`` is their shape.
 
     Attributes:
         time: in s.

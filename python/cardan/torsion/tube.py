@@ -65,7 +65,7 @@ WIDEST = 2.0
 """Diameter in m above which a shaft is probably given in another unit."""
 
 SHEAR_MODULUS = 7.93e10
-"""That of steel in Pa."""
+"""Shear modulus of steel in Pa."""
 
 
 def tube(

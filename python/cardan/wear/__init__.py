@@ -1,1 +1,1 @@
-"""What drivelines in service bear: losses, life, forces of splines, axial travel."""
+"""Drivelines in service: losses, life, forces of splines, axial travel."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """What friction takes in each joint; see ``Driveline.losses``."""
+    """Friction losses in each joint; see ``Driveline.losses``."""
 
     _mean: FloatArray = field(repr=False)
     _drive: FloatArray = field(repr=False)

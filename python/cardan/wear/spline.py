@@ -51,7 +51,7 @@ class Lengths:
 
     @property
     def travel(self) -> FloatArray:
-        """By how much each shaft changes its length over the batch, ``(n + 1,)``."""
+        """Change of length of each shaft over the batch, ``(n + 1,)``."""
         return self.longest - self.shortest
 
     def engagement(self, shaft: SupportsIndex, engaged: ArrayLike, length: ArrayLike) -> Any:  # noqa: ANN401

@@ -81,7 +81,7 @@
  */
 
 /**
- * What the module says of a mistake.
+ * Message of the module about a mistake.
  * @typedef {object} Fault
  * @property {string} message one sentence
  * @property {string} [argument] its name
@@ -120,7 +120,7 @@ export class Cardan {
     this.#exports = instance.exports;
     this.#exports.describe();
     /**
-     * What the module describes.
+     * Table of the functions of the module.
      * @type {Table}
      */
     this.table = JSON.parse(this.#text());

@@ -47,7 +47,7 @@ pub struct Error {
     pub argument: &'static str,
     /// The position within the argument, outermost index first.
     pub place: Place,
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
 }
 
@@ -65,7 +65,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// What is wrong with an argument.
+/// Problem of an argument.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
     /// A value that breaks a rule.

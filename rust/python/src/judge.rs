@@ -1,4 +1,4 @@
-//! What is within its limits, and the machines that are judged.
+//! Judgement by limits, and the machines that are judged.
 
 use cardan::design::tube::Round;
 use cardan::judge::{
@@ -86,7 +86,7 @@ pub(crate) struct NativeMachine(Machine);
 #[pymethods]
 impl NativeMachine {
     /// A machine in its states and in the steps of its duty cycle with their shares of the time.
-    /// What its joints have is empty or one for each: ratings, the four numbers of friction, play.
+    /// Data of its joints are empty or one for each: ratings, the four numbers of friction, play.
     /// Tubes are pairs of a shaft and six dimensions, `drawn` the driveline of the drawing,
     /// limits a kind, an item, a limit and a maximum.
     #[new]

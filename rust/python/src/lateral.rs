@@ -193,7 +193,7 @@ impl NativeLateral {
 }
 
 impl NativeLateral {
-    /// What a drive torque of 1 N m does in each system.
+    /// Effect of a drive torque of 1 N m in each system.
     fn stiffnesses(&self) -> cardan::Result<Vec<TorqueStiffness>> {
         let one = |(system, (normal, phases)): (&LateralSystem, &(Vector, Vec<f64>))| {
             system.torque_stiffness(Yokes { normal: *normal, phases })

@@ -48,7 +48,7 @@ impl Lines {
 }
 
 impl Lines {
-    /// What plans need of the drivelines.
+    /// Batch of drivelines for plans.
     pub(crate) fn batch(&self) -> &Batch {
         &self.batch
     }

@@ -31,7 +31,7 @@ const MIN_DETACHED: usize = 1000;
 /// take some milliseconds, and less than half a second on the slowest instruction set.
 const MIN_INTERRUPTIBLE: usize = 1 << 21;
 
-/// What messages call the shape of the batch.
+/// Name of the shape of the batch in messages.
 const BATCH: &str = "the driveline's batch";
 
 /// An array that is broadcast to the samples.

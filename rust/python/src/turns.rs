@@ -1,4 +1,4 @@
-//! What drivelines do over a turn of the drive.
+//! Drivelines over a turn of the drive.
 
 use std::borrow::Cow;
 

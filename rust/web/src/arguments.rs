@@ -31,7 +31,7 @@ pub(crate) struct LoadOf<'a> {
     pub(crate) inertias: Vec<(usize, &'a [f64])>,
 }
 
-/// What is computed of drivelines.
+/// Outputs to compute for drivelines.
 pub(crate) struct RequestOf {
     pub(crate) outputs: Vec<Output>,
     pub(crate) shafts: Vec<usize>,
@@ -203,7 +203,7 @@ impl<'a> Arguments<'a> {
         self.load(count, ["torque", "speed", "acceleration", "inertias"])
     }
 
-    /// What is computed.
+    /// The outputs to compute.
     pub(crate) fn request(&self) -> Result<RequestOf> {
         Ok(RequestOf {
             outputs: self.members("outputs", &Output::ALL)?,

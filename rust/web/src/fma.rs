@@ -67,7 +67,7 @@ fn to_odd(a: f64, b: f64) -> f64 {
     f64::from_bits(if outwards { bits + 1 } else { bits - 1 })
 }
 
-/// What the compiler calls for `f64::mul_add`.
+/// Function that the compiler calls for `f64::mul_add`.
 // SAFETY: the function has the meaning that its name has everywhere.
 #[cfg(target_family = "wasm")]
 #[unsafe(no_mangle)]

@@ -194,7 +194,7 @@ pub(crate) fn search(arguments: &Arguments<'_>) -> Result<Vec<Vec<f64>>> {
     Ok(vec![vec![number as f64]])
 }
 
-/// What a function makes of the search of a number.
+/// Result of a function of the search with the given number.
 fn going<T>(arguments: &Arguments<'_>, of: impl FnOnce(&mut Searching) -> Result<T>) -> Result<T> {
     let wanted = arguments.count("search")?;
     SEARCHING.with_borrow_mut(|(number, searching)| match searching {

@@ -6,7 +6,7 @@ use cardan::{Output, Result};
 use crate::arguments::Arguments;
 use crate::{design, geometry, judge, lateral, motion, torsion};
 
-/// What the numbers of an argument or a result are.
+/// Meaning of the numbers of an argument or a result.
 #[derive(Clone, Copy)]
 pub(crate) enum Meaning {
     /// A quantity in this unit, `"1"` for a ratio or a number.

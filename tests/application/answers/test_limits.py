@@ -224,15 +224,15 @@ def finding(
 
 
 def test_findings_in_words() -> None:
-    assert str(finding(1.5)) == "shake 1.5° is within the 2° limit by 0.5° (a book)"
-    assert str(finding(2.0)) == "shake 2° is within the 2° limit by 0° (a book)"
+    assert str(finding(1.5)) == "shake 1.5° is 0.5° below the 2° limit (a book)"
+    assert str(finding(2.0)) == "shake 2° is 0° below the 2° limit (a book)"
     assert finding(4.0, "rad/s²").words == (
         "tolerable, 2 rad/s² above the 2 rad/s² limit and 1 rad/s² below the 5 rad/s² maximum",
     )
     assert finding(5.0).words == ("tolerable, 3° above the 2° limit and 0° below the 5° maximum",)
-    assert finding(5.25).words == ("beyond the 5° maximum by 0.25°",)
+    assert finding(5.25).words == ("0.25° above the 5° maximum",)
     assert str(joints(4).check().findings[0]).startswith(
-        "equivalent bend 4° is beyond the 3° limit by 1°; non-uniformity 0.004878, limit 0.002743 ("
+        "equivalent bend 4° is 1° above the 3° limit; non-uniformity 0.004878, limit 0.002743 ("
     )
     assert finding(2e-7).value_text == "0°"
     assert finding(4e-6).value_text == "4e-06°"
@@ -241,14 +241,13 @@ def test_findings_in_words() -> None:
 
 def test_findings_of_several_drivelines_in_words() -> None:
     assert str(finding([1.0, 3.0, 6.0])) == (
-        "shake up to 6° is beyond the 5° maximum by 1°; 1 of 3 within, 1 tolerable, 1 beyond "
-        "(a book)"
+        "shake up to 6° is 1° above the 5° maximum; 1 of 3 within, 1 tolerable, 1 beyond (a book)"
     )
     worst = finding([1.0, 3.0], worst_at={"bends_deg.0": 16.0, "speed_rpm": 1e3})
     assert str(worst).startswith("shake up to 3° (at bends_deg.0 = 16, speed_rpm = 1000) is tol")
     nothing = finding([0.0, 1e-9], worst_at={"bends_deg.0": 16.0})
-    assert str(nothing).startswith("shake up to 0° is within")
-    assert finding([]).words == ("within the 2° limit by 2°", "0 of 0 within")
+    assert str(nothing).startswith("shake up to 0° is 2° below the 2° limit")
+    assert finding([]).words == ("2° below the 2° limit", "0 of 0 within")
 
 
 def test_the_whole_check_in_words() -> None:
@@ -259,12 +258,12 @@ def test_the_whole_check_in_words() -> None:
         "",
         "Catalogue: within",
         "- equivalent bend: 0°",
-        "    within the 3° limit by 3°",
+        "    3° below the 3° limit",
         "    non-uniformity 0, limit 0.002743",
         "",
         "Practice (truck): tolerable",
         "- torsional excitation, last shaft: 0 rad/s²",
-        "    within the 300 rad/s² limit by 300 rad/s²",
+        "    300 rad/s² below the 300 rad/s² limit",
         "    within at every speed",
     ]
     assert str(joints(1).check()).startswith("The driveline is within the limits.\n")

@@ -35,7 +35,7 @@ class JudgedFigure(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What it is: ``"shear stress of the tube of shaft 1"``."""
+        """Name in words: ``"shear stress of the tube of shaft 1"``."""
         label, item = self.entry.row.label, self.entry.item
         if item and not item[-1].isdigit():
             return f"{item}, {label}"

@@ -1,4 +1,4 @@
-"""What the deviations of a scene's joints add: the orders of its shafts, and their extremes."""
+"""Effect of the deviations of a scene's joints: orders of its shafts, and their extremes."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _of_shaft(
 
 
 def _named(scene: Scene, found: list[Judged]) -> tuple[Any, Any, Any]:
-    """As built, of the drawing if that differs, and the worst if there are tolerances."""
+    """Return the value as built, that of the drawing if it differs, and the worst, if any."""
     if not found:
         return None, None, None
     built, drawn, *worst = found

@@ -30,7 +30,7 @@ _ORDERS = (1, 2, 3, 4)
 
 @dataclass(frozen=True)
 class Slide:
-    """What slides at one joint, with its driving shaft held in place."""
+    """Sliding at one joint, with its driving shaft held in place."""
 
     joint: int = item("joint")
     travel: Judged = figure("travel", "mm", "from peak to peak over a turn", digits="small")

@@ -1,4 +1,4 @@
-"""What a ball joint of a scene carries, beside what its materials bear."""
+"""Loads of the ball joint of a scene, beside those its materials bear."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class BallJointFigures:
-    """What a ball joint carries."""
+    """Loads of a ball joint."""
 
     ball: str = word("material of the ball")
     seat: str = word("material of the seat")

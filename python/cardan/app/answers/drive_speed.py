@@ -37,7 +37,7 @@ SHARE = 0.1
 """The largest share that is fair."""
 
 SOURCE = "rule of this program"
-"""Where the share comes from."""
+"""Source of the share."""
 
 SpeedVerdict = Literal["fair", "not fair", "no drive inertia"]
 

@@ -1,4 +1,4 @@
-"""What figures are: one of a scene with its inputs, and all that an answer can have."""
+"""Explanation of figures: one of a scene with its inputs, or all that an answer can have."""
 
 from __future__ import annotations
 

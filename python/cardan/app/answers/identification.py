@@ -1,4 +1,4 @@
-"""What a recording shows of the joints of a driveline."""
+"""Joints of a driveline, identified from a recording."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class BendOfPart:
 
 @dataclass(frozen=True)
 class Identified:
-    """What a recording shows of the joints of a driveline; ``path`` is its file."""
+    """Joints of a driveline, identified from a recording; ``path`` is its file."""
 
     path: str
     samples: int = count("samples", "rows of the file that are known")

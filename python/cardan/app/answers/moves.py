@@ -116,7 +116,7 @@ def held_in(scene: Scene) -> set[tuple[str, int]]:
 
 
 def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Iterator[Move]:
-    """What shims and spacers can do, which are put under the parts: no move aside or along."""
+    """Yield the moves that shims and spacers can make: none sideways or along the shaft."""
     line = machine.states[0]
     last = line.n_joints
     lengths, rises = line.lengths().each, np.arcsin(line.directions[:, 1])

@@ -62,7 +62,7 @@ class Panel:
 
 
 class Table(NamedTuple):
-    """What the macro ``table`` takes; the first cell of a row is its heading."""
+    """Argument of the macro ``table``; the first cell of a row is its heading."""
 
     caption: str  # what it is about
     head: Sequence[str]  # heading of each column

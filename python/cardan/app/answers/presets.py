@@ -43,7 +43,7 @@ class BendDifference:
 
 @dataclass(frozen=True)
 class PresetFigures:
-    """What one preset says; those of the motion are judged with it."""
+    """Figures that one preset limits; those of the motion are judged with it."""
 
     preset: str = item("preset")
     verdict: str = word("verdict", "the worst of all that the preset limits")

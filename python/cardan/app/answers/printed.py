@@ -455,7 +455,7 @@ def plain_text(number: float, kind: str, *, apart_from: Iterable[float] = ()) ->
 
 
 def _landmarks(rule: Digits) -> list[float]:
-    """What only a figure reads as that equals it."""
+    """Return the values that only a figure equal to them may show."""
     return [0.0] if rule.apart is None else [0.0, rule.apart]
 
 

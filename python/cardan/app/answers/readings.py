@@ -1,4 +1,4 @@
-"""What an inclinometer has shown, and how certain the verdict on it is."""
+"""Readings of an inclinometer, and how certain the verdict on them is."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def find(answer: Answer) -> ReadingFigures | None:
 
 
 def _as_read(answer: Answer) -> Iterator[str]:
-    """What has a limit that no driveline of those that the gauge may hide is judged by."""
+    """Yield limits that the drivelines within the gauge error are not judged by."""
     rules = [rule for name in answer.scene.limits.presets for rule in PRESETS[name].on_bends]
     if not all(rule.holds_always for rule in rules):
         yield "published limits on more than bends and their difference"

@@ -1,4 +1,4 @@
-"""What a reader of a scene would ask about: inputs in a wrong unit, torques that reverse.
+"""Remarks on doubtful points of a scene: inputs in a wrong unit, torques that reverse.
 
 Remarks are no verdict. Each is a line about a section or about a shaft.
 """
@@ -35,7 +35,7 @@ _STIFF = 1e-3
 """A speed in rpm that no universal joint reaches."""
 
 _LEAST_BEND = 0.5
-"""In degrees: where all bends are below, they are probably in radians."""
+"""Bend in degrees; if all bends are smaller, they are probably in radians."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What differs by rounding only, and what rounding leaves of motions that cancel each other."""
+"""Differences due to rounding alone, and the residue of motions that cancel each other."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ ROUNDING = 1e-9
 """Values that differ by less than this share of their size differ by rounding only."""
 
 CANCELLED = 1e-12
-"""What joints leave of each other's k, and loads of each other's moments, below this share is
-rounding of the geometry."""
+"""Share below which the residue of cancelling k or cancelling moments of loads is rounding of the
+geometry."""
 
 
 def alike(low: float, high: float) -> bool:

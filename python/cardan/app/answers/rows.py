@@ -52,11 +52,11 @@ UNITS: Mapping[str, Unit] = _MORE | {
 Rows and JSON have SI units; US units are those in which figures are shown.
 """
 SI_UNITS = tuple(unit for unit in UNITS if unit not in ENDINGS or not ENDINGS[unit].si)
-"""Those of the JSON."""
+"""Units of the JSON."""
 
 
 class Digits(NamedTuple):
-    """With how many digits a kind of figure is shown; all that was given if both are ``None``."""
+    """Digits with which a kind of figure is shown; all that were given if both are ``None``."""
 
     decimals: int | None = None
     digits: int | None = None  # so many, but every one before the point
@@ -93,7 +93,7 @@ DIGITS: Mapping[str, Digits] = _UNITS | {
     "measured": Digits(digits=4),
     "given": Digits(),
 }
-"""With how many digits figures are shown, by their unit or their kind.
+"""Digits with which figures are shown, by their unit or their kind.
 
 A figure gets more where it would else read 0, or as what it is told apart from.
 """
@@ -106,7 +106,7 @@ def key_of(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """What there is to say of a field, but for its value."""
+    """Description of a field without its value."""
 
     kind: Kind
     label: str  # what people call it
@@ -180,7 +180,7 @@ def as_shown(declared: Any) -> Any:  # noqa: ANN401 - as of figure
 
 
 def _declares(kind: Kind) -> Callable[..., Any]:
-    """What declares a field of a kind by its label, its meaning and whether it is a detail."""
+    """Return a function that declares a field: its label, its meaning, whether it is a detail."""
 
     def declare(label: str, meaning: str = "", *, is_detail: bool = False) -> Any:  # noqa: ANN401
         return field(metadata={"row": Row(kind, label, meaning=meaning, is_detail=is_detail)})

@@ -123,7 +123,7 @@ def _parts_of(command: str) -> dict[str, Any]:
 
 
 def _run_schema() -> dict[str, Any]:
-    """That of an answer about a driveline, a ball joint or both."""
+    """Return the schema of an answer about a driveline, a ball joint or both."""
     count = {"type": "integer", "minimum": 0}
     file = record({"file": _TEXT}, dict.fromkeys(("rows", "parts", "found"), count))
     turn = schema_of(TurnFigures)["properties"]

@@ -23,7 +23,7 @@ _FIXED = 1e-5
 
 @dataclass(frozen=True)
 class Support:
-    """What the axial force does to a shaft that holds the sliding one."""
+    """Effect of the axial force on a shaft that holds the sliding one."""
 
     shaft: int = item("shaft")
     side: Literal["upstream", "downstream"] = word("side", "seen from the sliding shaft")
@@ -33,7 +33,7 @@ class Support:
 
 @dataclass(frozen=True)
 class BearingLoad:
-    """What the axial force adds to a bearing of the shafts that hold the sliding one."""
+    """Load of the axial force on a bearing of the shafts that hold the sliding one."""
 
     bearing: int = item("bearing")
     on_shaft: int = count("shaft", "shaft of the bearing")
@@ -193,7 +193,7 @@ def _places(scene: Scene, slip: Slip) -> Iterator[tuple[FloatArray, ...]]:
 
 
 def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
-    """What the axial force adds to each bearing, ``(rows, bearings)``; none where that is open."""
+    """Return the force added to each bearing, ``(rows, bearings)``; no bearing if unknown."""
     if slip.friction is None or slip.radius is None or not np.isfinite(torques).all():
         return np.zeros((len(torques), 0))
     found = lines.spline_force(slip.shaft, torques, slip.friction, slip.radius)
@@ -271,7 +271,7 @@ def _verdict(found: SplineFigures) -> Iterator[str]:
 
 
 def _faults(found: SplineFigures) -> Iterator[str]:
-    """What is beyond its limit, by how much and where."""
+    """Say which limits are exceeded, by how much and where."""
     travel, engaged, left = (
         each if each and each.verdict == "beyond" else None
         for each in (found.travel, found.engaged, found.push_in)

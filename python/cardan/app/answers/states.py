@@ -169,7 +169,7 @@ def _of_states(table: StatesResult, found: Extremes, radians: bool) -> FigureOfS
 
 
 OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
-"""What the answer of a run says between the two."""
+"""Sentence between the two parts of the answer of a run."""
 
 _WIDTH = 79
 

@@ -31,7 +31,7 @@ class SteeringFigures:
     slope: Judged = figure(
         "slope of the ratio",
         "per_rad",
-        "derivative of the ratio by the angle of the column; 0 if left and right are alike",
+        "derivative of the ratio with respect to the column angle; 0 if left and right are alike",
     )
     difference: Judged = figure(
         "asymmetry of the ratio",

@@ -23,20 +23,20 @@ SUBCOMMANDS = {
     "explain": ("about", "Describe how a scene is evaluated."),
     "identify": ("parts", "Find the bend in a recording."),
     "lateral": ("parts", "Find where shafts shudder or boom."),
-    "life": ("parts", "Say how long the joints last."),
+    "life": ("parts", "Compute how long the joints last."),
     "new": ("about", "Write a scene to start from."),
     "optimise": ("parts", "Find the best values of a scene."),
-    "phase": ("parts", "Say how to set the yokes."),
+    "phase": ("parts", "Show how to set the yokes."),
     "plot": ("draw", "Draw a scene."),
     "report": ("draw", "Write a page to share."),
     "run": ("run", "Evaluate a scene."),
     "schema": ("about", "Print the JSON Schema of scenes."),
     "stream": ("run", "Evaluate a recording of any length."),
-    "tolerances": ("parts", "Say how much tolerances matter."),
+    "tolerances": ("parts", "Show how errors affect a driveline."),
     "torsion": ("parts", "Find resonances of the shafts."),
 }
-"""Of each subcommand the module, in which a function of its name has options and help, and what it
-does in a line."""
+"""Module and short help of each subcommand. In the module, a function of its name has options and
+help."""
 
 
 def commands() -> click.Group:

@@ -53,7 +53,7 @@ def check(scene: Path, output: options.Output) -> int:
 
 
 def _advice(answer: Answer) -> list[str]:
-    """What would bring a driveline within its limits, a sentence each."""
+    """Return the changes that bring a driveline within its limits, a sentence each."""
     if not isinstance(answer.of, Scene) or answer.verdict == "within":
         return []
     moves, advised, life = answer["moves"], scene_advice(answer.scene), answer["life"]

@@ -95,7 +95,7 @@ def check_picture(path: Path) -> None:
 
 @dataclass(frozen=True)
 class Output:
-    """What a command writes besides its text, or prints in place of it."""
+    """Output of a command besides its text, or in place of it."""
 
     picture: Path | None
     workbook: Path | None

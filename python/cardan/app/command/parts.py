@@ -34,7 +34,7 @@ from cardan.app.scene.scene import Scene
 @options.scene_argument
 @options.output_options(picture=True)
 def life(scene: Path, output: Output) -> None:
-    """Say how long the joints of a driveline last, how hot they run and which size would suffice.
+    """Compute how long the joints of a driveline last, how hot they run and which size suffices.
 
     The section [joints] of the scene describes the joints or names a table of their sizes. [life]
     gives the steps of the duty cycle. The life is the one that 90 % of the joints reach. It follows
@@ -175,7 +175,7 @@ def _say(
 @options.scene_argument
 @options.output_options()
 def phase(scene: Path, output: Output) -> None:
-    """Say how to set the yokes so that the last shaft turns as evenly as possible.
+    """Show how to set the yokes so that the last shaft turns as evenly as possible.
 
     Each setting is an angle and a sense, looking from the drive towards the output. If the scene
     gives the teeth of the splines, the best teeth are found as well. The answer names the

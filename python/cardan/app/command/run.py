@@ -71,7 +71,7 @@ def run(
     then end in .parquet and becomes a folder of files. If the run stops, the same command resumes
     it and computes no file twice.
 
-    A file appears complete or not at all.
+    Files are written completely or not at all.
     """
     given = options.in_units(load_scene(scene))
     output.check(given)

@@ -1,4 +1,4 @@
-"""What the command prints: plain text, JSON, a bar that moves."""
+"""Terminal output of the command: plain text, JSON, a progress bar."""
 
 from __future__ import annotations
 

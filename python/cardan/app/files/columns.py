@@ -149,7 +149,7 @@ def map_parquet(
 
     Args:
         source: the file to read.
-        target: the Parquet file to write; it appears complete or not at all.
+        target: the Parquet file, which is written completely or not at all.
         names: the columns to read, of numbers; missing values become NaN.
         function: takes one array per column, with some of the rows. It returns arrays of the same
             length by name, or a ``Result``, which is written as by its ``to_arrow``. A plan is such

@@ -109,7 +109,7 @@ def _blocks(
 
 
 def _kinds(begun: Sequence[tuple[int, Sequence[str]]], header: Sequence[str]) -> set[str]:
-    """What the cells of the first of some rows are, if it fits the header."""
+    """Return the kinds of cells in the first row, if it fits the header."""
     return set().union(*(map(_kind, row) for _, row in begun[:1] if len(row) == len(header)))
 
 
@@ -124,7 +124,7 @@ def _kind(cell: str) -> str:
 def _second_heading(
     line: int, row: Sequence[str], names: Sequence[str], header: Sequence[str]
 ) -> str:
-    """What is wrong with a line of units below the headings."""
+    """Return the error message for a line of units below the headings."""
     name = next((name for name in names if name in header), header[0])
     place = header.index(name)
     cell = row[place] if place < len(row) else ""

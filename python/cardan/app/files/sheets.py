@@ -17,7 +17,7 @@ from cardan.app.files.delimited import csv_rows, misfit, number_of, short
 from cardan.arrays import import_optional
 
 Cell: TypeAlias = str | float | bool | None
-"""What a cell of a sheet holds."""
+"""Value of a cell of a sheet."""
 
 SHEET_ROWS = 1 << 20
 """Rows of a sheet, its head among them."""

@@ -1,1 +1,1 @@
-"""What pictures have in common, and those of joints and drivelines without a scene."""
+"""Common parts of pictures, and pictures of joints and drivelines without a scene."""

@@ -152,7 +152,7 @@ class _Sketch:
         self._names(length_unit)
 
     def _points(self, points: FloatArray) -> FloatArray:
-        """Where points in space are drawn, in points from the lower left corner."""
+        """Return the place of points in space, in points from the lower left corner."""
         return self.scale * (self.view.flat(points) - self.corner)
 
     def _take(self, points: FloatArray) -> None:

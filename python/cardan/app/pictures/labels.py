@@ -23,7 +23,7 @@ _LINE = 1.25  # height of a line over the size of its font
 
 @dataclass
 class PlacedLabels:
-    """What is taken of a drawing, in points from its lower left corner."""
+    """Occupied areas of a drawing, in points from its lower left corner."""
 
     axes: Axes  # where to write
     size: tuple[float, float]  # width and height of the axes

@@ -49,7 +49,7 @@ _PLACES = {
     "bearing_force": "forces.bearings[bearing={}].largest",
     "resonance": "torsion.margin",
 }
-"""Where an answer has the figures of a machine, by their kind; others are of the part ``limits``.
+"""Places of a machine's figures in an answer, by their kind; others are of the part ``limits``.
 
 ``resonance`` is computed beside the machine.
 """
@@ -58,7 +58,7 @@ _OF_PRESETS = {
     "bend": "joints[joint={}].bend",
     "bend_difference": "differences[joints=joints 0-1].difference",
 }
-"""Where a preset has the figures of a machine that it limits."""
+"""Places in a preset of the figures of a machine that it limits."""
 
 _OVER = {"life": "over the duty cycle"}
 """Over what a kind of figure is, where that is neither a state nor a step."""
@@ -185,7 +185,7 @@ def _path(kind: str, item: int | None, scene: Scene) -> str:
 
 
 def _kind(name: str, scene: Scene) -> dict[str, Any]:
-    """What a kind of figure is called, its unit and digits, from the row that declares it."""
+    """Return label, unit and digits of a kind of figure, from the row that declares it."""
     row = _row(name, scene)
     return {
         "label": row.label,
@@ -198,7 +198,7 @@ def _kind(name: str, scene: Scene) -> dict[str, Any]:
 
 
 def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | None:
-    """What natural frequencies and critical speeds follow from; ``None`` without [torsion].
+    """Return inputs of natural frequencies and critical speeds; ``None`` without [torsion].
 
     ``changeable`` is what a page can change. ``arguments`` are those of the core's function but for
     the driveline, and inertias without those of tubes. The shafts ``springs`` have the stiffness
@@ -239,7 +239,7 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
 
 
 def _lateral(answer: Answer) -> dict[str, Any] | None:
-    """What the first resonance on elastic bearings follows from; ``None`` without one.
+    """Return inputs of the first resonance on elastic bearings; ``None`` without one.
 
     ``arguments`` are those of the core's function but for the driveline, speeds and moments. Shafts
     whose mass follows from a length that the page can change are left out.
@@ -305,7 +305,7 @@ def _row(kind: str, scene: Scene) -> Row:
 
 
 def _here(answer: Answer) -> dict[str, str]:
-    """Where ``cardan check --json`` has figures of one state."""
+    """Return places of figures of one state in ``cardan check --json``."""
     in_state = ".states[state={state}]" if answer.scene.states else ""
     force = f"check:forces.bearings[bearing={{}}].largest{in_state}.value_N"
     return {
@@ -315,7 +315,7 @@ def _here(answer: Answer) -> dict[str, str]:
 
 
 def _curves(answer: Answer, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """What is drawn over the turn; of each item the place of its largest, by state."""
+    """Yield curves drawn over the turn; for each item the place of its largest, by state."""
     scene = answer.scene
     names = scene.states.names if scene.states else [""]
     shafts = range(scene.line.n_joints + 1)
@@ -374,14 +374,14 @@ def _scaled(unit: str, digits: str = "") -> dict[str, Any]:
 
 
 def _shims(answer: Answer) -> list[str]:
-    """What a workshop can do, which no move in a drawing is, and how certain the verdict is."""
+    """Return sentences on what a workshop can change, and how certain the verdict is."""
     parts = [PARTS[name].sentences(answer[name]) for name in ("moves", "readings")]
     found = [sentence for sentences in parts for sentence in sentences]
     return [*found, "Of the scene as sent. Enter new readings to see what a shim does."]
 
 
 def _in_units(text: Callable[[Judged, Row], str], value: Judged, row: Row) -> dict[str, str]:
-    """What to say of a figure in SI and in US units."""
+    """Return the text of a figure in SI and in US units."""
     found = {}
     for units in get_args(System):
         with shown_in(units):
@@ -400,7 +400,7 @@ def _state_of_rows(scene: Scene) -> int | None:
 
 
 def _given(line: Driveline, load: Load | None) -> list[Any]:
-    """What the motion and the torques of a driveline follow from."""
+    """Return inputs of the motion and the torques of a driveline."""
     chain = [line.bends.tolist(), line.twists.tolist(), line.phases.tolist()]
     return [*chain, load and [float(load.torque), float(load.speed), float(load.acceleration)]]
 

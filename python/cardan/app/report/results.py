@@ -179,7 +179,7 @@ def _motion(scene: Scene) -> Table:
 
 
 def _largest(samples: Samples, per: str) -> Table:
-    """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
+    """Return largest values of each shaft or joint; the motion of shafts has its own table."""
     scene = samples.result.scene
     columns: _Columns = {}
     states = scene.states is not None and scene.recording is None
@@ -226,7 +226,7 @@ def _table(caption: str, columns: _Columns) -> Table:
 
 
 def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
-    """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
+    """Return the exact equivalent bend beside that of the catalogues' root rule.
 
     For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
     finds, if the scene has any.

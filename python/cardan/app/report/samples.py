@@ -1,4 +1,4 @@
-"""What the page of a scene shows sample by sample: every curve, and the pins for the drawing."""
+"""Sample-by-sample contents of the page of a scene: every curve, and the pins for the drawing."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PeakSample:
-    """Where a quantity of a shaft or joint is largest."""
+    """Place where a quantity of a shaft or joint is largest."""
 
     output: Output  # the quantity
     item: int  # the shaft or joint
@@ -78,7 +78,7 @@ class Samples:
 
     @property
     def every(self) -> int:
-        """Of how many samples one is shown."""
+        """Number of samples per sample shown."""
         return int(self.shown.step)
 
     @property
@@ -88,7 +88,7 @@ class Samples:
 
     @property
     def assumed(self) -> str:
-        """What loads are for, where the scene gives none: an ending of their headings."""
+        """Ending of the headings of loads where the scene gives no torque."""
         torque = quantity(NOMINAL_TORQUE, "Nm").replace(" ", "\u00a0")
         return f", for an assumed drive torque of {torque}" if self.nominal else ""
 

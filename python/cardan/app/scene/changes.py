@@ -1,4 +1,4 @@
-"""What a page can change in a scene: what is given, and where the text of the scene says it.
+"""Numbers that a page can change in a scene, and their places in the text of the scene.
 
 A changed scene is its text with other numbers, all else as it stands. The page holds pieces of the
 text; where something of a piece has changed, it writes the piece with its new numbers.
@@ -26,7 +26,7 @@ from cardan.geometry.wound_up import rotation
 _SPEEDS = ("speed_rpm", "speed_rad_s")
 
 Changed = tuple[str, int, int | None]
-"""What a number is of: the variable, its item, and of a point the axis."""
+"""Owner of a number: the variable, its item, and the axis of a point."""
 
 
 def given(scene: Scene) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def given(scene: Scene) -> dict[str, Any]:
 
 
 def _turned(scene: Scene) -> dict[int, list[dict[str, Any]]]:
-    """Of points that states turn, where each is before and what turns it, in every state."""
+    """Return points that states turn: the position before and the turn, in every state."""
     states = scene.states
     axes = [axis for axis in states.axes if axis.rotation] if states else []
     if states is None or not axes:
@@ -129,7 +129,7 @@ def pieces(scene: Scene) -> list[dict[str, Any]]:
 
 
 _Piece: TypeAlias = tuple[int, int, str, list[tuple[Span, Changed]]]
-"""Where a piece begins and ends, its text, and what is where in that."""
+"""Begin and end of a piece, its text, and the places of its numbers."""
 
 
 def _place(scene: Scene, variable: str, item: int) -> tuple[str, str]:
@@ -165,7 +165,7 @@ def _phases(scene: Scene, known: Map) -> Iterator[_Piece]:
 
 
 def _states(scene: Scene, known: Map) -> tuple[list[_Piece], set[Changed]]:
-    """What the states set, and what of it stands elsewhere: in a table that the scene names."""
+    """Return pieces that the states set, and values from a table that the scene names."""
     joints, names = scene.line.n_joints, (f"points_{scene.length_unit}", "phases_deg")
     found: list[_Piece] = []
     elsewhere: set[Changed] = set()
@@ -200,7 +200,7 @@ def _others(scene: Scene, known: Map) -> Iterator[_Piece]:
 
 
 def _of_states(text: str, known: Map, axis: Axis, each: list[Changed]) -> Iterator[_Piece]:
-    """What the states set: the values of one entry, or of several that have them in common."""
+    """Yield pieces set by the states: values of one entry, or of several that share them."""
     path = f"states.{axis.key}"
     ends = (known.values.get(f"{path}.{end}") for end in ("from", "to"))
     spans = _items(known, path) or tuple(filter(None, ends))

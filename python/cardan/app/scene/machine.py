@@ -71,7 +71,7 @@ def _ratings(scene: Scene) -> list[float]:
 
 
 def _place_of(duty: DutyCycle, ratings: list[float]) -> int:
-    """Of several states that have the same duty cycle, the one in which a joint fails first."""
+    """Return the state in which a joint fails first, of states that share a duty cycle."""
     if len(duty.line) == 1 or not np.isfinite(ratings).any():
         return 0
     known = np.nan_to_num(ratings, nan=1e12)

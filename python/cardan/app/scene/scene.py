@@ -68,7 +68,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands before all sections."""
+    """Keys before all sections."""
 
     title: str
     units: System
@@ -231,9 +231,9 @@ class Scene:
         signals: the extents of what was recorded besides angles and bends.
         layout: the keys that describe the driveline; ``None`` if its bends were recorded.
         states: the states that the scene lists, if any; ``line`` need not be one of them.
-        wind_ups: what turns or moves with the torque of the states.
+        wind_ups: parts that turn or move with the torque of the states.
         steering: what the scene says of its driveline as a steering column, if it is one.
-        optimisation: what may change for the better, if the scene says so.
+        optimisation: keys that may change for the better, if the scene has any.
         tolerances: how manufacturing errors affect the driveline in its states, if any are given.
         driven_angle_deg: likewise of the last shaft, if the scene gives those instead.
         sizes: sizes and bearings of its joints, if the scene gives any.

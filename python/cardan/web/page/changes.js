@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What has been changed in a scene: as keys and numbers, as data of the machine, in words, in an
+ * Changes of a scene: as keys and numbers, as data of the machine, in words, in an
  * address, and in the text of the scene.
  *
  * @module changes
@@ -9,7 +9,7 @@
 import { asGiven, exact, folded, givenText, lengths, signed, signedLength, tidy } from "./numbers.js";
 
 /**
- * What has been changed, by key: `"point.2.y": -24`. Points, bearings and the engaged length of the
+ * Changes by key: `"point.2.y": -24`. Points, bearings and the engaged length of the
  * spline by so many mm and phases by so many degrees, in every state; ratings, torque and speed to a
  * value in the unit of the scene.
  * @typedef {Record<string, number>} Changes
@@ -104,7 +104,7 @@ export function moved(sent, changes, point, state) {
 }
 
 /**
- * What turns a point in a state, one after another.
+ * Turns of a point in a state, one after another.
  * @param {Sent} sent
  * @param {number} point
  * @param {number} [state]
@@ -208,7 +208,7 @@ export function positionsOf(sent, changes, length) {
 }
 
 /**
- * What has been changed, in words, with what it would be without.
+ * Changes in words, each with the changes that are left without it.
  * @param {Sent} sent
  * @param {Changes} changes
  * @returns {{words: string, without: Changes}[]}
@@ -234,7 +234,7 @@ function wordsOf({ points, kinds, given, torques }, variable, item, axis, value)
 }
 
 /**
- * What stands behind the # of an address.
+ * The part of an address behind #.
  * @param {Sent} sent
  * @param {Changes} changes
  * @param {number} state that is shown
@@ -246,7 +246,7 @@ export function addressOf(sent, changes, state) {
 }
 
 /**
- * What an address says; a mistake in it is an error in words.
+ * Changes and state of an address; a mistake in it is an error in words.
  * @param {Sent} sent
  * @param {string} address behind its #
  * @returns {{changes: Changes, state: number}}

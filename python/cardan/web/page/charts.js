@@ -36,7 +36,7 @@ const TILTS = [0, 30, 45, 60, 90];
  */
 
 /**
- * What is drawn: curves over numbers, or over names that are as far from each other.
+ * Contents of a chart: curves over numbers, or over names that are as far from each other.
  * @typedef {object} Drawn
  * @property {Values} x
  * @property {Curve[]} curves
@@ -137,7 +137,7 @@ function ticksAlong(label, low, high) {
 }
 
 /**
- * What turns values from `low` to `high` into places from `start` to `stop`.
+ * Function that maps values from `low` to `high` into places from `start` to `stop`.
  * @param {number} low
  * @param {number} high
  * @param {number} start
@@ -472,7 +472,7 @@ const textWidth = (name) =>
   FONT * Array.from(name).reduce((sum, letter) => sum + (letter > "\u10ff" ? 1 : 0.62), 0);
 
 /**
- * What Python sends of curves, with the names of the samples and what these are.
+ * Curves as Python sends them, with the names of the samples and what these are.
  * @typedef {Titles & Drawn & {named: string}} SentChart
  */
 

@@ -25,7 +25,7 @@ const [CANCELLED, ROUNDING] = [1e-12, 1e-9];
 const ROOM = 0.1;
 
 /**
- * What Python sends of one chart: its items with their names and, for every state, the place of the
+ * One chart as Python sends it: its items with their names and, for every state, the place of the
  * largest in an answer.
  * @typedef {object} SentCurves
  * @property {"acceleration_ratio" | "torque" | "bearing_force"} output
@@ -217,7 +217,7 @@ const spread = (values) => Math.max(...values) - Math.min(...values);
 const largest = (values) => Math.max(...values.map(Math.abs));
 
 /**
- * What makes an acceleration of its ratio: the square of the speed of the drive, if there is any.
+ * Factor from ratio to acceleration: the square of the speed of the drive, if there is any.
  * @param {SentCurves} sent
  * @param {import("../cardan.js").Machine} machine of one state
  */

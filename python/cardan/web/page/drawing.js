@@ -385,7 +385,7 @@ export class Drawing {
   }
 
   /**
-   * What the handles say.
+   * Announces the verdict at the handles.
    * @param {string} verdict
    */
   speak(verdict) {

@@ -25,7 +25,7 @@ const KEYS = /** @type {Record<string, number[]>} */ ({
 /** What moves the handles of a drawing. */
 export class Editing {
   /**
-   * What is dragged, from where in mm, where the pointer was last and where it has taken the handle, in px.
+   * The handle dragged, from where in mm, where the pointer was last and where it has taken the handle, in px.
    * @type {{handle: Handle, from: number[], last: number[], spot: number[]} | null}
    */
   #drag = null;

@@ -12,7 +12,7 @@ const SCRUB = 4; // px from which a press is a drag
 const PER_STEP = 3; // px of a drag for one step
 
 /**
- * What a field shows and sets.
+ * Value that a field shows and sets.
  * @typedef {object} Shown
  * @property {string} label
  * @property {string} unit of `get` and `set`; of lengths mm, whatever is shown
@@ -25,7 +25,7 @@ const PER_STEP = 3; // px of a drag for one step
  */
 
 /**
- * What is told.
+ * Callbacks of a field.
  * @typedef {object} Told
  * @property {() => void} begin a gesture
  * @property {() => void} moved

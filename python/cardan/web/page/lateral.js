@@ -33,7 +33,7 @@ const OVER = "drive speed [rpm]";
 /** @typedef {import("./numbers.js").Measured & {factor: number}} Quantity */
 
 /**
- * What Python sends.
+ * Data that Python sends.
  * @typedef {object} SentLateral
  * @property {Record<string, any>} arguments of the core's function, which do not follow from the driveline
  * @property {number[]} elastic the bearings of the scene that are elastic
@@ -61,7 +61,7 @@ const OVER = "drive speed [rpm]";
  */
 
 /**
- * What the core says.
+ * Results of the core.
  * @typedef {object} Found
  * @property {Resonance[]} resonances one of each order that joints or unbalances excite
  * @property {number[]} speeds in rad/s
@@ -288,7 +288,7 @@ export function lateralCard(element, model) {
 }
 
 /**
- * What is not known is a gap.
+ * Unknown values are gaps.
  * @param {number} value
  */
 const orGap = (value) => (Number.isNaN(value) ? null : value);

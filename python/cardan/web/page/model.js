@@ -14,7 +14,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
 /** @typedef {import("./changes.js").Changes} Changes */
 
 /**
- * What the page calls a kind of figure, its units, how many of that of the SI are one inside.
+ * Label of a kind of figure on the page, its units, how many of that of the SI are one inside.
  * @typedef {import("./numbers.js").Measured & {label: string, factor: number, meaning: string,
  *   source: string, path: string, ending: string}} SentKind
  */
@@ -22,7 +22,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
 /** @typedef {Record<import("./numbers.js").System, string>} InUnits a text in the units shown */
 
 /**
- * What Python sends: the machine, names, and what is said of its figures.
+ * Data that Python sends: the machine, names, and texts on its figures.
  * @typedef {object} Sent
  * @property {import("../cardan.js").MachineData} machine
  * @property {string[]} states
@@ -54,7 +54,7 @@ import { ROUNDING, exact, folded, givenText, lengthText, lengths, minus, quantit
  */
 
 /**
- * What the scene gives, in SI units, as `cardan.app.scene.changes.given`.
+ * Values that the scene gives, in SI units, as `cardan.app.scene.changes.given`.
  * @typedef {object} Given
  * @property {boolean} points whether the scene gives points
  * @property {{value: number, factor: number, per: number}[]} bearings
@@ -198,7 +198,7 @@ export class Model {
   }
 
   /**
-   * What is at a drive angle in the state shown: the driving and the driven pin of every joint as unit
+   * Pose at a drive angle in the state shown: the driving and the driven pin of every joint as unit
    * vectors, and the force of every bearing on its shaft in N, of none where forces are not known.
    * @param {number} angle in rad
    * @returns {{pins: number[][][], forces: number[][]}}
@@ -408,7 +408,7 @@ export class Model {
   }
 
   /**
-   * What a key of a change stands for.
+   * Meaning of a key of a change.
    * @param {string} key
    */
   #named(key) {
@@ -424,7 +424,7 @@ export class Model {
   }
 
   /**
-   * What a point is called in a sentence.
+   * Name of a point in a sentence.
    * @param {number} point
    */
   pointName(point) {
@@ -432,7 +432,7 @@ export class Model {
   }
 
   /**
-   * What the core says of changes, with the names of the page; null if that is about something else.
+   * Error of the core about changes, with the names of the page; null if it is about something else.
    * @param {CardanError} error
    * @param {Changes} changes
    */
@@ -600,7 +600,7 @@ export class Model {
   }
 
   /**
-   * What a figure is in the state shown: in the unit that is shown, as text, and its place in the
+   * A figure in the state shown: in the unit that is shown, as text, and its place in the
    * answer of the check.
    * @param {string} kind
    * @param {number} item

@@ -40,7 +40,7 @@ export const signed = (number) => `${number < 0 ? MINUS : "+"}${Math.abs(number)
  */
 
 /**
- * What has a unit of the SI, with its digits, and the US unit in its place if there is one.
+ * Quantity with its SI unit and digits, and the US unit in its place if there is one.
  * @typedef {{unit: string, digits: Digits, us?: Form | null}} Measured
  */
 
@@ -199,7 +199,7 @@ export const grouped = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\
 export const asGiven = (number) => String(Number(number.toPrecision(10)));
 
 /**
- * What someone gave, with the unit in which it is shown.
+ * Text of a value that someone gave, with the unit in which it is shown.
  * @param {number} value
  * @param {{unit: string, us?: Form | null}} of
  */

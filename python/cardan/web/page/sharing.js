@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What was changed, sent on: as a link, as a file, as text on the clipboard.
+ * Changes, sent on: as a link, as a file, as text on the clipboard.
  *
  * @module sharing
  */

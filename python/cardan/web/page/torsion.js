@@ -25,7 +25,7 @@ const OVER = "drive speed [rpm]";
 /** @typedef {import("./numbers.js").Measured & {factor: number}} Quantity */
 
 /**
- * What Python sends.
+ * Data that Python sends.
  * @typedef {object} SentTorsion
  * @property {Record<string, any>} arguments of the core's function, inertias without those of tubes
  * @property {boolean} is_loaded whether the load torque is that of the load, which is the same in all states
@@ -37,7 +37,7 @@ const OVER = "drive speed [rpm]";
  */
 
 /**
- * What the core says; of critical speeds those of every mode for one order after the other.
+ * Results of the core; of critical speeds those of every mode for one order after the other.
  * @typedef {object} Found
  * @property {number[]} frequencies in rad/s
  * @property {number[]} shafts that are twisted most

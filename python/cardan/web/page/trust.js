@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What a page computes with, and whether it computes right: a list of evaluations that anyone can
+ * Test of the core in a page: a list of evaluations that anyone can
  * repeat, whose results have a published digest.
  *
  * The list has 200 drivelines, 40 of each number of joints from 1 to 5, at 50 drive angles each. Their
@@ -108,7 +108,7 @@ export async function evaluated(cardan, told = () => {}, lines = list()) {
 }
 
 /**
- * What a digest of the results says of the core in this browser.
+ * Sentence on the core in this browser, by the digest of its results.
  * @param {string} digest
  */
 export function said(digest) {

@@ -1,4 +1,4 @@
-//! What a driveline does to its surroundings: the figures that catalogues and practice judge.
+//! Effects of a driveline on its surroundings: the figures that catalogues and practice judge.
 
 use crate::design::records::fill_records;
 use crate::input::Drivelines;

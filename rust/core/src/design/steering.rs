@@ -14,7 +14,7 @@ use crate::run::execution::Execution;
 /// straight ahead is.
 const NOTICED: f64 = 1e-3;
 
-/// What a steering column does about straight ahead.
+/// Behaviour of a steering column about straight ahead.
 ///
 /// The last shaft follows the column as the driven shaft of one joint. Its ratio is even about
 /// every multiple of a quarter turn of that joint's input angle and about no other angle, so left

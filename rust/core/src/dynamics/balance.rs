@@ -61,7 +61,7 @@ impl TorsionalSystem {
         viscous
     }
 
-    /// What loss factors add to the torques of the compliant shafts at a mean speed in rad/s.
+    /// Torques that loss factors add to those of the compliant shafts at a mean speed in rad/s.
     pub(super) fn hysteretic_torques(
         &self,
         speed: f64,
@@ -121,7 +121,7 @@ struct Balance<'a> {
 
 /// The equations at samples.
 struct Rows {
-    /// What is left of them, `(unknowns, samples)`.
+    /// Residuals of the equations, `(unknowns, samples)`.
     residuals: Vec<Vec<f64>>,
     linear: Vec<Vec<EquationRow>>,
     /// The ratios of the pieces before the springs.
@@ -468,7 +468,7 @@ impl<'a> Balance<'a> {
         matrix
     }
 
-    /// What the search has found.
+    /// Result of the search.
     fn result(&self, Fine { torques, losses }: Fine) -> Found {
         let (half_turns, base) = (self.system.half_turns, self.base());
         let series = |own: &[Complex<f64>]| FourierSeries {

@@ -28,7 +28,7 @@ const ASIDE: f64 = 1e-6;
 #[derive(Clone)]
 struct Point {
     orbit: Orbit,
-    /// Of every bend and harmonic torque.
+    /// Share of every bend and harmonic torque.
     share: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// What is between the ends of a compliant shaft where that is not a spring of constant stiffness.
+/// Connection of the ends of a compliant shaft that is no spring of constant stiffness.
 #[derive(Clone, Debug, Default)]
 pub struct Coupling {
     /// The number of the shaft.
@@ -36,7 +36,7 @@ pub(super) struct Law {
     stiffness_by_mean: Vec<[f64; 2]>,
 }
 
-/// What is linear in a range of twists: `stiffness · twist + preload`, and the damping times a
+/// Linear part in a range of twists: `stiffness · twist + preload`, and the damping times a
 /// factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Branch {

@@ -19,7 +19,7 @@ pub struct Instant<'a> {
     pub speeds: &'a [f64],
 }
 
-/// What the drive moves directly.
+/// Loads that the drive moves directly.
 #[derive(Clone, Copy, Debug)]
 pub struct AtDrive {
     /// The torque in N m that keeps the speed of the drive constant, beside harmonic torques.

@@ -28,7 +28,7 @@ pub(super) struct MotionEquation<'a> {
     drive: Option<[f64; 2]>,
     motions: Vec<PieceMotion>,
     torques: Vec<f64>,
-    /// What constant loss factors add to them, which are not theirs at one angle.
+    /// Torques that constant loss factors add, which do not follow from one angle.
     pub(super) added: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ impl<'a> MotionEquation<'a> {
         self.load_torque + self.system.load_damping * self.speed * slope
     }
 
-    /// What the drive moves: the torque in N m that gives it an acceleration, beside harmonic
+    /// Load of the drive: the torque in N m that gives it an acceleration, beside harmonic
     /// torques, and the inertia in kg m² of the shafts before the first compliant one, at the angle
     /// of the last evaluation. The slope of its angle and the second derivative are given.
     pub(super) fn at_drive(&self, slope: f64, curvature: f64) -> [f64; 2] {

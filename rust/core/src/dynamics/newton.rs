@@ -34,7 +34,7 @@ pub(super) trait Equations {
 /// An equation and its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EquationRow {
-    /// What is left of the equation.
+    /// Residual of the equation.
     pub(super) residual: Pack,
     /// Derivative by the unknown's own second derivative.
     pub(super) by_acceleration: Pack,
@@ -74,7 +74,7 @@ pub(super) struct Newton {
     pub(super) states: Vec<Pack>,
     /// Second derivatives at the collocation points, `(intervals, STAGES, unknowns)`.
     pub(super) accelerations: Vec<Pack>,
-    /// Of a free drive, in N m.
+    /// Mean torque of a free drive, in N m.
     pub(super) mean_torque: Pack,
     /// Half turns of the drive in a period.
     pub(super) half_turns: usize,
@@ -90,7 +90,7 @@ pub(super) struct Newton {
     pub(super) table: Vec<Pack>,
     pub(super) state: Vec<Pack>,
     change: Vec<Pack>,
-    /// Of the maps.
+    /// Number of columns of the maps.
     pub(super) columns: usize,
     /// The sum of the angle errors of a free drive, by the same columns.
     pub(super) phase: Vec<Pack>,

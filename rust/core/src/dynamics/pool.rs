@@ -56,7 +56,7 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// What searches find. Those that are left when the run is stopped find nothing.
+    /// Results of searches. Those left when the run is stopped find nothing.
     pub(super) fn run(&mut self, mut searches: Vec<Search<'_>>) -> Vec<Result<Found, Failure>> {
         while !is_set(self.stop) {
             // Those with the same need, in order; what nearly all wait for comes last.

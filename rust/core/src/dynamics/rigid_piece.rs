@@ -51,7 +51,7 @@ pub(super) struct Follower {
     pub(super) inertia: f64,
 }
 
-/// What a piece does at one angle. Derivatives are with respect to the piece's angle.
+/// Motion of a piece at one angle. Derivatives are with respect to the piece's angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PieceMotion {
     /// Angle of the piece's output minus the piece's angle, both without the mean of rigid shafts,

@@ -75,7 +75,7 @@ pub(super) struct Found {
     pub(super) extremes: Option<Vec<[f64; 2]>>,
 }
 
-/// What the drive does.
+/// Motion of the drive.
 #[derive(Debug, Default)]
 pub(super) struct Driven {
     /// Its mean torque in N m.
@@ -116,7 +116,7 @@ pub(super) struct Search<'a> {
     pub(super) speed: f64,
     /// Nothing if any orbit on the mesh of the start will do.
     goal: Option<OrbitGoal>,
-    /// What is left to be tried.
+    /// Starts left to be tried.
     starts: &'static [Start],
     pub(super) state: State,
     pub(super) orbit: Orbit,
@@ -126,7 +126,7 @@ pub(super) struct Search<'a> {
     /// The change of the last step.
     last: Option<f64>,
     contraction: Option<f64>,
-    /// What the last halving has changed.
+    /// Changes by the last halving.
     changes: [f64; 3],
     failure: Failure,
 }

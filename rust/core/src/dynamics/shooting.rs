@@ -78,7 +78,7 @@ struct Exit {
     time: f64,
 }
 
-/// What is gathered along an orbit: sums over the period of all torques and of the slope of a free
+/// Results along an orbit: sums over the period of all torques and of the slope of a free
 /// drive, their least and their largest values, and the losses.
 #[derive(Debug, Default)]
 struct Gathered {
@@ -531,7 +531,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         Some(exact)
     }
 
-    /// What Newton's method changes in a start so that the orbit of the last period closes: the
+    /// Changes of a start by Newton's method so that the orbit of the last period closes: the
     /// state and the mean torque.
     fn closing(&mut self, from: &Start) -> Option<Vec<f64>> {
         let Pool { newton, runs, .. } = &mut *self.pool;
@@ -645,7 +645,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         }
     }
 
-    /// What is found along an orbit.
+    /// Results along an orbit.
     fn finish(&mut self, from: &Start, intervals: usize, goal: OrbitGoal) -> Option<Found> {
         let (m, free) = (self.system.unknowns(), self.system.is_free());
         let half_turns = self.system.half_turns;
@@ -835,7 +835,7 @@ enum Way {
     Static,
     /// Uniform rotation.
     Rest,
-    /// What the motion is after many periods.
+    /// The motion after many periods.
     Settled,
     /// The orbit that is followed while bends and harmonic torques grow.
     Bends,

@@ -25,7 +25,7 @@ pub(super) struct RunsSideBySide {
     load_damping: Pack,
     /// Whether the drive is free.
     pub(super) free: bool,
-    /// Of a free drive: its mean torque as the preload and its slope as the damping.
+    /// A free drive: its mean torque as the preload and its slope as the damping.
     drive: SpringPack,
     /// Half turns of the drive in a period.
     half_turns: usize,
@@ -390,7 +390,7 @@ impl RunsSideBySide {
         self.motions[piece].ratio[0]
     }
 
-    /// What the drive must give on an average for the slopes at hand: the power of its own slope, of
+    /// Mean power that the drive must give for the slopes at hand: the power of its own slope, of
     /// the dampings and of the load over its speed. Torques that depend on angles do no work.
     #[inline(always)]
     pub(super) fn add_losses(&self, lanes: Lanes, v: &[Pack], sum: &mut Pack) {

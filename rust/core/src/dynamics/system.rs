@@ -33,7 +33,7 @@ pub struct TorsionalSystem {
     highest: OnceLock<f64>,
 }
 
-/// What the input end of shaft 0 does.
+/// Boundary condition of the input end of shaft 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Drive {
     /// It turns at constant speed, and an inertia there has no effect.

@@ -15,13 +15,13 @@ use crate::run::execution::Execution;
 /// One figure of a machine.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// Of which shaft, joint or bearing, if it is of one.
+    /// Its shaft, joint or bearing, if it is of one.
     pub item: Option<usize>,
     /// Its value in every state and then, where the kind has them, in every step of the duty cycle.
     pub values: Vec<f64>,
-    /// What it should keep.
+    /// Its limit.
     pub limit: Limit,
     /// How each value stands to it.
     pub ranks: Vec<Rank>,
@@ -30,7 +30,7 @@ pub struct Figure {
     pub worst: Option<usize>,
 }
 
-/// What may change.
+/// Quantity that may change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Variable {
     /// A joint centre or an end of the driveline, along an axis, alike in all states.
@@ -230,7 +230,7 @@ impl Machine {
 }
 
 impl Machine {
-    /// What a variable is in the first state.
+    /// Value of a variable in the first state.
     pub(crate) fn present(&self, variable: Variable) -> f64 {
         let lines = &self.cases[0].lines;
         match variable {

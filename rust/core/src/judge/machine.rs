@@ -15,7 +15,7 @@ const NOT_NEGATIVE: Rule = Rule::new("", "it must not be negative");
 /// The arrays of [`Drivelines`], in the order of its fields.
 pub(crate) type Arrays = [Vec<f64>; 8];
 
-/// What loads a machine in each of its cases.
+/// Loads of a machine in each of its cases.
 #[derive(Clone, Debug)]
 pub struct CaseLoads {
     /// The end at which the torque is given.
@@ -34,7 +34,7 @@ pub struct CaseLoads {
 pub struct Cases {
     pub(crate) lines: Arrays,
     pub(crate) count: usize,
-    /// Of rows of several variants and their samples, in drivelines.
+    /// Strides of rows of several variants and their samples, in drivelines.
     strides: [usize; 3],
     speeds: Vec<f64>,
     pub(crate) load: Option<CaseLoads>,
@@ -126,7 +126,7 @@ pub struct SlidingShaft {
     pub radius: f64,
 }
 
-/// What a machine consists of besides its drivelines. What it does not have is empty.
+/// Parts of a machine besides its drivelines. Those that it does not have are empty.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     /// The share of each step of the duty cycle in the time.
@@ -154,9 +154,9 @@ pub struct Parts {
 /// One limit of a machine.
 #[derive(Clone, Copy, Debug)]
 pub struct LimitOf {
-    /// Of what.
+    /// Kind of the figure.
     pub kind: Kind,
-    /// Of which shaft, joint or bearing; of all if there is none.
+    /// Its shaft, joint or bearing; all if there is none.
     pub item: Option<usize>,
     /// Up to here a figure is within.
     pub limit: f64,

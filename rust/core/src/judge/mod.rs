@@ -1,4 +1,4 @@
-//! What is within its limits: ranks, the figures of a machine in all of its states, and the single
+//! Judgement by limits: ranks, the figures of a machine in all of its states, and the single
 //! changes that bring everything within.
 
 pub mod figures;
@@ -13,7 +13,7 @@ pub use figures::{Figure, Variable};
 pub use machine::{CaseLoads, Cases, LimitOf, Machine, Parts, SlidingShaft};
 pub use suggest::{Change, Search, Searching};
 
-/// What counts as rounding, of a limit or of the size of what is judged.
+/// Share of a limit, or of the size of the figure judged, that counts as rounding.
 ///
 /// A bend that is entered as 3° comes back with a rounding error, and limits have two digits.
 pub const ROUNDING: f64 = 1e-9;
@@ -112,7 +112,7 @@ pub enum Scope {
     Once,
 }
 
-/// What computes a figure, from the least effort to the most.
+/// Computation of a figure, from the least effort to the most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Stage {
     /// Closed forms.
@@ -164,7 +164,7 @@ pub struct KindRow {
 macro_rules! kinds {
     ($($(#[$meaning:meta])* $kind:ident: $name:literal, $unit:literal, $per:expr, $side:ident,
         $scope:ident, $stage:ident;)*) => {
-        /// What a figure is.
+        /// Kind of a figure.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Kind {$($(#[$meaning])* $kind,)*}
 
@@ -219,7 +219,7 @@ kinds! {
     SplineTravel: "spline_travel", "m", SHAFT, Most, Once, Closed;
     /// Engaged length of the spline.
     SplineEngaged: "spline_engaged", "m", SHAFT, Least, States, Closed;
-    /// What is left until the spline bottoms.
+    /// Travel left until the spline bottoms.
     SplinePushIn: "spline_push_in", "m", SHAFT, Least, States, Closed;
     /// Axial force of the spline under the largest torque over a turn.
     SplineForce: "spline_force", "N", SHAFT, Most, Cases, Torque;

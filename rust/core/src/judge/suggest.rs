@@ -24,7 +24,7 @@ const BISECTIONS: usize = 24;
 /// The most teeth of a spline, whose turns are all tried.
 const TEETH: usize = 1000;
 
-/// What is computed of a change, as long as nothing decides against it.
+/// Figures computed for a change, as long as none decides against it.
 const LOOKS: [(Stage, Look); 9] = [
     (Stage::Closed, Look::Full),
     (Stage::Torque, Look::Brief),
@@ -37,7 +37,7 @@ const LOOKS: [(Stage, Look); 9] = [
     (Stage::Forces, Look::Full),
 ];
 
-/// What is tried.
+/// Range of the search.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     /// By how much a point, a bearing and the engaged length may change, in m.
@@ -52,11 +52,11 @@ pub struct Search {
 /// A single change.
 #[derive(Clone, Debug)]
 pub struct Change {
-    /// What changes.
+    /// The variable.
     pub variable: Variable,
-    /// What it is, in the first state; points count from the upstream end.
+    /// Its value in the first state; points count from the upstream end.
     pub from: f64,
-    /// What it becomes.
+    /// Its new value.
     pub to: f64,
     /// The size of the change as a part of what was tried.
     pub share: f64,
@@ -172,7 +172,7 @@ impl Searching {
         Ok(!ways.is_empty())
     }
 
-    /// What has been found.
+    /// The changes found.
     ///
     /// # Errors
     /// As for [`Machine::figures`].

@@ -52,7 +52,7 @@ pub(crate) struct JointAsBuilt<T = f64> {
     /// `t₁` and `t₃`, and both times `cos β`.
     leans: [T; 2],
     along: [T; 2],
-    /// What the tilts of the cross subtract: `sin e₁ sin e₂/cos e₃` and `sin e₂ sin e₃/cos e₁`.
+    /// Terms subtracted by the tilts of the cross: `sin e₁ sin e₂/cos e₃` and `sin e₂ sin e₃/cos e₁`.
     tilt_offsets: [T; 2],
     /// `cos e₁` and `cos e₃`.
     cosines: [T; 2],
@@ -97,7 +97,7 @@ pub fn check_deviations(bends: &[f64], deviations: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// What all formulas share at one input angle.
+/// Terms that all formulas share at one input angle.
 #[derive(Clone, Copy)]
 struct Position<T> {
     /// `b`, `C`, `V` and `D`.
@@ -354,7 +354,7 @@ impl<T: Number> JointAsBuilt<T> {
 }
 
 impl JointAsBuilt {
-    /// What the driven angle is behind a right angle of the drive, `asin(κ/√(1 + μ²))`, apart from
+    /// Lag of the driven angle behind a right angle of the drive, `asin(κ/√(1 + μ²))`, apart from
     /// the share of the driving yoke.
     pub(crate) fn lag_at_right_angle(&self) -> f64 {
         elementary::atan2(self.cross, self.root)

@@ -16,7 +16,7 @@ pub(crate) enum Carrier {
     Bearing(usize),
 }
 
-/// What carries a shaft.
+/// Support of a shaft.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Carried {
     /// The machine of which it is a part.
@@ -27,7 +27,7 @@ pub(crate) enum Carried {
     Unknown(String),
 }
 
-/// What carries each shaft of a driveline, and which shaft each joint supports.
+/// Supports of each shaft of a driveline, and the shaft that each joint supports.
 #[derive(Clone, Debug)]
 pub(crate) struct Statics {
     pub(crate) shafts: Vec<Carried>,
@@ -37,7 +37,7 @@ pub(crate) struct Statics {
 }
 
 impl Statics {
-    /// Of a driveline with `joints` joints and with bearings on these shafts.
+    /// Statics of a driveline with `joints` joints and with bearings on these shafts.
     pub(crate) fn new(joints: usize, bearings: &[usize]) -> Self {
         let mut own: Vec<Vec<usize>> = vec![vec![]; joints + 1];
         for (bearing, &shaft) in bearings.iter().enumerate() {

@@ -190,7 +190,7 @@ impl ChainMaps {
     }
 }
 
-/// What the sweep finds at one joint: `Z` and `p̃`.
+/// Result of the sweep at one joint: `Z` and `p̃`.
 struct Pulled {
     coupling: Complex<f64>,
     turn: f64,

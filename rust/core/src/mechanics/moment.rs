@@ -310,8 +310,8 @@ impl<T: Real> Pose<T> {
         [torque, zero.mul_add(bending, zero), bending]
     }
 
-    /// What the joint adds to the moments that the bearings exert on its shafts, in axes that turn
-    /// with these: to the driving shaft along y and z, and to the driven shaft along z.
+    /// Moments that the joint adds to those of the bearings on its shafts, in axes that turn with
+    /// these: to the driving shaft along y and z, and to the driven shaft along z.
     ///
     /// The driven shaft needs `−T tan ψ₂`. The driving shaft needs `−D tan ψ₁` across the joint's own
     /// pin, with `tan ψ₁ = tan β sin α` (Grossmann 3). The shaft's phase, given by its cosine and

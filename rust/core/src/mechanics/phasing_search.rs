@@ -46,7 +46,7 @@ pub(crate) struct ClosingSearch<'a, R, M> {
     /// Root of each weight, and its inverse; zero where there is no turn.
     roots: R,
     inverse_roots: R,
-    /// Of the side behind each turn.
+    /// Hyperbolic cosine of the side behind each turn.
     cosh: R,
     sinh: R,
     cosine: R,

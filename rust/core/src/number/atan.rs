@@ -126,16 +126,16 @@ impl AtanRange {
 /// The inverse tangent, one method per range: of a number within a third or so, beyond that of `y/x`
 /// with `x > 0`.
 pub trait Atan: Real {
-    /// Of a number up to 0.008.
+    /// Arc tangent of a number up to 0.008.
     #[must_use]
     fn atan_hundredth(self) -> Self;
-    /// Of a number up to 0.1004.
+    /// Arc tangent of a number up to 0.1004.
     #[must_use]
     fn atan_tenth(self) -> Self;
-    /// Of a number up to 0.32.
+    /// Arc tangent of a number up to 0.32.
     #[must_use]
     fn atan_third(self) -> Self;
-    /// Of a number up to 0.4143.
+    /// Arc tangent of a number up to 0.4143.
     #[must_use]
     fn atan_eighth_turn(self) -> Self;
     /// `self` plus `eighths` times 45°.

@@ -56,7 +56,7 @@ pub(crate) struct ForceOf {
 /// A requested force.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceTarget {
-    /// What it acts on or comes from: a joint or a bearing.
+    /// Its source: a joint or a bearing.
     pub(crate) of: (Per, usize),
     /// The shaft on which it acts.
     pub(crate) shaft: usize,
@@ -113,7 +113,7 @@ impl ForceStep {
         Ok(())
     }
 
-    /// What was added for a joint or a bearing.
+    /// Target of the force of a joint or a bearing.
     pub(crate) fn target(&self, of: (Per, usize)) -> Option<&ForceTarget> {
         self.targets.iter().find(|target| target.of == of)
     }

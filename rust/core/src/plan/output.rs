@@ -44,7 +44,7 @@ pub(crate) enum Needs {
     Force,
 }
 
-/// What an output says of the cross of a joint.
+/// Output about the cross of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OfCross {
     Tilt,
@@ -52,7 +52,7 @@ pub(crate) enum OfCross {
     Pin,
 }
 
-/// What is true of some outputs.
+/// Property of some outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trait {
     /// Only ideal joints have it.
@@ -110,7 +110,7 @@ macro_rules! outputs {
                 }
             }
 
-            /// What the output is, in a line.
+            /// Meaning of the output in a line.
             pub const fn meaning(self) -> &'static str {
                 match self {
                     $(Self::$output => $meaning,)*
@@ -258,7 +258,7 @@ impl Output {
         self.components() > 1
     }
 
-    /// What to call it in texts: `bending, driving side`.
+    /// Name in texts: `bending, driving side`.
     pub(crate) fn label(self) -> String {
         let name = self.row().name;
         let sides = name.replace("_driving", ", driving side").replace("_driven", ", driven side");

@@ -1,4 +1,4 @@
-//! What a plan is made for.
+//! Requests for plans.
 
 use crate::error::{Error, Result};
 use crate::plan::output::Output;
@@ -58,7 +58,7 @@ impl Axes {
     }
 }
 
-/// What to compute for a driveline.
+/// Outputs to compute for a driveline.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// The largest bend of each joint in rad, from [`crate::Drivelines::largest_bends`], or an

@@ -46,7 +46,7 @@ pub struct Plan {
     pub(crate) axes: Axes,
 }
 
-/// What to compute for one shaft: the plane of each output, and the rates that the load needs.
+/// Computation of one shaft: the plane of each output, and the rates that the load needs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ShaftStep {
     pub(crate) shaft: usize,
@@ -105,7 +105,7 @@ impl ShaftStep {
     }
 }
 
-/// What to compute for one joint.
+/// Computation of one joint.
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "independent facts")]
 pub(crate) struct JointStep {
@@ -125,7 +125,7 @@ pub(crate) struct JointStep {
     pub(crate) support: [Option<Support>; 2],
 }
 
-/// What any joint needs. It is found once, because looking at all joints of a long chain takes a
+/// Needs of any joint. They are found once, because looking at all joints of a long chain takes a
 /// tenth of the time of a chunk.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointNeeds {

@@ -71,7 +71,7 @@ pub(super) fn has_angle(step: &ShaftStep) -> bool {
     [Output::Angle, Output::AngleError].iter().any(|&o| step.planes.get(o).is_some())
 }
 
-/// What is computed behind every joint of a driveline.
+/// Motion to compute behind every joint of a driveline.
 #[derive(Clone, Copy)]
 pub(super) struct MotionNeeds {
     /// Whether angle errors are summed.

@@ -5,7 +5,7 @@
 //! `φ`, `tan u = cos β tan v`. So `tan (u − v) = −(1 − cos β) sin v cos v/(cos² v + cos β sin² v)`,
 //! and nothing is iterated.
 //!
-//! What follows from a drive angle magnifies its error by up to `1/cos β`. Each is therefore the sum
+//! Any function of a drive angle magnifies its error by up to `1/cos β`. Each is therefore the sum
 //! of a double and an error term.
 
 use std::sync::atomic::Ordering;
@@ -92,7 +92,7 @@ fn fill_piece(
     }
 }
 
-/// What the angles of one driveline's last shaft need to be turned back.
+/// Data to turn the angles of one driveline's last shaft back.
 struct Inverse {
     offset: Offset,
     /// `cos β` and `1 − cos β`.

@@ -24,7 +24,7 @@ const PIECE: usize = 64;
 /// ```
 ///
 /// # Errors
-/// Those of [`crate::Geometry::from_bends`], at the place in the batch.
+/// Frames of [`crate::Geometry::from_bends`] at the place in the batch.
 pub fn frames_of_batch(
     joints: usize,
     shape: &[usize],

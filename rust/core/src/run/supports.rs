@@ -1,4 +1,4 @@
-//! What the joints contribute to the support moments of their shafts.
+//! Contributions of the joints to the support moments of their shafts.
 
 use crate::mechanics::moment::Pose;
 use crate::number::Number;

@@ -27,7 +27,7 @@ pub(crate) fn of_torsion<T: Real>(
     );
 }
 
-/// What a joint adds to the support moments of its shafts, in axes that turn with these, from
+/// Support moments of its shafts that a joint adds, in axes that turn with these, from
 /// cosine and sine of its driving shaft's phase.
 #[inline(always)]
 pub(crate) fn turning_supports<T: Real>(

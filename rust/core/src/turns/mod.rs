@@ -1,4 +1,4 @@
-//! What outputs do over a turn of the drive.
+//! Outputs over a turn of the drive.
 //!
 //! One set of samples per driveline serves all its outputs. It follows from the driveline alone, so
 //! that results do not depend on the other drivelines of a batch.

@@ -237,7 +237,7 @@ impl RowMeans<'_> {
         Ok(means)
     }
 
-    /// What the rule finds of each function in each panel, panel by panel.
+    /// Result of the rule for each function in each panel, panel by panel.
     fn found(&self, rule: &LobattoRule, angles: &[f64], planes: &[&[f64]]) -> Vec<PanelMean> {
         let (count, order) = (self.integrands.count, rule.nodes.len());
         let mut values = vec![0.0; count * angles.len()];

@@ -55,7 +55,7 @@ const FLAT: f64 = 1e-12;
 /// Magnitudes that differ by a smaller part are equal.
 const ALIKE: f64 = 1e-9;
 
-/// What is looked for.
+/// Extreme to search for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sought {
     /// The largest magnitude; of a vector, the largest length.

@@ -36,7 +36,7 @@ pub(crate) struct LobattoRule {
     coefficients: [Vec<f64>; 4],
 }
 
-/// What a rule finds.
+/// Result of a rule.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PanelMean {
     /// The mean over the interval.

@@ -1,4 +1,4 @@
-//! What wears the pins of the joints: friction and fatigue, from means over a turn.
+//! Wear of the pins of the joints: friction and fatigue, from means over a turn.
 
 pub mod life;
 pub mod pins;

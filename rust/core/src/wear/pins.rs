@@ -9,7 +9,7 @@ use crate::turns::rows::Rows;
 use crate::turns::{Integrands, Turns};
 use crate::wear::life::harm;
 
-/// What is averaged over the turn, per radian of the drive. The moment `M` of a joint loads the
+/// Quantities averaged over the turn, per radian of the drive. The moment `M` of a joint loads the
 /// pins of both yokes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wear {

@@ -30,7 +30,7 @@ FORCES = ("joint_force", "bearing_force")
 """The outputs that are forces."""
 
 ForceSource: TypeAlias = Literal["joint", "bearing"]
-"""What a force is a force of."""
+"""Kind of part on which a force acts."""
 
 
 def force_source(output: str) -> ForceSource:

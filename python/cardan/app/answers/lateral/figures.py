@@ -145,7 +145,7 @@ class StaticForce:
 
 @dataclass(frozen=True)
 class MiddleOfTube:
-    """What the middle of a tube does over the speeds."""
+    """Motion of the middle of a tube over the speeds."""
 
     shaft: int = item("shaft")
     moved: float = figure(
@@ -465,7 +465,7 @@ def _middles(found: Vibration) -> Iterator[MiddleOfTube]:
 
 
 def _remedies(every: Sequence[Vibration], found: Vibration) -> Iterator[Remedy]:
-    """What helps against the largest resonance of order 2 of a bearing in the range."""
+    """Yield remedies for the largest resonance of order 2 of a bearing in the range."""
     low, high = found.case.speed[0], found.case.speed[-1]
     inside = [
         met

@@ -1,4 +1,4 @@
-"""What helps against order 2 at a bearing: heights, slopes, yokes and other stiffnesses."""
+"""Remedies for order 2 at a bearing: heights, slopes, yokes and other stiffnesses."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def _peak(found: Vibration, wanted: float) -> _Peak:
 
 
 def _own(found: Vibration, bearing: int) -> float:
-    """Where order 2 is largest, at equal damping, of the shapes that a bearing holds."""
+    """Return the speed of the largest order 2, at equal damping, of shapes a bearing holds."""
     met = [each for each in found.met if each.order == _ORDER]
     shares = np.array([each.group.shares[bearing] for each in met])
     speeds = np.array([each.speed for each in met])[shares >= _HELD * np.max(shares)]

@@ -28,7 +28,7 @@ def sentences(found: LateralFigures) -> Iterator[str]:
 
 
 def _said(found: LateralFigures) -> Iterator[str]:
-    """What both the check and the whole answer say."""
+    """Yield the text common to the check and the whole answer."""
     for part in (_resonances, _running, _help, _verdicts, _excitation):
         yield from part(found)
 

@@ -143,7 +143,7 @@ class LifeFigures:
 
 
 class _Used(NamedTuple):
-    """What duty cycles make of joints; the places are the last axis, and NaN is not known."""
+    """Effect of duty cycles on joints; places are the last axis, and NaN means unknown."""
 
     hours: FloatArray  # life by the load of the pins, (joints, places)
     catalogue: FloatArray  # the same by the catalogue

@@ -80,7 +80,7 @@ def _chosen(found: LifeFigures) -> str:
 
 
 def _faults(joint: JointLife) -> Iterator[str]:
-    """What is beyond a limit of the joint's type, and what is not judged."""
+    """Say which limits of the joint's type are exceeded, and what is not judged."""
     for judged, is_, unit in (
         (joint.bend, f"Joint {joint.joint} is bent by", "deg"),
         (joint.speed_bend, f"Speed times bend of joint {joint.joint} reach", "rpm_deg"),

@@ -41,7 +41,7 @@ _UNIT = "unit of the figures beside it"
 
 @dataclass(frozen=True)
 class Changed:
-    """What changes of one variable."""
+    """Change of one variable."""
 
     key: str = item("key")
     unit: str = word("unit", _UNIT)
@@ -102,7 +102,7 @@ class Optimised:
 
     @property
     def goal_words(self) -> str:
-        """What is minimised, in words: the quantity, and what of the states."""
+        """Goal in words: the quantity, and how it combines the states."""
         count = len(self.asked.names)
         over = {"largest": "largest", "rms": "root mean square"}[self.asked.over]
         of = f", {over} of {count} states" if count > 1 else ""
@@ -339,7 +339,7 @@ def _action(variable: Variable, change: float, shown: str) -> str:
 
 
 def _what(variable: Variable) -> str:
-    """What a variable belongs to: ``joint 1``, ``the bends of joints 0 and 1``."""
+    """Return the owner of a variable: ``joint 1``, ``the bends of joints 0 and 1``."""
     axis, numbers = variable.axis, _numbers(variable)
     if axis.section == "bearing" and axis.place is not None:
         return f"bearing {axis.place.start}"

@@ -1,4 +1,4 @@
-"""What was found to be best: the quantity over each variable, and each state before and after."""
+"""The optimum found: the quantity over each variable, and each state before and after."""
 
 from __future__ import annotations
 

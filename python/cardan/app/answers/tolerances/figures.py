@@ -1,4 +1,4 @@
-"""What tolerances make of a scene's driveline, for tables, pictures and report."""
+"""Effect of tolerances on a scene's driveline, for tables, pictures and report."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ GROUP_NAMES = {
     "cross": "crosses",
     "driven_yoke": "driven yokes",
 }
-"""What groups of parameters are called in words, where that is not their name."""
+"""Groups of parameters in words, where these differ from their names."""
 
 _UNIT = "unit of the figures beside it"
 

@@ -278,7 +278,7 @@ class RunningSpeed:
 
 @dataclass(frozen=True, eq=False)
 class TorsionBasics:
-    """What a check says; ``torsion`` is the system of the scene.
+    """Figures of a check; ``torsion`` is the system of the scene.
 
     A search over the speeds is made of a scene with a free drive, harmonic torques, couplings or
     limits that need it. It is ``None`` of others.

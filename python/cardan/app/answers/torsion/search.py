@@ -24,7 +24,7 @@ _FEW = 40
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What a search over the speeds of a scene found."""
+    """Result of a search over the speeds of a scene."""
 
     response: SpeedResponse
     unstable: tuple[UnstableRange, ...]

@@ -351,5 +351,5 @@ def first_place(scene: Scene, places: Iterable[float]) -> float | None:
 
 
 def within_turn(angle: float | FloatArray) -> FloatArray:
-    """In degrees, within (-180, 180]."""
+    """Return an angle in degrees, within (-180, 180]."""
     return np.asarray(180.0 - (180.0 - np.degrees(angle)) % 360.0)

@@ -126,7 +126,7 @@ _MOST_BANDS = 400
 
 @dataclass(frozen=True, eq=False)
 class Bands:
-    """Which samples of a recording or a long sweep belong to which part of the run."""
+    """Samples of a recording or a long sweep that belong to each part of the run."""
 
     # Where the parts begin and end, ``(parts + 1,)``: in turns from the first sample, of which many
     # are taken together, or times in s.

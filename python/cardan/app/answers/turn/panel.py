@@ -163,7 +163,7 @@ def checked_labels(labels: Sequence[str] | None, known: list[str]) -> list[str]:
 # --- what is along the panels of a scene's page: drive angles, turns, time or orders --------------
 
 Over = Literal["turns", "time", "orders"]
-"""What a scene's curves are drawn over."""
+"""Abscissa of a scene's curves."""
 
 # Orders in steps of a quarter or less have a curve; between coarser ones nothing is known.
 _FEWEST_OF_CURVES = 4
@@ -173,7 +173,7 @@ _Curves = Sequence[tuple[str, FloatArray]]
 
 @dataclass(frozen=True, eq=False)
 class Abscissa:
-    """What is along the panels, and what must be known to read them."""
+    """Abscissa of the panels, with a note on how to read them."""
 
     label: str
     note: str

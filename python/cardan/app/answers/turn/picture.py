@@ -313,7 +313,7 @@ class DrawnQuantity:
 
     @property
     def heading(self) -> str:
-        """What is drawn, with its unit."""
+        """Name of the quantity with its unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def is_line(self, over: Abscissa) -> bool:

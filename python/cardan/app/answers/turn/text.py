@@ -197,7 +197,7 @@ def signals_text(angles: DriveAngles) -> str:
 
 
 def _signal_parts(signal: SignalFigures, samples: int, step: float) -> Iterator[str]:
-    """What to say of a signal of so many samples; ``step`` is the mean time between them in s."""
+    """Describe a signal of so many samples; ``step`` is the mean time between them in s."""
     ends = np.array([signal.first, signal.last, signal.min, signal.max])
     shown, unit = as_shown(ends, signal.unit)
     first, last, low, high = map(float, shown)

@@ -71,7 +71,7 @@ class WorstStates:
 
 @dataclass(frozen=True)
 class OverStates:
-    """What one setting does in each state."""
+    """Effect of one setting in each state."""
 
     names: tuple[str, ...] = word("names")
     weights: tuple[float, ...] = numbers("weights")
@@ -109,7 +109,7 @@ class BendRange:
 
 @dataclass(frozen=True)
 class RootRule:
-    """What the catalogues' root rule makes of a setting."""
+    """A setting by the catalogues' root rule."""
 
     fork_signs: tuple[int, ...] = word(
         "fork signs", "+1 or -1 of each joint, for Driveline.catalogue_bend"
@@ -134,7 +134,7 @@ class RootRules:
 
 @dataclass(frozen=True)
 class Advice:
-    """What the yokes can do, and what would fix the rest; angles are in degrees."""
+    """Effect of setting the yokes, and the cause of the rest; angles are in degrees."""
 
     arrangement: Arrangement = word("arrangement", "over states that of the worst one at present")
     cause: Literal["none", "phases", "bends"] = word(
@@ -175,7 +175,7 @@ class YokeFigures(Advice):
     """The answer of ``cardan phase``."""
 
     view: str = word("view", "from where senses of rotation are seen")
-    catalogue: RootRules = parts("root rule", "what the catalogues make of the same settings")
+    catalogue: RootRules = parts("root rule", "the same settings by the rule of the catalogues")
     above_limits: tuple[str, ...] = word(
         "above limits", "what the check finds beyond its limits at the setting that can be made"
     )
@@ -237,7 +237,7 @@ def limit_of(scene: Scene) -> float:
 
 
 def root_rule(line: Driveline) -> RootRule:
-    """Return what the root rule makes of one driveline with two or more joints."""
+    """Return the root rule for one driveline with two or more joints."""
     signs, off = line.fork_signs()
     return RootRule(
         tuple(signs.tolist()),

@@ -28,7 +28,7 @@ BEST_OF_STATES = (
     "The best setting has the least weighted mean over the states; single states may be worse than "
     "now."
 )
-"""What the best of several states is."""
+"""Definition of the best setting over several states."""
 
 
 def yoke_text(title: str, found: YokeFigures) -> str:
@@ -244,7 +244,7 @@ def _turns(found: Advice) -> str:
 
 
 def _at_most(found: Advice) -> str:
-    """What can be set leaves over the states, and in which of them."""
+    """Say the largest bend left over the states, and in which of them."""
     assert found.states
     worst = found.states.worst
     return f"{bend_text(found, found.settable_deg)} in {worst.on_teeth or worst.best}"

@@ -21,7 +21,7 @@ _VARIED = {
     "study": "[study] varies numbers of [driveline], [load] and [[bearing]]",
     "states": "[states] varies numbers of [driveline] and [load]",
 }
-"""What the keys of sections are that vary those of others."""
+"""Meaning of the keys in sections that vary those of others."""
 
 _LIST_OF_NUMBERS = re.compile(r"\[[-+.,\d \t]*\]")
 
@@ -285,7 +285,7 @@ _HINTS = (
     ),
     (re.compile(r"^[^#\"'\n]*[\u2212\u2013]\d", re.MULTILINE), "; the minus of a number is -"),
 )
-"""What people write that is not TOML, and what to say of it."""
+"""Common mistakes in TOML, each with a hint."""
 
 
 def nested(values: Mapping[str, Any]) -> dict[str, Any]:

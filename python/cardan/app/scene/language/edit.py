@@ -22,7 +22,7 @@ _SCALAR = re.compile(r"[^\s,\]}#]+(?: \d\d:[\d:.Z+-]+)?")
 
 @dataclass(frozen=True)
 class Span:
-    """Where a value begins and ends in a text, and the entries of an array."""
+    """Begin and end of a value in a text, and the entries of an array."""
 
     start: int
     end: int
@@ -31,7 +31,7 @@ class Span:
 
 @dataclass
 class Map:
-    """Where values stand by dotted path, section first, and where sections with a heading end.
+    """Places of values by dotted path, section first, and ends of sections with a heading.
 
     Of repeated sections the path has their number: ``"bearing.0.position_mm"``. ``wholes`` are keys
     with their values.

@@ -1,4 +1,4 @@
-"""What can be wrong in a scene file, with fields that say where."""
+"""Errors in a scene file, with fields that say where."""
 
 from __future__ import annotations
 

@@ -27,14 +27,14 @@ _LARGEST = 1e40
 
 
 class Rule(ABC):
-    """What a value must be; one that keeps its unit stays in that of its key."""
+    """Condition on a value; one that keeps its unit leaves values in that of the key."""
 
     keeps_unit = False
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What the help text calls a value."""
+        """Name of a value in the help text."""
 
     @abstractmethod
     def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - what the rule makes of it

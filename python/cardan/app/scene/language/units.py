@@ -23,7 +23,7 @@ LengthUnit = Literal["mm", "m"]
 
 
 System = Literal["si", "us"]
-"""In which units an answer is printed, drawn and written; angles and times are the same in both."""
+"""Units in which an answer is printed, drawn and written; angles and times are the same in both."""
 
 _POUND = 0.45359237  # kg
 _INCH = 25.4  # mm

@@ -1,4 +1,4 @@
-"""What a recording holds besides angles: times, speeds, torques, and what was derived from them."""
+"""Signals of a recording besides angles: times, speeds, torques, and values derived from them."""
 
 from __future__ import annotations
 

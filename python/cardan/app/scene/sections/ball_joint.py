@@ -76,7 +76,7 @@ _OF_MATERIAL = (
 
 @dataclass(frozen=True)
 class Material:
-    """What ball or seat is made of.
+    """Material of the ball or the seat.
 
     Attributes:
         part: which of them.
@@ -116,7 +116,7 @@ class BallJointCase:
 
     @property
     def allowable_pressure(self) -> float | None:
-        """What both materials bear, in Pa; ``None`` if the scene gives no allowable pressure."""
+        """Pressure that both materials bear, in Pa; ``None`` if the scene gives none."""
         given = [part.allowable_pressure for part in self.materials]
         return min((pressure for pressure in given if pressure is not None), default=None)
 

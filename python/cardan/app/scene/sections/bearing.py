@@ -222,13 +222,13 @@ BEARING: Section[Mounted] = Section(
         ),
         "axis": Key(
             VECTOR,
-            "direction of the first of two stiffnesses; what is along the shaft does not count",
+            "direction of the first of two stiffnesses; the component along the shaft is ignored",
             "axis",
         ),
         "loss_factor": Key(
             each(Number(0, 1, what="a loss factor"), "two numbers", 2),
-            "of the bearing, the tangent of its loss angle; rubber: 0.05 to 0.2; default: no "
-            "damping is known",
+            "tangent of the loss angle of the bearing; rubber: 0.05 to 0.2; default: damping "
+            "unknown",
             "loss_factor",
         ),
         "damping_Ns_per_m": Key(

@@ -26,7 +26,7 @@ LENGTHS = ("lengths_mm", "lengths_m")
 """The keys of a driveline without points for the lengths of its shafts; it has at most one."""
 
 LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveline]"
-"""What gives a driveline its lengths."""
+"""Keys that give a driveline its lengths."""
 
 DOUBLE_JOINT = "double_joint_deg"
 """The key of a centred double joint."""

@@ -62,9 +62,9 @@ OF_SIZE = {
         "largest permitted product of speed in rpm and bend in deg",
         "max_speed_bend",
     ),
-    "heat_W": Key(each(POSITIVE), "most permitted mean heat of a joint", "most_heat"),
+    "heat_W": Key(each(POSITIVE), "largest permitted mean heat of a joint", "most_heat"),
 }
-"""What describes a size: keys of [joints] and columns of a table of sizes."""
+"""Description of a size: keys of [joints] and columns of a table of sizes."""
 
 # Of one joint, where [joints] takes a list with one for each as well.
 _COLUMNS = with_us_keys(
@@ -75,7 +75,7 @@ NAME = "size"
 """The column of the names of sizes."""
 
 OF_LOSSES = ("friction", "pin_radius_mm", "arm_mm")
-"""What the losses of a joint need."""
+"""Keys that the losses of a joint need."""
 
 BearingType = Literal["needle", "plain"]
 

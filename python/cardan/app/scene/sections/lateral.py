@@ -29,7 +29,7 @@ _INERTIA = Number(0, 1e6, what="an inertia")
 
 @dataclass(frozen=True, eq=False)
 class LateralCase:
-    """What a scene says of shafts that bend and of their bearings.
+    """Shafts of a scene that bend, and their bearings.
 
     Attributes:
         speed: drive speeds in rad/s, rising; empty if the scene gives none.
@@ -278,7 +278,7 @@ UNBALANCE: Section[Mapping[str, Any]] = Section(
         "unbalance_gmm": Key(NOT_NEGATIVE, "mass times distance from the axis", "mass_arm", 1e-6),
         "direction": Key(
             VECTOR,
-            "to which side it is at the drive angle 0; what is along the shaft does not count",
+            "its direction at drive angle 0; the component along the shaft is ignored",
             "direction",
         ),
     },
@@ -328,7 +328,7 @@ LATERAL: Section[LateralCase | None] = Section(
         ),
         "tube_loss_factor": Key(
             Number(0, 1, what="a loss factor"),
-            "of the tubes in bending, for orders from 2 on; about 0.01; default: it is not known",
+            "loss factor of the tubes in bending, from order 2 on; about 0.01; default: unknown",
         ),
         "sliding": Key(
             ListOf(INDEX, "whole numbers"),

@@ -230,7 +230,7 @@ LIFE: Section[DutyCycle | None] = Section(
             ListOf(Text(), "texts"),
             "or: the state of [states] in which the driveline is in each step",
         ),
-        "names": Key(TEXTS, "what each step is called; default: step 0 and so on"),
+        "names": Key(TEXTS, "name of each step; default: step 0 and so on"),
         "target_h": Key(POSITIVE, "life that 90 % of the joints must reach"),
     },
     _life,

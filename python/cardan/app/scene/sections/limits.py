@@ -49,7 +49,7 @@ OF_PARTS: Mapping[str, Key] = {
 
 @dataclass(frozen=True, eq=False)
 class GivenLimits:
-    """What a check compares with: the motion, and other figures by key and in its unit."""
+    """Limits of a check: of the motion, and of other figures by key and in its unit."""
 
     motion: Limits
     parts: Mapping[str, Limit]
@@ -71,8 +71,8 @@ def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
 
 LIMITS: Section[GivenLimits] = Section(
     "limits",
-    "what check compares with; a figure is a number or [limit, maximum]: within up to the "
-    "limit, tolerable up to the maximum, beyond above it",
+    "limits of check; a figure is a number or [limit, maximum]: within up to the limit, "
+    "tolerable up to the maximum, beyond above it",
     {
         "preset": Key(
             rules.OneOrMore(

@@ -146,8 +146,8 @@ def _optimisation(values: Mapping[str, Any], scene: Reading) -> Optimisation:
 
 OPTIMISE: Section[Optimisation | None] = Section(
     "optimise",
-    'what may change so that the driveline runs better over all states; "cardan optimise" finds '
-    "the best values",
+    'keys that may change so that the driveline runs better over all states; "cardan optimise" '
+    "finds the best values",
     {
         "vary": Key(
             Vary(),
@@ -163,7 +163,7 @@ OPTIMISE: Section[Optimisation | None] = Section(
         ),
         "over": Key(
             OneOf(("largest", "rms")),
-            "of the states, the largest value or the root mean square with the weights of [states]",
+            "how states combine: largest value, or root mean square with the weights of [states]",
             default="largest",
         ),
         "keep": Key(
@@ -173,7 +173,7 @@ OPTIMISE: Section[Optimisation | None] = Section(
         ),
         "starts": Key(
             COUNT,
-            "number of local searches; more find the best of many local optima more surely",
+            "number of local searches; more of them miss the best of many local optima less often",
             default=8,
         ),
     },

@@ -42,7 +42,7 @@ _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What to evaluate, with further arguments for it, and which files to write, if any.
+    """Outputs to evaluate, with further arguments, and files to write, if any.
 
     Without shafts it is of the last one only, without joints of all.
     """

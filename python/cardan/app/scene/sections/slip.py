@@ -48,15 +48,13 @@ SLIP: Section[Slip | None] = Section(
         "engaged_mm": Key(
             POSITIVE, "engaged length of the spline at the points of [driveline]", "engaged"
         ),
-        "least_engaged_mm": Key(
-            POSITIVE, "least engaged length that is permitted", "least_engaged"
-        ),
+        "least_engaged_mm": Key(POSITIVE, "least permitted engaged length", "least_engaged"),
         "push_in_mm": Key(
             POSITIVE,
             "how far the spline can be pushed in from the points of [driveline] until it bottoms",
             "push_in",
         ),
-        "travel_mm": Key(POSITIVE, "largest travel that is permitted", "travel"),
+        "travel_mm": Key(POSITIVE, "largest permitted travel", "travel"),
         "friction": Key(FRICTION, "coefficient of friction in the spline under load", "friction"),
         "radius_mm": Key(SIZE, "pitch radius of the spline", "radius", 1e-3),
     },
@@ -114,8 +112,9 @@ OFFSETS: Section[AxisOffsets | None] = Section(
         ),
         "blocked": Key(
             names(NAMES),
-            "what cannot slide: driving_pin for the cross along the driving pin, driven_pin for "
-            "the driven yoke along its pin, shaft for the driven shaft along its axis",
+            "parts that cannot slide: driving_pin for the cross along the driving pin, "
+            "driven_pin for the driven yoke along its pin, shaft for the driven shaft along its "
+            "axis",
         ),
     },
     _offsets,

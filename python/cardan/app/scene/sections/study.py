@@ -62,16 +62,16 @@ def _of_table(rows: str) -> dict[str, Key]:
     return {
         "file": Key(
             FileName(TABLES, folders=True),
-            f"table whose heads are keys as here, {rows}; path from the folder of the scene, its "
-            f"name ends in {' or '.join(TABLES)}",
+            f"table whose column headings are keys as here, {rows}; path from the folder of the "
+            f"scene, its name ends in {' or '.join(TABLES)}",
             kind="file",
         ),
-        "sheet": Key(Text(), "of an .xlsx file: the sheet, if it has several"),
+        "sheet": Key(Text(), "name of the sheet, if an .xlsx file has several"),
     }
 
 
 _IN_ROWS = {
-    "study": _of_table("with the values of each key below its head, from which the grid is made"),
+    "study": _of_table("with the values of each key below it, from which the grid is made"),
     "states": _of_table("with one state per row"),
 }
 
@@ -211,7 +211,7 @@ STUDY: Section[Study | None] = Section(
 
 
 _OF_STATES = {
-    "names": Key(TEXTS, "what each state is called; default: the value of the key, or state 0"),
+    "names": Key(TEXTS, "name of each state; default: the value of the key, or state 0"),
     "weights": Key(
         ListOf(Number(0, what="a weight"), "numbers"),
         "how much each state counts when one setting must serve all; default 1",

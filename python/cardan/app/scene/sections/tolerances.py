@@ -157,28 +157,32 @@ def _size(meaning: str, argument: str, per: str = "joint") -> Key:
 
 TOLERANCES: Section[Toleranced] = Section(
     "tolerances",
-    "how exactly the driveline is made and assembled: each figure is ± that much",
+    "accuracy of manufacture and assembly: each value is a ± tolerance",
     {
-        "bends_deg": _size("of the bends: one number, or one per joint", "bends"),
+        "bends_deg": _size("tolerance of the bends: one number, or one per joint", "bends"),
         "twists_deg": _size(
-            "of the twists: one number, or one per intermediate shaft", "twists", _BETWEEN
+            "tolerance of the twists: one number, or one per intermediate shaft",
+            "twists",
+            _BETWEEN,
         ),
         "phases_deg": _size(
-            "of the yokes: one number, or one per intermediate shaft", "phases", _BETWEEN
+            "tolerance of the yokes: one number, or one per intermediate shaft",
+            "phases",
+            _BETWEEN,
         ),
         "points_mm": _size(
-            "of every coordinate of the points: one number, or one per point; in place of "
-            "bends_deg and twists_deg",
+            "tolerance of every coordinate of the points: one number, or one per point; in place "
+            "of bends_deg and twists_deg",
             "points",
             "point",
         ),
         "driving_yoke_deg": _size(
-            "of the angle by which driving yokes lean, which [joints] gives as measured; one "
-            "number, or one per joint",
+            "tolerance of the angle by which driving yokes lean, which [joints] gives as measured; "
+            "one number, or one per joint",
             "driving_yoke",
         ),
-        "cross_deg": _size("of the crosses", "cross"),
-        "driven_yoke_deg": _size("of the driven yokes", "driven_yoke"),
+        "cross_deg": _size("tolerance of the crosses", "cross"),
+        "driven_yoke_deg": _size("tolerance of the driven yokes", "driven_yoke"),
         "driving_yoke_mm": _size(
             "in place of driving_yoke_deg: how far the ends of the pin may be off along the shaft, "
             "in opposite directions, at arm_mm",
@@ -218,19 +222,19 @@ TOLERANCES: Section[Toleranced] = Section(
         ),
         "limit": Key(
             rules.POSITIVE,
-            "of a single figure, in degrees for an angle, else in SI units; default: that of "
-            "[limits]. Every driveline within the tolerances must keep it",
+            "limit of a single figure, in degrees for an angle, else in SI units; default: that of "
+            "[limits]. Every driveline within the tolerances must meet it",
         ),
         "share": Key(
             rules.Number(0, 1, above=True),
-            "share of the drivelines that must keep the limit, in place of all",
+            "share of the drivelines that must meet the limit, instead of all",
         ),
         "samples": Key(
             rules.Whole(1, most=100_000_000),
-            "random drivelines; default: 100 000, or 16 384 where almost all of these keep the "
-            "limit, or almost none",
+            "number of random drivelines; default: 100 000, or 16 384 where almost all of these "
+            "meet the limit, or almost none",
         ),
-        "seed": Key(rules.Whole(0, most=(1 << 32) - 1), "of their random numbers", default=0),
+        "seed": Key(rules.Whole(0, most=(1 << 32) - 1), "seed of their random numbers", default=0),
     },
     _toleranced,
     needed=(("bends_deg", "twists_deg", "phases_deg", "points_mm", "teeth", *_OF_JOINTS),),

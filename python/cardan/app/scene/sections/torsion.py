@@ -130,7 +130,7 @@ class SpeedValues(Rule):
 
 @dataclass(frozen=True)
 class Ratings:
-    """What a coupling bears by its catalogue in N m; ``None`` where the scene does not say.
+    """Catalogue ratings of a coupling in N m; ``None`` where the scene gives none.
 
     Attributes:
         rated: mean torque, continuously.
@@ -458,7 +458,7 @@ COUPLING: Section[Ratings] = Section(
         "twist_deg": Key(
             Rising(Number(), "angles"),
             "or, of a progressive coupling: twist at each kink of its curve, from 0 if both "
-            "directions are alike. It is straight between the kinks and goes straight on beyond",
+            "directions are alike. The curve is linear between the kinks and extrapolated beyond",
             "twist",
             math.radians(1.0),
         ),
@@ -474,7 +474,7 @@ COUPLING: Section[Ratings] = Section(
         ),
         _BY_MEAN[1]: Key(
             ListOf(_STIFFNESS, "stiffnesses"),
-            "and the stiffness at each of them; straight between them, constant beyond",
+            "and the stiffness at each of them; linear between them, constant beyond",
             "stiffness_by_mean",
         ),
         "play_deg": Key(
@@ -485,7 +485,7 @@ COUPLING: Section[Ratings] = Section(
         ),
         "damper": Key(
             OneOf(("always", "contact")),
-            "whether the damping of the shaft always acts, or within the play not at all",
+            "whether the damping of the shaft always acts, or only in contact, outside the play",
             default="always",
         ),
         "relative_damping": Key(
@@ -496,12 +496,14 @@ COUPLING: Section[Ratings] = Section(
         ),
         "loss_factor": Key(Number(0, 3), "or: tangent of the loss angle, ψ/(2 π)", "loss_factor"),
         "rated_torque_Nm": Key(
-            POSITIVE, "mean torque that it bears continuously, T_KN of catalogues"
+            POSITIVE, "mean torque that it can carry continuously, T_KN of catalogues"
         ),
         "largest_torque_Nm": Key(
-            POSITIVE, "largest torque that it bears now and then, as in a resonance, T_Kmax"
+            POSITIVE, "largest torque that it can carry occasionally, as in a resonance, T_Kmax"
         ),
-        "vibratory_torque_Nm": Key(POSITIVE, "amplitude that it bears continuously at 10 Hz, T_KW"),
+        "vibratory_torque_Nm": Key(
+            POSITIVE, "amplitude that it can carry continuously at 10 Hz, T_KW"
+        ),
     },
     lambda values, _: _ratings(values),
     together=(
@@ -523,10 +525,10 @@ COUPLING: Section[Ratings] = Section(
 
 MOTOR: Section[tuple[FloatArray, FloatArray]] = Section(
     "torsion.motor",
-    "the curve of a motor; the answer has the speeds at which its torque is what is needed",
+    "torque curve of a motor; the answer has the speeds at which its torque is the one needed",
     {
         "speed_rpm": Key(Rising(_SPEED, "speeds"), "speeds of the curve"),
-        "torque_Nm": Key(_TORQUES, "its torque at each of them; straight between them"),
+        "torque_Nm": Key(_TORQUES, "its torque at each of them; linear between them"),
     },
     _motor,
     needed=(("speed_rpm",), ("torque_Nm",)),
@@ -569,9 +571,8 @@ TORSION: Section[TorsionCase | None] = Section(
         ),
         "drive": Key(
             OneOf(("held", "free")),
-            "what the input end of shaft 0 does: it is held at constant speed, and an inertia "
-            "there has no effect; or it is free, its inertia is that of engine or motor, and its "
-            "speed varies",
+            "input end of shaft 0: held at constant speed, where an inertia has no effect; or "
+            "free, with the inertia of engine or motor, and a speed that varies",
             "drive",
         ),
         "drive_slope_Nms_per_rad": Key(

@@ -20,7 +20,7 @@ from cardan.torsion import Tube, tube
 
 @dataclass(frozen=True, eq=False)
 class Tubes:
-    """What makes tubes, and their figures as drawn, ``(shafts,)`` each; the stress is in Pa.
+    """Inputs of tubes, and their figures as drawn, ``(shafts,)`` each; the stress is in Pa.
 
     No length is given where that of the driveline counts. The least margin is that of the critical
     speed over the largest speed. The margin of the resonance is the least distance of the speeds

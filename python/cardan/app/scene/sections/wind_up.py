@@ -20,7 +20,7 @@ _SLOPES = "slopes_vertical_deg"
 
 
 class WindUp(NamedTuple):
-    """What turns or moves entries of a key, as the file has it, by place and per kN m of torque."""
+    """Turn or shift of entries of a key, in units of the file, by place and per kN m of torque."""
 
     key: str
     rates: Mapping[str, Varying]
@@ -83,8 +83,8 @@ def _wind_up(values: Mapping[str, Any], scene: Reading) -> WindUp:
 
 WIND_UP: Section[tuple[WindUp, ...]] = Section(
     "wind_up",
-    "what turns or moves with the torque: an axle on its springs, an engine on its mounts; give "
-    "one section for each, and the torques in [states]",
+    "parts that turn or move with the torque: an axle on its springs, an engine on its mounts; "
+    "give one section for each, and the torques in [states]",
     {
         "points": Key(ENTRY, 'the points that move, counted from 0: "3-4"'),
         "shafts": Key(
@@ -92,14 +92,14 @@ WIND_UP: Section[tuple[WindUp, ...]] = Section(
             f"or, with {READINGS} or {_SLOPES}: the shafts that tilt, counted from 0: "
             '"2", upwards to the output',
         ),
-        "about_mm": Key(VECTOR, "of points: a point of the axis about which they turn"),
+        "about_mm": Key(VECTOR, "for points: a point on the axis about which they turn"),
         "axis": Key(
             DIRECTION, 'its direction: "x", "y", "z" or three numbers', default="z", kind="axis"
         ),
         "deg_per_kNm": Key(
             Number(), "angle per kN m of mean torque, right-handed about the axis or upwards"
         ),
-        "mm_per_kNm": Key(VECTOR, "or, or besides: by how much the points move per kN m"),
+        "mm_per_kNm": Key(VECTOR, "instead, or in addition: displacement of the points per kN m"),
     },
     _wind_ups,
     together=(("points", "shafts"),),

@@ -1,1 +1,1 @@
-"""What a scene varies: studies, states, and their tables and curves."""
+"""Variation of a scene: studies, states, and their tables and curves."""

@@ -40,7 +40,7 @@ _ADD, _TURN, _AXIS = "add", "turn_deg", "axis"
 
 
 class Varying(NamedTuple):
-    """What a study gives entries, adds to them, or turns points by, as ``way`` says.
+    """Values that a study sets, adds, or turns points by, as ``way`` says.
 
     Points turn about a point of the file's unit and an axis through it.
     """
@@ -68,7 +68,7 @@ class Varying(NamedTuple):
 
 
 Varied: TypeAlias = Mapping[str, Mapping[str, Varying]]
-"""What varies by key and place, as a section has it."""
+"""Variations of a section by key and place."""
 
 _SPREAD = rules.Table(
     {"from": rules.Number(), "to": rules.Number(), "steps": rules.COUNT},
@@ -106,7 +106,7 @@ DIRECTION = Direction()
 
 @dataclass(frozen=True)
 class AxisValues(rules.Rule):
-    """What varies a number: values under no place, listed or evenly spread."""
+    """Variation of a number: values under no place, listed or evenly spread."""
 
     name = "values"
     keeps_unit = True
@@ -154,7 +154,7 @@ def _changed(where: errors.Location, value: object) -> Varying:
 
 
 def _turned(where: errors.Location, value: Mapping[str, object]) -> Varying:
-    """By what points turn, about which point and axis."""
+    """Return the rotation of points about a point and an axis."""
     about = [key for key in _ABOUT if key in value]
     if len(about) != 1 or _AXIS not in value or _TURN not in value:
         points = " or ".join(units.alike(where.key, _ABOUT))
@@ -185,7 +185,7 @@ _NO_ENTRY = "does not exist; write 0 for the first entry, 0-1 for two"
 
 @dataclass(frozen=True)
 class ListAxes(AxisValues):
-    """What varies a list of numbers: values for all entries, or for some by their place."""
+    """Variation of a list of numbers: values for all entries, or for some by their place."""
 
     def read(self, where: errors.Location, value: object) -> dict[str, Varying]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
@@ -203,7 +203,7 @@ class ListAxes(AxisValues):
 
 @dataclass(frozen=True)
 class NestedAxes(rules.Rule):
-    """What varies a part of an entry, as a component of a vector: values by entry and part.
+    """Variation of a part of an entry, as a component of a vector: values by entry and part.
 
     ``what`` is entry and part in words with an example; ``no_entry`` says what names no entry.
     Parts that change can be added to, and all of them be turned together.
@@ -272,7 +272,7 @@ def _is_table(value: object) -> TypeGuard[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Entry(rules.Rule):
-    """Which entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
+    """Entries of a list: ``"2"`` or ``"2-3"``, or the number of one."""
 
     name = "text"
 
@@ -337,7 +337,7 @@ class Axis:
 
     @property
     def location(self) -> errors.Location:
-        """Where the file gives the values, for errors."""
+        """Place of the values in the file, for errors."""
         return errors.Location.of(self.key)
 
     @property

@@ -1,7 +1,7 @@
 """Studies on a dask cluster: a folder of Parquet files, one for each part of the grid.
 
-dask decides which worker does what, what happens if a worker dies, and what stays in memory. A file
-appears complete or not at all, so a run that was stopped resumes with the files that are missing.
+dask decides which worker does what, what happens if a worker dies, and what stays in memory. Files
+are written completely or not at all, so a run that was stopped resumes with the missing files.
 """
 
 from __future__ import annotations
@@ -60,12 +60,12 @@ class StudyFolder:
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What is varied."""
+        """Axes of the study."""
         return self.study.axes
 
     @functools.cached_property
     def columns(self) -> tuple[Column, ...]:
-        """What the figures are."""
+        """Columns of the figures."""
         return self.study.part(range(1)).columns
 
     def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:

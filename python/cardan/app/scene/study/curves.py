@@ -133,7 +133,7 @@ class Streamed(NamedTuple):
     extent_deg: tuple[float, float] | None
     """The least and the largest drive angle of a drive that turns back."""
     units: System
-    """In which the columns are written."""
+    """Units in which the columns are written."""
 
 
 def stream(

@@ -1,4 +1,4 @@
-"""What a scene lets change, and the best values of it over the scene's states."""
+"""Variables of a scene, and their best values over the scene's states."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Variable:
 
 @dataclass(frozen=True, eq=False)
 class Optimisation:
-    """What a scene's section [optimise] asks for; limits to keep are in the unit of their key."""
+    """Contents of a scene's section [optimise]; limits to keep are in the unit of their key."""
 
     variables: tuple[Variable, ...]
     minimise: str
@@ -238,7 +238,7 @@ class Optimisation:
 
     @property
     def _parameters(self) -> list[tuple[Any, ...]] | None:
-        """What each variable changes of the driveline; ``None`` if one changes anything else."""
+        """Parameters that each variable changes; ``None`` if one changes anything else."""
         found = []
         for variable in self.variables:
             axis, count = variable.axis, variable.last_entry + 1

@@ -259,7 +259,7 @@ def _one_row(key: str, value: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What a scene varies and which figures it wants of each driveline.
+    """Axes that a scene varies, and the figures it wants of each driveline.
 
     The axes make a grid or, with names, vary together from state to state. Layout and load have the
     values of their keys as they stand in the file. The drive angles to reduce over are in rad.

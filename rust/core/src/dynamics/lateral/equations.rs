@@ -53,7 +53,7 @@ pub(super) struct Rate {
 }
 
 impl Rate {
-    /// Of an order of the drive's rotation at a speed in rad/s.
+    /// Rate of an order of the drive's rotation at a speed in rad/s.
     pub(super) fn of_order(order: f64, speed: f64) -> Self {
         Self { omega: order * speed, speed, damped: true, lossy: order >= 2.0 }
     }
@@ -63,7 +63,7 @@ impl Rate {
         Self { omega, speed: 0.0, damped: false, lossy: false }
     }
 
-    /// What a moment of inertia across and one along the axis put before the slope.
+    /// Coefficient of the slope by moments of inertia across and along the axis.
     fn rotary(self, across: f64, along: f64, turn: f64) -> f64 {
         across * self.omega * self.omega - turn * along * self.omega * self.speed
     }
@@ -107,9 +107,9 @@ pub(super) struct Nodes<'a> {
     stops: Vec<(usize, f64)>,
     /// The first one of each shaft, and the number of all.
     first: Vec<usize>,
-    /// What is at nodes.
+    /// Items at nodes.
     fixed: Vec<(Item, Place)>,
-    /// What is between nodes, by shaft and position.
+    /// Items between nodes, by shaft and position.
     between: Vec<(usize, f64, Item)>,
     /// The axes of each bearing, and its place.
     pub(super) bearings: Vec<([Vector; 2], Place)>,

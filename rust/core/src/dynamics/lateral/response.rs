@@ -1,4 +1,4 @@
-//! What a system does at steady speeds.
+//! Response of a system at steady speeds.
 
 use nalgebra::Complex;
 

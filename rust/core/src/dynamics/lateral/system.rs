@@ -8,10 +8,10 @@ use crate::mechanics::geometry::Vector;
 
 type C = Complex<f64>;
 
-/// What is closer to an end of a shaft than this share of its length is at that end.
+/// Items closer to an end of a shaft than this share of its length are at that end.
 const SAME_PLACE: f64 = 1e-9;
 
-/// What a shaft is in lateral vibration.
+/// Role of a shaft in lateral vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LateralShaft {
     /// Part of a machine: it does not move across its axis.
@@ -79,7 +79,7 @@ pub struct Unbalance {
     pub direction: Vector,
 }
 
-/// What is attached to the shafts.
+/// Items attached to the shafts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attached {
     /// Elastic bearings.

@@ -16,7 +16,7 @@ use crate::number::elementary;
 const SETTINGS: u64 = 1 << 16;
 const SHAFTS: usize = 12;
 
-/// What is left of the mean of `|q|` by rounding where joints cancel each other.
+/// Mean of `|q|` left by rounding where joints cancel each other.
 const ROUNDING: f64 = 1e-15;
 
 /// By how many teeth to turn the yokes for the least mean of `|q|²`; the best so far when `stop` is

@@ -57,9 +57,9 @@ pub(super) struct LineAsBuilt<'a> {
     pub(super) normals: &'a [f64],
     /// Empty for ideal joints.
     pub(super) deviations: &'a [f64],
-    /// Of the shafts; empty if they are unknown.
+    /// Lengths of the shafts; empty if they are unknown.
     pub(super) lengths: &'a [f64],
-    /// Of the bearings.
+    /// Positions of the bearings.
     pub(super) positions: &'a [f64],
 }
 

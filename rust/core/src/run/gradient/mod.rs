@@ -104,15 +104,15 @@ pub struct SpreadLoad<'a> {
     pub end: End,
     /// In N·m.
     pub torque: Spread<'a>,
-    /// Of the drive, in rad/s.
+    /// Speed of the drive, in rad/s.
     pub speed: Spread<'a>,
-    /// Of the drive, in rad/s².
+    /// Acceleration of the drive, in rad/s².
     pub acceleration: Spread<'a>,
     /// One per shaft, in kg·m²; missing ones are 0.
     pub inertias: Vec<Option<Spread<'a>>>,
 }
 
-/// What is differentiated: outputs of drivelines with the same number of samples each.
+/// Quantities to differentiate: outputs of drivelines with the same number of samples each.
 #[derive(Clone, Debug)]
 pub struct Differentiated<'a> {
     /// The number of joints.

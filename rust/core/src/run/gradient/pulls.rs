@@ -1,4 +1,4 @@
-//! What weighted outputs of a chunk contribute to the value, and how their changes are passed back
+//! Contributions of weighted outputs of a chunk to the value, and how their changes are passed back
 //! from forces to moments, from moments to torsions, and from power and rates to `q`.
 
 use crate::number::atan::Atan;

@@ -81,7 +81,7 @@ impl ShaftAt {
     }
 }
 
-/// What the samples of a run have in common.
+/// Data common to the samples of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     /// The forces that are wanted.
