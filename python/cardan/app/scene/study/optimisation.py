@@ -231,9 +231,13 @@ class Optimisation:
             key = reached[error.quantity]
             limit, found = self.keep[key], error.reached
             found = math.degrees(found) if key.endswith("_deg") else found / size_of(key)
+            best = ", ".join(
+                f"{variable.axis.key} = {variable.base + change:.6g}"
+                for variable, change in zip(self.variables, error.x, strict=True)
+            )
             raise Location("keep", (key,)).error(
                 f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
-                f"{found:.4g}, {found - limit:.3g} above"
+                f"{found:.4g}, {found - limit:.3g} above, with {best}"
             ) from None
 
     @property
