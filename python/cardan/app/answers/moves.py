@@ -20,6 +20,7 @@ from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import READINGS, has_lengths
 from cardan.design.limits import PRESETS
 from cardan.design.machine import Change, Machine
+from cardan.design.quantities import MOTION_QUANTITIES
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
@@ -239,6 +240,40 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
             "A change without a second value leads just to the edge of the limits, and the gauge "
             f"may hide {given(gauge, 'deg')} of each reading: go further and read again."
         )
+
+
+def several_at_once(answer: Answer) -> list[str]:
+    """Say how to search for several changes that bring the motion within its limits together.
+
+    The lines behind the sentence are a section of the scene.
+    """
+    scene = answer.scene
+    wrong = {
+        each.entry.path.rpartition(".")[2]
+        for each in answer.judged
+        if each.part.name == "limits" and each.value.verdict in ("beyond", "tolerable")
+    }
+    sought = [name for name in MOTION_QUANTITIES if name in wrong]
+    if not sought or scene.layout is None or (scene.study is not None and scene.study.axes):
+        return []
+    if scene.optimisation is not None:
+        return ["Several changes at once may suffice: 'cardan optimise' finds those of [optimise]."]
+    # Its search is imported by the answers that advise one.
+    from cardan.app.scene.study.optimisation import proposed
+
+    given = scene.given.get("driveline", {})
+    ranges = proposed(scene.layout, scene.states, scene.teeth, given)
+    if len(ranges) < 2:
+        return []
+    lines = [
+        f"vary.{path} = [{ends[0]:g}, {ends[1]:g}]" if ends else f'vary.{path} = "free"'
+        for path, ends in ranges.items()
+    ]
+    # The torsional excitation is least with the equivalent bend.
+    if not {"equivalent_bend", "torsional_excitation"} & wrong:
+        lines.append('minimise = "inertia_excitation"')
+    text = "Several changes at once may suffice: add this to the scene and run 'cardan optimise'."
+    return ["\n    ".join([text, "[optimise]", *lines])]
 
 
 def _change(move: Move) -> str:
