@@ -300,6 +300,7 @@ def test_a_limit_that_cannot_be_kept_is_named_with_how_near_it_comes() -> None:
     assert (error.argument, error.place) == ("keep", ("equivalent_bend",))
     assert error.limit == pytest.approx(0.5 * least)
     assert 0.7 * least < error.reached <= least
+    assert largest(error.x[np.newaxis]) == pytest.approx(error.reached, rel=1e-12)
 
 
 @pytest.mark.parametrize("teeth", [16, [9, 24]])

@@ -45,12 +45,14 @@ class Part:
         turn: mean turn of the drive, from its smallest angle on.
         bend: their equivalent bend in rad.
         std: its standard deviation in rad.
+        angle_offset: what to add to the drive angle in them, in (-pi/2, pi/2] rad.
     """
 
     speed: float
     turn: float
     bend: float
     std: float
+    angle_offset: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +138,7 @@ class Identification:
     @property
     def angle_offset(self) -> float:
         """What to add to the drive angle to get the joint's input angle, in (-pi/2, pi/2] rad."""
-        return _wrapped(-0.5 * float(np.angle(-self.q))) if self.q else 0.0
+        return _angle_offset(self.q)
 
     @property
     def angle_offset_deg(self) -> float:
@@ -484,10 +486,12 @@ def _compared(
         inverse = np.linalg.inv(normal)
         change = (inverse @ (columns.T @ rest[chosen]))[:2]
         covariance = variance * inverse[:2, :2]
-        k = min(abs(q + complex(*change)), 1.0)
+        own = q + complex(*change)
+        k = min(abs(own), 1.0)
         mean_speed = math.nan if speed is None else float(np.mean(speed[chosen]))
         std = _std(k, math.sqrt(float(np.trace(covariance)) / 2.0))
-        found.append(Part(mean_speed, float(np.mean(turn[chosen])), _bend(k), std))
+        mean_turn = float(np.mean(turn[chosen]))
+        found.append(Part(mean_speed, mean_turn, _bend(k), std, _angle_offset(own)))
         changes.append(change)
         weights.append(np.linalg.pinv(covariance, hermitian=True))
     if len(found) < 2:
@@ -546,6 +550,11 @@ def _interval(k: float, std_k: float, freedom: float) -> tuple[float, float]:
 def _std(k: float, std_k: float) -> float:
     """Standard deviation of the bend from that of ``k``: ``std_k/(sqrt(k) (1 + k))``."""
     return std_k / (math.sqrt(k) * (1.0 + k)) if k else math.inf
+
+
+def _angle_offset(q: complex) -> float:
+    """What to add to the drive angle to get the joint's input angle, in rad."""
+    return _wrapped(-0.5 * float(np.angle(-q))) if q else 0.0
 
 
 def _wrapped(angle: float) -> float:

@@ -55,15 +55,22 @@ class NotKeptError(ArgumentValueError):
         quantity: the kept quantity.
         limit: the limit.
         reached: the least of the quantity that was found, with all limits in view.
+        x: the variables that reach it, ``(m,)``.
     """
 
     def __init__(
-        self, argument: str, problem: str, place: Place, limit: float, reached: float
+        self,
+        argument: str,
+        problem: str,
+        place: Place,
+        limit: float,
+        reached: float,
+        x: FloatArray,
     ) -> None:
         """Make an error of its fields."""
         super().__init__(argument, problem, place)
-        self.args = (argument, problem, place, limit, reached)
-        self.quantity, self.limit, self.reached = str(place[0]), limit, reached
+        self.args = (argument, problem, place, limit, reached, x)
+        self.quantity, self.limit, self.reached, self.x = str(place[0]), limit, reached, x
 
 
 @dataclass(frozen=True)
@@ -377,6 +384,7 @@ def _not_kept(problem: Problem, best: Candidate) -> NotKeptError:
         (measure.name,),
         limit,
         figure,
+        best.x,
     )
 
 

@@ -10,6 +10,7 @@ import pytest
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
+from cardan.app.answers.printed import quantity
 from cardan.app.answers.schema import answer, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
@@ -231,6 +232,23 @@ def test_resonances_of_all_orders_are_judged() -> None:
         judged = basics(text.replace("speed_rpm = {", "resonance_margin = 0.05\nspeed_rpm = {"))
         assert judged.margin.verdict == verdict
         assert judged.margin.value == pytest.approx(share - 1.0, rel=1e-6)
+
+
+def test_a_check_that_searches_says_how_large_each_resonance_is() -> None:
+    found = basics(ENGINE)
+    said = next(each for each in torsion_advice(found) if "critical speed" in each)
+    assert found.search
+    assert found.resonances
+    for each in found.resonances:
+        steady = found.torsion.system.steady(each.speed, each.order)
+        size = float(abs(steady.torque_orders[found.torsion.system.compliant.index(each.shaft), 0]))
+        assert f") with ±{quantity(size, 'Nm')} in shaft {each.shaft}" in said
+    assert "'cardan torsion'" not in said
+    # Without a search the command says it.
+    text = ENGINE[: ENGINE.index("[[torsion")].replace("coupling", "")
+    plain = basics(text.replace('"free"', '"held"').replace('"", 40000', "3000, 40000"))
+    assert plain.search is None
+    assert "±" not in "".join(torsion_advice(plain))
 
 
 def test_torques_of_a_coupling_are_judged() -> None:

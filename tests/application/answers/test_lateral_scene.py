@@ -308,8 +308,9 @@ def test_without_a_stiffness_the_couples_and_static_forces_are_said() -> None:
     assert not found.bearings
     assert found.couples == figures(TEXT).couples
     assert "half the critical speeds at 4755 rpm of shaft 1 and 2426 rpm of shaft 2" in said(text)
-    with pytest.raises(ValueError, match="bearing 0 has no stiffness_N_per_mm"):
-        plot_part(Scene.parse(text), "shapes")
+    for picture in ("lateral", "shapes"):
+        with pytest.raises(ValueError, match=r"no stiffness_N_per_mm, .* static"):
+            plot_part(Scene.parse(text), picture)
 
 
 def test_a_bow_excites_half_the_critical_speed_and_a_tilt_does_not() -> None:

@@ -256,7 +256,8 @@ def test_a_limit_that_cannot_be_kept(tmp_path: Path) -> None:
     assert result.exit_code == 2
     said = re.search(
         r"a.toml: \[optimise\] keep.equivalent_bend_deg is 0.1; no changes within the ranges keep "
-        r"it: at best it reaches (\S+), (\S+) above$",
+        r"it: at best it reaches (\S+), (\S+) above, "
+        r"with points_mm.2.y = (\S+), phases_deg.0 = (\S+)$",
         result.stderr.strip(),
     )
     assert said, result.stderr
@@ -265,6 +266,84 @@ def test_a_limit_that_cannot_be_kept(tmp_path: Path) -> None:
     assert float(said[1]) == pytest.approx(float(np.degrees(least.run().value)), rel=1e-2)
     assert float(said[2]) == pytest.approx(float(said[1]) - 0.1, rel=1e-2)
     assert not (tmp_path / "a.optimised.toml").exists()
+    # With the values that it names the driveline is as good as it says.
+    text = TRUCK.replace("[1650, -46, 0]", f"[1650, {said[3]}, 0]")
+    text = text.replace("[load]", f"phases_deg = [{said[4]}, 0]\n[load]")
+    assert largest_bend(Scene.parse(text)) == pytest.approx(float(said[1]), rel=1e-3)
+
+
+def advice_on(path: Path) -> list[str]:
+    """What would help by a check of a scene."""
+    found: list[str] = json.loads(scripts.run("check", path, "--json").stdout)["advice"]
+    return found
+
+
+COLUMN = "points_mm = [[0, 0, 0], [480, 20, -230], [700, -60, -430], [830, -75, -560]]"
+BOTH_BENDS = "projected_bends_vertical_deg = [1, 12]\nprojected_bends_horizontal_deg = [9, 3]"
+
+
+@pytest.mark.parametrize(
+    ("driveline", "rest", "paths"),
+    [
+        (COLUMN, "", "points_mm.1.y points_mm.1.z points_mm.2.y points_mm.2.z phases_deg.0"),
+        (COLUMN.replace("mm", "in"), "", "points_in.1.y points_in.1.z points_in.2.y points_in.2.z"),
+        (
+            "points_m = [[0, 0, 0], [1, 0, 0], [2, -0.4, 0], [3, -0.5, 0]]",
+            "",
+            "points_m.1.y points_m.2.y phases_deg.0",
+        ),
+        (COLUMN, "[states]\npoints_mm.1-2.y = [0, 9]", "points_mm.1.z points_mm.2.z phases_deg.0"),
+        (COLUMN, "[states]\nphases_deg = [0, 3]", "points_mm.1.y points_mm.1.z points_mm.2.y"),
+        ("bends_deg = [1, 12]", "", "bends_deg.0 bends_deg.1 phases_deg.0"),
+        ("bends_deg = [1, 12, 3]\nteeth = [12, 16]", "", "bends_deg.0 bends_deg.1 bends_deg.2"),
+        ("directions = [[1, 0, 0], [2, -1, 0], [1, 0, 0.6]]", "", "directions.1.y directions.1.z"),
+        ("slopes_vertical_deg = [0, 12, 3]", "", "slopes_vertical_deg.1 phases_deg.0"),
+        (BOTH_BENDS, "", "projected_bends_vertical_deg.0 projected_bends_vertical_deg.1"),
+        # One change alone is no several, and these keys cannot change.
+        ("bends_deg = [12]", "", ""),
+        ("readings_deg = [0, 12, 3]", "", ""),
+        ("double_joint_deg = 40\njoint_distance_mm = 90\nsynchronous_deg = 12", "", ""),
+        (COLUMN, "[study]\nphases_deg = [0, 3]", ""),
+    ],
+)
+def test_a_check_has_the_section_that_changes_several_at_once(
+    tmp_path: Path, driveline: str, rest: str, paths: str
+) -> None:
+    text = f"[driveline]\n{driveline}\n{rest}\n[limits]\nequivalent_bend_deg = 0.0001\n"
+    (tmp_path / "a.toml").write_text(text)
+    printed = scripts.run("check", tmp_path / "a.toml").stdout
+    (lines,) = [
+        each for each in advice_on(tmp_path / "a.toml") if each.startswith("Several changes")
+    ] or [""]
+    assert bool(lines) == bool(paths)
+    if paths:
+        section = lines.partition("\n")[2]
+        assert f"\n{section}\n" in printed
+        found = Scene.parse(f"{text}{section}\n").optimisation
+        assert found
+        own = [variable.axis.key for variable in found.variables]
+        assert own[: len(paths.split())] == paths.split()
+        assert len(own) < 9
+
+
+def test_what_several_changes_are_to_make_least(tmp_path: Path) -> None:
+    text = "[driveline]\nbends_deg = [12, 11.9]\nphases_deg = 90\ntwists_deg = 90\n"
+    text += "[load]\nspeed_rpm = 3000\n[limits]\n{}\n"
+    for limits, minimise in (
+        ("inertia_excitation_rad_s2 = 1", "inertia_excitation"),
+        ("inertia_excitation_rad_s2 = 1\ntorsional_excitation_rad_s2 = 1e-9", "equivalent_bend"),
+    ):
+        own = text.format(limits)
+        (tmp_path / "a.toml").write_text(own)
+        *_, advice = json.loads(scripts.run("check", tmp_path / "a.toml", "--json").stdout)[
+            "advice"
+        ]
+        found = Scene.parse(own + advice.partition("\n")[2]).optimisation
+        assert found
+        assert found.minimise == minimise
+    (tmp_path / "a.toml").write_text(own + advice.partition("\n")[2])
+    *_, advice = advice_on(tmp_path / "a.toml")
+    assert advice.endswith("'cardan optimise' finds those of [optimise].")
 
 
 def test_the_scene_is_never_overwritten(tmp_path: Path) -> None:

@@ -111,8 +111,12 @@ def test_a_scene_without_a_picture_needs_none(command: str, tmp_path: Path) -> N
     assert modules.isdisjoint(others)
 
 
-def test_only_a_scene_with_the_section_needs_the_search() -> None:
-    assert "cardan.optimisation" not in loaded_by_command("check", EXAMPLES / "truck.toml")
+def test_only_what_says_something_of_it_needs_the_search() -> None:
+    assert "cardan.optimisation" not in loaded_by_command("check", EXAMPLES / "spatial_shaft.toml")
+    # Where no single change suffices, a check advises a section for it.
+    advised = loaded_by_command("check", EXAMPLES / "truck.toml")
+    assert "cardan.optimisation" in advised
+    assert "scipy" not in advised
     assert "cardan.optimisation" in loaded_by_command("check", EXAMPLES / "truck_heights.toml")
 
 

@@ -423,6 +423,23 @@ def test_undo_and_redo_are_gestures(node: Run) -> None:
 
 
 @in_node
+@pytest.mark.parametrize(
+    ("driveline", "said"),
+    [
+        ("bends_deg = [12]", "Nothing can be changed here: the scene gives no points, which could"),
+        ("bends_deg = [12, 1]", "No single change helps."),
+        ("points_mm = [[0, 0, 0], [100, 0, 0], [200, -40, 0]]", "No single change helps."),
+        ("bends_deg = [1]", ""),
+    ],
+)
+def test_why_nothing_is_suggested(driveline: str, said: str, node: Run) -> None:
+    scene = Scene.parse(f"[driveline]\n{driveline}\n")
+    found: str = node(sent(scene), "return new Model(cardan, data).withoutChange;")
+    assert found.startswith(said)
+    assert bool(found) == bool(said)
+
+
+@in_node
 @pytest.mark.parametrize("name", tiers.few(MACHINES, SHORT))
 def test_what_would_help_does(name: str, node: Run) -> None:
     """Suggestions are those of the check, and each leaves the verdict that it promises."""

@@ -19,6 +19,7 @@ from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.printed import range_ends
 from cardan.app.answers.tolerances.figures import tolerance_figures
 from cardan.app.answers.torsion.figures import torsion_figures
+from cardan.app.report.results import inputs
 from cardan.app.report.samples import evaluated
 from cardan.app.scene import Scene
 from example_scenes import Answers, example
@@ -345,6 +346,26 @@ def test_inputs_of_shafts_and_bearings(tmp_path: Path) -> None:
     assert drive["Drive angles"] == "0 to 360 deg, 721 samples"
     joints = [[f"joint {j}", f"{bend:.2f}"] for j, bend in enumerate(np.degrees(line.bends))]
     assert found["Joints"][1:] == joints
+
+
+def test_inputs_have_what_makes_bearings_elastic() -> None:
+    elastic = "[[bearing]]\nshaft = 1\nposition_mm = 400\nstiffness_N_per_mm = {}\n"
+    text = STATES.partition("[states]")[0].replace("acceleration_rad_s2 = 40", "")
+    text += elastic.format("[300, 500]")
+    text += "axis = [0, 1, 0]\nloss_factor = 0.12\ndamping_Ns_per_m = 40\n"
+    text += elastic.format(800).replace("400", "500") + "[lateral]\nspeed_rpm = [300, 900]\n"
+    text += "[tubes]\nouter_diameter_mm = 76\nwall_mm = 2\n"
+    found = inputs(Scene.parse(text))["bearings"]
+    assert found
+    assert [*found.head][2:] == [
+        *("Position from its upstream end [mm]", "Stiffness [N/mm]"),
+        *("Axis", "Loss factor", "Damping [N s/m]"),
+    ]
+    assert [*found.rows] == [
+        ("bearing 0", "2", "60", "rigid", "", "", ""),
+        ("bearing 1", "1", "400", "300, 500", "0, 1, 0", "0.12", "40"),
+        ("bearing 2", "1", "500", "800", "", "", ""),
+    ]
 
 
 def test_inputs_over_states_are_ranges(over_states: str) -> None:

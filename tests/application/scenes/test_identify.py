@@ -14,6 +14,7 @@ from matplotlib.patches import StepPatch
 
 import scripts
 from cardan import Driveline
+from cardan.app.answers.identification import identified, sentences
 from cardan.app.answers.schema import answers_schema
 from cardan.app.answers.turn.orders import Bands, orders
 from cardan.app.plots import plot_scene
@@ -102,6 +103,7 @@ def test_both_joints_of_a_recording(recording: Path) -> None:
     assert amplitudes[1] == f"{LINE.harmonics([2]).angle_error_deg[0]:.4f}°"
     assert float(said["purity"]) == pytest.approx(1.0, abs=1e-3)
     assert max(map(len, text.splitlines()[1:])) <= 79
+    assert "permit an equivalent bend of 3°; 'cardan check'" in " ".join(text.split())
 
 
 def test_both_joints_of_recorded_speeds(tmp_path: Path) -> None:
@@ -216,6 +218,18 @@ def test_a_bend_that_changes_with_the_speed_is_said(tmp_path: Path) -> None:
         assert part["largest_speed_rpm"] == pytest.approx(part["speed_rpm"] / slow)
     text = " ".join(identify(path, *columns, "--drive-speed", "n").output.split())
     assert "The bend or its plane changes with the drive speed by more than the noise" in text
+    # Across the resonance the phase of order 2 changes by 180°, and the plane by half of that.
+    parts = data["by_part"]
+    bends = [part["bend_deg"] for part in parts]
+    offsets = [part["angle_offset_deg"] for part in parts]
+    assert offsets[0] == pytest.approx(-90.0, abs=5.0)
+    assert offsets[-1] == pytest.approx(0.0, abs=5.0)
+    assert (
+        f"from part to part the bend is {min(bends):.4g}° to {max(bends):.4g}°, and the offset of "
+        f"its plane {min(offsets):.1f}° to {max(offsets):.1f}°."
+    ) in text
+    text = " ".join(sentences(identified(path, "a", driven="y"), radians=True))
+    assert re.search(r"the bend is 0\.\S+ rad to 0\.\S+ rad, and the offset", text)
     text = " ".join(identify(path, *columns).output.split())
     assert "The bend or its plane changes with time by more than the noise" in text
     # Far from the resonance, the bends of the parts are told with the speeds alone.

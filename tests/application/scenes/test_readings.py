@@ -15,6 +15,7 @@ from cardan.app.answers.moves import Move
 from cardan.app.answers.moves import sentences as moves_in_words
 from cardan.app.answers.readings import ReadingFigures, picture, sentences
 from cardan.app.report.live import live
+from cardan.app.scene.language.units import shown_in
 from cardan.app.scene.starters import STARTERS
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -222,6 +223,56 @@ def test_shims_and_spacers_that_help() -> None:
     words = " ".join(moves_in_words(moves))
     assert re.search(r"Lower joint 2 by 0\.\d+ mm with a spacer: everything", words)
     assert re.search(r"Tilt shaft 3 up towards the output by 0\.\d+° with a shim", words)
+
+
+YACHT = """
+{units}
+[driveline]
+readings_deg = ["{engine} down", "9.5 down", "11 down"]
+gauge_deg = 0.3
+lengths_mm = [160, 780, 400]
+[load]
+speed_rpm = 2800
+[limits]
+torsional_excitation_rad_s2 = 300
+"""
+
+
+@pytest.mark.parametrize(
+    ("units", "length", "per"), [("", "mm", 1000.0), ('units = "us"', "in", 12.0)]
+)
+def test_a_shim_has_its_thickness(units: str, length: str, per: float) -> None:
+    answer = Answer(cardan.Scene.parse(YACHT.format(units=units, engine=5)))
+    with shown_in(answer.scene.units):
+        words = " ".join(moves_in_words(answer["moves"]))
+    found = re.search(
+        r"Tilt shaft 0 down towards the output by (\S+)° with a shim, (\S+) (mm|in) thick per "
+        r"(m|ft) between the feet: ",
+        words,
+    )
+    assert found
+    assert (found[3], found[4]) == (length, {"mm": "m", "in": "ft"}[length])
+    assert float(found[2]) == pytest.approx(per * math.tan(math.radians(float(found[1]))), rel=0.01)
+
+
+def test_a_remedy_at_the_edge_of_the_limits_says_what_is_certain() -> None:
+    moves = Answer(cardan.Scene.parse(YACHT.format(units="", engine=5)))["moves"]
+    engine = next(move for move in moves if move.of == "shaft 0")
+    assert engine.tilt is not None
+    assert engine.certain is not None
+    shares = {}
+    for tilt in (engine.tilt, engine.certain):
+        text = YACHT.format(units="", engine=5.0 - math.degrees(tilt))
+        shares[tilt] = certainty(cardan.Scene.parse(text)).within
+    assert 0.2 < (shares[engine.tilt] or 0.0) < 0.8
+    assert shares[engine.certain] == 1.0
+    words = [*moves_in_words(moves)]
+    certain = f", and with {abs(math.degrees(engine.certain)):.2f}° whatever the gauge may hide."
+    assert sum(each.endswith(certain) for each in words) == 1
+    assert words[-1].startswith("A change without a second value leads just to the edge")
+    assert "the gauge may hide 0.3° of each reading" in words[-1]
+    exact = YACHT.format(units="", engine=5).replace("gauge_deg = 0.3\n", "")
+    assert "gauge" not in " ".join(moves_in_words(Answer(cardan.Scene.parse(exact))["moves"]))
 
 
 def test_without_lengths_no_spacer_is_advised() -> None:

@@ -136,6 +136,28 @@ def test_fields(
     assert (type(other), str(other), vars(other)) == (SceneError, str(error), vars(error))
 
 
+@pytest.mark.parametrize(
+    ("line", "bend_deg"),
+    [
+        # tan(bend) sin(bend), and tan(bend/2)**2 = sin(error).
+        ("non_uniformity = 0.01", 5.725),
+        ("max_angle_error_deg = 1", 15.05),
+        ("non_uniformity = [0.01, 0.02]", None),
+        ("max_angle_error_deg = 120", None),
+    ],
+)
+def test_a_limit_of_what_follows_from_the_bend_says_where_it_goes(
+    line: str, bend_deg: float | None
+) -> None:
+    with pytest.raises(SceneError, match="unknown key") as caught:
+        Scene.parse(f"{TWO}[limits]\n{line}\n")
+    name = line.partition(" ")[0].removesuffix("_deg")
+    own = f"_deg = {bend_deg}, which is the same" if bend_deg else "_deg, from which it follows"
+    assert caught.value.problem.endswith(
+        f'; give equivalent_bend{own}, or [tolerances] of = "{name}" and limit'
+    )
+
+
 GRID = (
     "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 5, 0]]\n"
     "[study]\npoints_m.1.x = [0, 1, 1.9]\npoints_m.1.y = [2, 0.8, 4.1]\n"

@@ -12,9 +12,11 @@ from typing import Literal
 import numpy as np
 
 from cardan._core import Integral
+from cardan.app.answers.printed import given, quantity
 from cardan.app.answers.rows import count, figure, flag, item, optional, parts, taken, word
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
+from cardan.design.limits import MAX_EQUIVALENT_BEND
 from cardan.motion.identification import Part, identify, identify_two_joints, two_joints
 
 _LARGEST_ORDER = 4
@@ -66,6 +68,9 @@ class BendOfPart:
     )
     bend: float = figure("bend", "deg", digits="measured")
     standard_deviation: float | None = figure("standard deviation", "deg", digits="measured")
+    angle_offset: float = figure(
+        "offset of the drive angle", "deg", "likewise of these turns", digits="phase"
+    )
 
 
 @dataclass(frozen=True)
@@ -223,19 +228,34 @@ def identified(
 
 
 def _of_part(part: Part) -> BendOfPart:
-    bend, std = part.bend, _known(part.std)
+    bend, std, offset = part.bend, _known(part.std), part.angle_offset
     if math.isnan(part.speed):
-        return BendOfPart(None, None, None, part.turn, bend, std)
+        return BendOfPart(None, None, None, part.turn, bend, std, offset)
     # The largest speed ratio of a joint is 1/cos of its bend, the least one cos.
     slow = math.cos(bend)
-    return BendOfPart(part.speed, part.speed * slow, part.speed / slow, None, bend, std)
+    return BendOfPart(part.speed, part.speed * slow, part.speed / slow, None, bend, std, offset)
 
 
 def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def sentences(found: Identified) -> Iterator[str]:
+def _ranges(found: Identified, *, radians: bool) -> str:
+    """Say between which values bend and plane change from part to part."""
+    bends = [part.bend for part in found.by_part]
+    # Half a turn more is the same plane.
+    mean = found.angle_offset
+    offsets = [mean + math.remainder(part.angle_offset - mean, math.pi) for part in found.by_part]
+    ends = [
+        " to ".join(
+            quantity(end(values), "deg", radians=radians, digits=kind) for end in (min, max)
+        )
+        for values, kind in ((bends, "measured"), (offsets, "phase"))
+    ]
+    return f"from part to part the bend is {ends[0]}, and the offset of its plane {ends[1]}"
+
+
+def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
     """Say what the recording shows and what it cannot show."""
     if not found.detected:
         yield "The bend is not larger than the noise permits to detect."
@@ -243,6 +263,11 @@ def sentences(found: Identified) -> Iterator[str]:
         yield (
             "The offset is what to add to the recorded drive angle so that the driving pin lies in "
             "the bend plane of the equivalent joint at 0°."
+        )
+        limit = given(MAX_EQUIVALENT_BEND, "deg", radians=radians)
+        yield (
+            f"The catalogues permit an equivalent bend of {limit}; 'cardan check' of a scene "
+            "compares its driveline with this and with the limits of machines."
         )
     if found.detected and found.purity is not None:
         noise = _SIGMAS * (found.purity_standard_deviation or 0.0)
@@ -270,9 +295,9 @@ def sentences(found: Identified) -> Iterator[str]:
         speed = any(part.speed is not None for part in found.by_part)
         yield (
             f"The bend or its plane changes {'with the drive speed' if speed else 'with time'} by "
-            "more than the noise: by torsional vibration near a resonance, or by a drive angle "
-            "that drifts. The interval does not cover that. Record well below the lowest natural "
-            "frequency."
+            f"more than the noise: {_ranges(found, radians=radians)}. Torsional vibration near a "
+            "resonance does that, or a drive angle that drifts. The interval does not cover it. "
+            "Record well below the lowest natural frequency."
         )
     yield (
         "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "

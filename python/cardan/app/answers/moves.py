@@ -11,13 +11,16 @@ import numpy as np
 
 from cardan.app.answers.answer import Answer, JudgedFigure
 from cardan.app.answers.names import point_name
-from cardan.app.answers.printed import given, number_text, quantity, turn_text
-from cardan.app.answers.rows import count, figure, optional, word
+from cardan.app.answers.printed import given, number_text, quantity, symbol_of, turn_text
+from cardan.app.answers.readings import is_certain
+from cardan.app.answers.rows import UNITS, count, figure, optional, word
+from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.machine import machine_of, moving, rules_of
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.driveline import READINGS, has_lengths
 from cardan.design.limits import PRESETS
 from cardan.design.machine import Change, Machine
+from cardan.design.quantities import MOTION_QUANTITIES
 
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
@@ -26,6 +29,9 @@ _REACH = 0.05
 # its tubes have no half of a critical speed.
 _TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
 _UNTRIED = ("heat", "of_sizes", "half")
+
+# How much further than needed a shaft is tilted to find what is certain, over what the gauge hides.
+_FURTHER = np.arange(1, 13) / 2.0
 
 Variable = Literal["point", "phase", "bearing", "engaged", "rating"]
 
@@ -44,6 +50,12 @@ class Move:
     tilt: float | None = figure(
         "tilted by", "deg", "of an end shaft as an inclinometer shows it, upwards to the output"
     )
+    certain: float | None = figure(
+        "certain from",
+        "deg",
+        "tilt that keeps every limit whatever the gauge may hide; null where none was found",
+    )
+    gauge: float | None = figure("gauge", "deg", "by which each reading may be off")
     rating: float | None = figure("rating", "Nm", "of a joint, in place of the one it has")
     verdict: str = word("verdict then")
     left: str | None = word("what is then worst")
@@ -120,7 +132,9 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
     line = machine.states[0]
     last = line.n_joints
     lengths, rises = line.lengths().each, np.arcsin(line.directions[:, 1])
+    gauge = None if scene.gauge_deg is None else math.radians(scene.gauge_deg)
     for move in moves:
+        move = replace(move, gauge=gauge)
         if move.variable != "point" or move.shift is None:
             yield move
         elif move.axis == "y" and move.number in (0, last + 1):
@@ -128,10 +142,13 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
             shift = move.shift if shaft else -move.shift
             rise = lengths[shaft] * np.sin(rises[shaft]) + shift
             level = lengths[shaft] * np.cos(rises[shaft])
-            tilt = float(np.arctan2(rise, level) - rises[shaft])
+            tilt, certain = float(np.arctan2(rise, level) - rises[shaft]), None
             if move.verdict == "within":
                 tilt = _least_tilt(scene, shaft, tilt)
-            yield replace(move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt)
+                certain = _certain_tilt(scene, shaft, tilt)
+            yield replace(
+                move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt, certain=certain
+            )
         elif move.axis == "y" and has_lengths(scene.line):
             yield replace(move, axis="up")
 
@@ -158,6 +175,18 @@ def _least_tilt(scene: Scene, shaft: int, near: float) -> float:
     return enough
 
 
+def _certain_tilt(scene: Scene, shaft: int, least: float) -> float | None:
+    """The first of some larger tilts that suffices whatever the gauge may hide, if one does."""
+    if scene.gauge_deg is None:
+        return None
+    tilts = np.zeros(scene.line.n_joints + 1)
+    for further in _FURTHER:
+        tilts[shaft] = math.degrees(least) + math.copysign(further * scene.gauge_deg, least)
+        if is_certain(scene, tilts):
+            return float(np.radians(tilts[shaft]))
+    return None
+
+
 def _move(change: Change, scene: Scene, untried: str) -> Move:
     by, teeth = change.change, 0
     if change.variable == "phase" and scene.teeth:
@@ -170,6 +199,8 @@ def _move(change: Change, scene: Scene, untried: str) -> Move:
         by if change.variable in ("point", "bearing", "engaged") else None,
         by if change.variable == "phase" else None,
         teeth or None,
+        None,
+        None,
         None,
         change.end if change.variable == "rating" else None,
         change.verdict,
@@ -193,13 +224,56 @@ _MOST = 5
 
 def sentences(found: Iterable[Move]) -> Iterator[str]:
     """Say each of the smallest changes and what it leaves."""
-    for move in [*found][:_MOST]:
+    shown = [*found][:_MOST]
+    for move in shown:
         then = "everything is then within its limits"
         if move.untried:
             then = f"everything tried is then within its limits (not tried: {move.untried})"
+        if move.certain is not None:
+            then += f", and with {quantity(abs(move.certain), 'deg')} whatever the gauge may hide"
         if move.verdict != "within":
             then = f"this helps most; the {move.left} is then still {move.verdict}"
         yield f"{_change(move)}: {then}."
+    edges = [move for move in shown if move.verdict == "within" and move.certain is None]
+    if gauge := next((move.gauge for move in edges if move.gauge), None):
+        yield (
+            "A change without a second value leads just to the edge of the limits, and the gauge "
+            f"may hide {given(gauge, 'deg')} of each reading: go further and read again."
+        )
+
+
+def several_at_once(answer: Answer) -> list[str]:
+    """Say how to search for several changes that bring the motion within its limits together.
+
+    The lines behind the sentence are a section of the scene.
+    """
+    scene = answer.scene
+    wrong = {
+        each.entry.path.rpartition(".")[2]
+        for each in answer.judged
+        if each.part.name == "limits" and each.value.verdict in ("beyond", "tolerable")
+    }
+    sought = [name for name in MOTION_QUANTITIES if name in wrong]
+    if not sought or scene.layout is None or (scene.study is not None and scene.study.axes):
+        return []
+    if scene.optimisation is not None:
+        return ["Several changes at once may suffice: 'cardan optimise' finds those of [optimise]."]
+    # Its search is imported by the answers that advise one.
+    from cardan.app.scene.study.optimisation import proposed
+
+    given = scene.given.get("driveline", {})
+    ranges = proposed(scene.layout, scene.states, scene.teeth, given)
+    if len(ranges) < 2:
+        return []
+    lines = [
+        f"vary.{path} = [{ends[0]:g}, {ends[1]:g}]" if ends else f'vary.{path} = "free"'
+        for path, ends in ranges.items()
+    ]
+    # The torsional excitation is least with the equivalent bend.
+    if not {"equivalent_bend", "torsional_excitation"} & wrong:
+        lines.append('minimise = "inertia_excitation"')
+    text = "Several changes at once may suffice: add this to the scene and run 'cardan optimise'."
+    return ["\n    ".join([text, "[optimise]", *lines])]
 
 
 def _change(move: Move) -> str:
@@ -212,7 +286,12 @@ def _change(move: Move) -> str:
     if move.tilt is not None:
         way = "up" if move.tilt > 0.0 else "down"
         by = quantity(abs(move.tilt), "deg", rounds="up")
-        return f"Tilt {move.of} {way} towards the output by {by} with a shim"
+        long = shown_unit("m")
+        thick = quantity(math.tan(abs(move.tilt)) / UNITS[long].factor, "mm", rounds="up")
+        return (
+            f"Tilt {move.of} {way} towards the output by {by} with a shim, {thick} thick per "
+            f"{symbol_of(long)} between the feet"
+        )
     if move.rating is not None:
         return f"Choose a rating of {given(move.rating, 'Nm')} for {move.of}"
     assert move.shift is not None

@@ -359,9 +359,10 @@ def filled(sentences: Iterable[str]) -> list[str]:
 
 
 def bullets(texts: Iterable[str], **layout: Any) -> list[str]:  # noqa: ANN401 - of textwrap
-    """Return texts as the points of a list, 79 wide."""
+    """Return texts as the points of a list, 79 wide; further lines of a text stay as they are."""
     layout = {"subsequent_indent": "  ", "break_on_hyphens": False, **layout}
-    return [fill(f"- {text}", _WIDTH, **layout) for text in texts]
+    points = (text.partition("\n") for text in texts)
+    return [f"{fill(f'- {text}', _WIDTH, **layout)}{end}{lines}" for text, end, lines in points]
 
 
 def _blocks(found: Any, radians: bool) -> Iterator[str]:  # noqa: ANN401 - any part

@@ -100,6 +100,17 @@ def find(answer: Answer) -> ReadingFigures | None:
     )
 
 
+def is_certain(scene: Scene, tilts: FloatArray) -> bool:
+    """Whether shafts tilted from their readings keep every limit, whatever the gauge may hide.
+
+    Tilts are in degrees, one for each shaft, of a scene whose gauge has an accuracy.
+    """
+    assert scene.gauge_deg is not None
+    off = scene.gauge_deg * spread_evenly(_SAMPLES, len(tilts)) + tilts
+    ranks, _ = _judged(scene, [*_hidden(scene, off, scene.states)])
+    return ranks is not None and bool(np.all(ranks <= RANKS.index("within")))
+
+
 def _as_read(answer: Answer) -> Iterator[str]:
     """Yield limits that the drivelines within the gauge error are not judged by."""
     rules = [rule for name in answer.scene.limits.presets for rule in PRESETS[name].on_bends]

@@ -9,6 +9,7 @@ import click
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.life.text import life_remedies
 from cardan.app.answers.limits import check_text
+from cardan.app.answers.moves import several_at_once
 from cardan.app.answers.schema import check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
@@ -60,5 +61,6 @@ def _advice(answer: Answer) -> list[str]:
     sentences = PARTS["moves"].sentences(moves)
     # Where no single change suffices, the yokes of all shafts may do.
     if not any(move.verdict == "within" for move in moves):
-        sentences = [*(remedies(advised) if advised else []), *sentences]
+        several = several_at_once(answer)
+        sentences = [*(remedies(advised) if advised else []), *sentences, *several]
     return [*sentences, *(life_remedies(life) if life else [])]

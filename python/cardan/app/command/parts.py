@@ -240,7 +240,7 @@ def identify(file: Path, radians: bool, output: Output, **columns: str | None) -
     output.say(
         "identify",
         found.path,
-        lambda: part_text(found.path, found, sentences(found), radians=radians),
+        lambda: part_text(found.path, found, sentences(found, radians=radians), radians=radians),
         data_of(found, radians=radians),
     )
 

@@ -64,17 +64,43 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
     if load is not None and load.inertias is not None:
         inertias = _factor("kgm2") * load.inertias
         shafts[with_unit("Inertia", "kgm2")] = _each(inertias, "given")
-    bearings = [
-        (f"bearing {number}", f"{shaft}", _span(_factor("mm") * position, "given"))
-        for number, (shaft, position) in enumerate(line.bearings)
-    ]
-    of_bearings = ("Bearing", "Shaft", with_unit("Position from its upstream end", "mm"))
+    bearings = {
+        "Bearing": [f"bearing {number}" for number in range(line.n_bearings)],
+        "Shaft": [f"{shaft}" for shaft, _ in line.bearings],
+        with_unit("Position from its upstream end", "mm"): [
+            _span(_factor("mm") * position, "given") for _, position in line.bearings
+        ],
+        **_supports(scene),
+    }
     return {
         "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
         "drive": Table("Load and drive", ("Input", "Value"), _drive(scene, load)),
         "shafts": Table("Shafts", [*shafts], [*zip(*shafts.values(), strict=True)]),
-        "bearings": Table("Bearings", of_bearings, bearings) if bearings else None,
+        "bearings": Table("Bearings", [*bearings], [*zip(*bearings.values(), strict=True)])
+        if line.n_bearings
+        else None,
     }
+
+
+_SUPPORT = {
+    "stiffness": ("Stiffness", "N_per_mm"),
+    "axis": ("Axis", ""),
+    "loss_factor": ("Loss factor", ""),
+    "damping": ("Damping", "Ns_per_m"),
+}
+
+
+def _supports(scene: Scene) -> dict[str, list[str]]:
+    """What makes bearings elastic, by the heads of columns; none if all are rigid."""
+    supports = [each.support for each in scene.layout.mounting.bearings] if scene.layout else []
+    found = {}
+    for key, (label, unit) in _SUPPORT.items():
+        if any(key in support for support in supports):
+            values = [_factor(unit) * np.ravel(support.get(key, [])) for support in supports]
+            cells = [", ".join(number_text(x, "given") for x in own) for own in values]
+            missing = "rigid" if key == "stiffness" else ""
+            found[with_unit(label, unit)] = [cell or missing for cell in cells]
+    return found
 
 
 def _factor(unit: str) -> float:

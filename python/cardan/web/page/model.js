@@ -340,6 +340,20 @@ export class Model {
       });
   }
 
+  /** Why no change is suggested; "" if everything is within its limits. */
+  get withoutChange() {
+    const beyond = this.rows().filter((row) => row.verdict !== "within");
+    if (!beyond.length) return "";
+    if (beyond.every((row) => row.key.startsWith("resonance "))) return "Changes that move critical speeds are not searched.";
+    const { fixed } = this.sent;
+    const isFree = [...this.changeable.values()].some(
+      ({ variable, item }) =>
+        variable !== "torque" && variable !== "speed" && !fixed.some(([name, held]) => name === variable && held === item),
+    );
+    if (isFree) return "No single change helps.";
+    return `Nothing can be changed here${this.movable ? "" : ": the scene gives no points, which could move"}.`;
+  }
+
   /** What has been changed, in words, with what it would be without. */
   listed() {
     return listed(this.sent, this.changes);

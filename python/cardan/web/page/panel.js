@@ -248,12 +248,10 @@ export class Panel {
       button.addEventListener("click", () => apply(suggestion));
     }
     if (found.length) return;
-    const beyond = this.model.rows().filter((row) => row.verdict !== "within");
-    const isSought = beyond.some((row) => !row.key.startsWith("resonance "));
-    const words = isSought ? "No single change helps." : "Changes that move critical speeds are not searched.";
+    const words = this.model.withoutChange;
     const asSent = this.model.sent.others.some((other) => other.verdict === "beyond");
     const help = asSent ? "What is beyond is as sent: the report below says more." : `Nothing${isPart ? " computed here" : ""} needs help.`;
-    made("p", "", this.ways, beyond.length ? words : help);
+    made("p", "", this.ways, words || help);
   }
 
   /**

@@ -74,7 +74,10 @@ def _needed(answer: Answer, *, response: bool = True) -> LateralFigures:
     assert isinstance(found, LateralFigures)
     if found.vibration.case.rigid_bearings:
         number = found.vibration.case.rigid_bearings[0]
-        problem = f"bearing {number} has no stiffness_N_per_mm, so nothing is in resonance"
+        problem = (
+            f"bearing {number} has no stiffness_N_per_mm, from which forces over the speed and "
+            "shapes follow; 'cardan lateral' without a picture has couples and static forces"
+        )
         raise ValueError(f"{answer.of.name}: {problem}")
     if response and (found.response is None or not found.response.bearings):
         why = found.why or "no bearing has a stiffness"

@@ -416,7 +416,7 @@ def find(answer: Answer) -> TorsionBasics | None:
         reverses = [ends for each in search.response.largest for ends in each.reversals]
         unstable_share = _share(given, search, grows, given.unstable)
         rattle_share = _share(given, search, reverses, given.rattle)
-    return TorsionBasics(
+    basics = TorsionBasics(
         torsion=given,
         search=search,
         margin=margin,
@@ -432,6 +432,7 @@ def find(answer: Answer) -> TorsionBasics | None:
         avoided=tuple(_avoided(given, search)) if search else (),
         softer=tuple(softer(given, search)) if search and not has_kinks(system) else (),
     )
+    return replace(basics, critical_speeds=_with_amplitudes(basics, search)) if search else basics
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
@@ -440,8 +441,9 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     search = found.search or search_over(given)
     response = search.response
     largest = largest_of(search)
-    known = [torque.size for torque in largest if math.isfinite(torque.size)]
-    critical_speeds = tuple(_with_amplitudes(found, _ROUNDING * max(known, default=0.0)))
+    critical_speeds = found.critical_speeds
+    if found.search is None:
+        critical_speeds = _with_amplitudes(found, search)
     unstable = tuple(taken(Unstable, each) for each in search.unstable if not each.runs_away)
     runaway = runaway_of(search)
     happens: dict[TorsionVerdict, bool] = {
@@ -656,14 +658,17 @@ def _end(speed: FloatArray, over: FloatArray, place: int, step: int) -> float:
     return float(speed[place] + share * (speed[beside] - speed[place]))
 
 
-def _with_amplitudes(found: TorsionBasics, noise: float) -> Iterator[CriticalSpeed]:
+def _with_amplitudes(found: TorsionBasics, search: Search) -> tuple[CriticalSpeed, ...]:
     """The critical speeds with the amplitudes of their orders, which are 0 up to the noise."""
-    system = found.torsion.system
+    system, critical_speeds = found.torsion.system, []
+    known = [torque.size for torque in largest_of(search) if math.isfinite(torque.size)]
+    noise = _ROUNDING * max(known, default=0.0)
     for critical in found.critical_speeds:
         steady = system.steady(critical.speed, critical.order)
         size = float(np.abs(steady.torque_orders[system.compliant.index(critical.shaft), 0]))
         amplitude = None if math.isnan(size) else size if size > noise else 0.0
-        yield replace(critical, amplitude=amplitude)
+        critical_speeds.append(replace(critical, amplitude=amplitude))
+    return tuple(critical_speeds)
 
 
 def _response(speed: FloatArray, steady: SteadyState) -> Response:

@@ -52,12 +52,15 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
     if inside := found.resonances:
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         several = listed(
-            [f"order {each.order:g} at {_rpm(each.speed)} ({moves(each)})" for each in inside]
+            [
+                f"order {each.order:g} at {_rpm(each.speed)} ({moves(each)}){_size(each)}"
+                for each in inside
+            ]
         )
-        yield (
-            f"{verb} within {_ends(found.speed_range, 'to')}: {several}; 'cardan torsion' "
-            f"computes the torques there ({_RESONANCE_SOURCE})"
-        )
+        unknown = any(each.amplitude is None for each in inside)
+        more = "; 'cardan torsion' computes the torques there" if unknown else ""
+        where = _ends(found.speed_range, "to")
+        yield f"{verb} within {where}: {several}{more} ({_RESONANCE_SOURCE})"
     for rule in found.rules:
         if rule.exceeded:
             where = "" if rule.inside else ", outside the speed range"
@@ -73,6 +76,13 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         yield from (_runaway(part) for part in runaway_of(found.search))
     yield from _running(found)
     yield from _held(found)
+
+
+def _size(critical: CriticalSpeed) -> str:
+    """Say how large the order of the torque is in resonance, where that is known."""
+    if critical.amplitude is None:
+        return ""
+    return f" with ±{quantity(critical.amplitude, 'Nm')} in shaft {critical.shaft}"
 
 
 def _avoided(found: TorsionBasics) -> Iterator[str]:

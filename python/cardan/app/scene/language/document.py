@@ -104,7 +104,8 @@ class Document:
                     continue
                 if key not in section.keys:
                     known = [*section.keys, *section.inner]
-                    hint = self._meant(key, known, _VARIED.get(name, ""))
+                    hint = section.meant(key, value)
+                    hint = hint or self._meant(key, known, _VARIED.get(name, ""))
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")

@@ -76,6 +76,7 @@ class Section(Generic[Made]):
         recorded_bends: whether it goes with recorded bends, which differ by sample.
         help_on_paths: what the help text says in place of the keys that are paths.
         inner: tables within it, ``[torsion.motor]``, by their own key.
+        meant: says of an unknown key with its value what to write instead; "" if nothing is known.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Section(Generic[Made]):
     recorded_bends: bool = True
     help_on_paths: str = ""
     inner: Mapping[str, Section[Any]] = field(default_factory=dict)
+    meant: Callable[[str, Any], str] = lambda _key, _value: ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "keys", with_us_keys(self.keys))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +13,7 @@ from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.sections.bearing import BEARING, STIFFNESS
 from cardan.arrays.errors import ArgumentValueError
 from cardan.design.limits import OWN, PRESETS, Limit, Limits, unknown_preset
+from cardan.design.quantities import MOTION_QUANTITIES, modulus_of_bend
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,25 @@ def _limits(values: Mapping[str, Any], scene: Reading) -> GivenLimits:
     )
 
 
+def _meant(key: str, value: Any) -> str:  # noqa: ANN401 - whatever the file has
+    """Say how to limit a quantity that follows from the equivalent bend."""
+    name = key.removesuffix("_deg")
+    quantity = MOTION_QUANTITIES.get(name)
+    if quantity is None or quantity.limit != "equivalent_bend_deg":
+        return ""
+    other = f'[tolerances] of = "{name}" and limit'
+    factor = math.pi / 180.0 if quantity.unit == "rad" else 1.0
+    limit = factor * value if isinstance(value, (int, float)) else math.nan
+    if not 0.0 < limit < quantity.largest:
+        return f"give equivalent_bend_deg, from which it follows, or {other}"
+    low, high = 0.0, 0.5 * math.pi
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        is_less = quantity.ratio(modulus_of_bend(middle)) < limit
+        low, high = (middle, high) if is_less else (low, middle)
+    return f"give equivalent_bend_deg = {math.degrees(low):.4g}, which is the same, or {other}"
+
+
 LIMITS: Section[GivenLimits] = Section(
     "limits",
     "limits of check; a figure is a number or [limit, maximum]: within up to the limit, "
@@ -97,6 +118,7 @@ LIMITS: Section[GivenLimits] = Section(
     _limits,
     fewest=1,
     always=True,
+    meant=_meant,
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -231,9 +231,13 @@ class Optimisation:
             key = reached[error.quantity]
             limit, found = self.keep[key], error.reached
             found = math.degrees(found) if key.endswith("_deg") else found / size_of(key)
+            best = ", ".join(
+                f"{variable.axis.key} = {variable.base + change:.6g}"
+                for variable, change in zip(self.variables, error.x, strict=True)
+            )
             raise Location("keep", (key,)).error(
                 f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
-                f"{found:.4g}, {found - limit:.3g} above"
+                f"{found:.4g}, {found - limit:.3g} above, with {best}"
             ) from None
 
     @property
@@ -278,6 +282,63 @@ def optimisation_of(values: Mapping[str, Any], scene: Reading) -> Optimisation:
     _check_ranges(found)
     _check_quantities(found)
     return found
+
+
+def proposed(
+    layout: SceneLayout, states: States | None, teeth: Sequence[int], given: Mapping[str, str]
+) -> dict[str, tuple[float, float] | None]:
+    """Return what a section [optimise] could vary of a layout, each path with its range.
+
+    These are the joints across the shafts, slopes, bends or directions of shafts, and all yokes,
+    as far as states set none of them in part. ``given`` is how the file names its keys.
+    """
+    found: dict[str, tuple[float, float] | None] = {}
+    for path, ends in _candidates(layout, given):
+        try:
+            (axis,) = _axes({path: ends}, layout)
+            variable = _variable(axis, ends, layout, teeth)
+            if states:
+                _check_states(axis, states.axes, len(layout.driveline[axis.name]))
+            only = Optimisation((variable,), "", "largest", {}, 1, layout, states, None)
+            _check_ranges(only)
+        except ValueError:
+            continue
+        found[path] = ends
+    return found
+
+
+# Changes that are tried: a share of the length of the driveline or of a unit vector, and degrees.
+_REACH, _TILT = 0.05, 3.0
+_LISTS = ("bends", "slopes", "projected_bends")
+
+
+def _candidates(
+    layout: SceneLayout, given: Mapping[str, str]
+) -> Iterator[tuple[str, tuple[float, float] | None]]:
+    own = layout.driveline
+    for si in layout.form.keys:
+        key, values = given.get(si, si), np.asarray(own[si], dtype=np.float64)
+        if si.startswith("points") or si == "directions":
+            reach = _REACH
+            if si != "directions":
+                long = float(np.sum(np.linalg.norm(np.diff(values, axis=0), axis=1)))
+                # Of points in mm or m the length is in their unit.
+                reach *= long * size_of(si) / size_of(key)
+            reach = float(f"{reach:.1g}")
+            # Of a driveline in one plane the joints stay in it.
+            axes = [
+                axis for axis, size in zip("yz", np.ptp(values, axis=0)[1:], strict=True) if size
+            ]
+            for place in range(1, len(values) - 1):
+                for axis in axes or ["y"]:
+                    yield f"{key}.{place}.{axis}", (-reach, reach)
+        elif si.startswith(_LISTS) and (values.any() or si == layout.form.keys[0]):
+            ends = layout.form.ends
+            for place in range(ends, len(values) - ends):  # of shafts those between two joints
+                low = max(-_TILT, -float(values[place])) if si.startswith("bends") else -_TILT
+                yield f"{key}.{place}", (low, _TILT)
+    for place in range(len(own.get("phases_deg", ()))):
+        yield f"phases_deg.{place}", None
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
