@@ -20,7 +20,16 @@ import atheris
 
 with atheris.instrument_imports(include=["cardan"]):
     import cardan
-    from cardan import BallJoint, Driveline, Load, Plan, Sweep, TorsionalSystem, _core
+    from cardan import (
+        BallJoint,
+        Driveline,
+        LateralSystem,
+        Load,
+        Plan,
+        Sweep,
+        TorsionalSystem,
+        _core,
+    )
 
 import numpy as np
 
@@ -32,6 +41,7 @@ FIGURES = ("equivalent_bend", "max_angle_error", "angle_error_order_1", "joint_f
 BY = ("bends", "twists", "phases", "points", "angle", "drive_torque", "inertias", "deviations")
 FUNCTIONS = (
     *(BallJoint, Load, Sweep, TorsionalSystem, BallJoint.sized_for, Sweep.revolutions),
+    *(LateralSystem, LateralSystem, cardan.firing_harmonics, cardan.Machine),
     *(cardan.identify, cardan.identify_two_joints, cardan.optimise, cardan.tube),
     *(getattr(Driveline, name) for name in dir(Driveline) if name.startswith("from_")),
 )
@@ -110,16 +120,21 @@ class Input(atheris.FuzzedDataProvider):
         parameters = inspect.signature(function).parameters.values()
         flat = [p.name for p in parameters if p.kind is p.VAR_POSITIONAL]
         named = [p for p in parameters if p.name not in flat]
-        return [self.argument(name) for name in flat], {
+        if function is LateralSystem:
+            self.line = self.drawn_line()
+        own = USUAL | OWN.get(function, {})
+        return [self.argument(name, own) for name in flat], {
             # By default there are very many samples, others in every call.
-            p.name: USUAL[p.name](self) if p.name in ("samples", "seed") else self.argument(p.name)
+            p.name: USUAL[p.name](self)
+            if p.name in ("samples", "seed")
+            else self.argument(p.name, own)
             for p in named
             if p.default is p.empty or p.name in ("samples", "seed") or self.ConsumeBool()
         }
 
-    def argument(self, name: str) -> Any:  # noqa: ANN401
+    def argument(self, name: str, usual: dict[str, Any]) -> Any:  # noqa: ANN401
         """Return an argument that fits the driveline, or anything."""
-        return self.often(USUAL[name](self), self.array()) if name in USUAL else self.array()
+        return self.often(usual[name](self), self.array()) if name in usual else self.array()
 
     def joints(self) -> np.ndarray:
         """Return a number for each of a few joints, of one driveline or several."""
@@ -138,6 +153,44 @@ class Input(atheris.FuzzedDataProvider):
         n = self.line.n_joints
         pairs = [(shaft, at) for shaft in (0, n) for at in (0.2, 0.6)]
         return pairs + [(shaft, 0.5) for shaft in range(1, n - 1)]
+
+    def elastic_bearings(self) -> list[Any]:
+        """Return elastic bearings at the same places."""
+        stiffness = self.often(2e5, self.array(), self.array((2,)))
+        loss = self.pick((0.0, 0.1))
+        return [
+            cardan.ElasticBearing(i, at, stiffness, loss_factor=loss, damping=self.pick((0.0, 9.0)))
+            for i, at in self.bearings()
+        ]
+
+    def drawn_line(self) -> Driveline:
+        """Return a driveline whose shafts have lengths."""
+        phases = self.often(0.2, self.array())
+        return self.often(Driveline.from_points(self.points(), phases), self.line)
+
+    def shafts(self) -> list[Any]:
+        """Return what each shaft consists of: a tube, a stiff body or what is held in place."""
+        inner = [
+            cardan.tube(0.09, 0.003, length=1.0, rotary=self.ConsumeBool(), loss_factor=0.01),
+            cardan.RigidShaft(self.often(8.0, self.array()), 0.5, 0.7, 0.01),
+        ]
+        return [self.pick([*inner, None]) for _ in range(self.line.n_joints + 1)]
+
+    def masses(self) -> list[Any]:
+        """Return masses on shafts."""
+        mass = self.often(2.0, self.array())
+        return [cardan.PointMass(self.pick((0, 1, -1)), self.pick((0.1, 0.5)), mass, 0.01, 0.02)]
+
+    def harmonics(self) -> list[Any]:
+        """Return torques of an engine."""
+        end = self.pick(("input", "output"))
+        return [cardan.TorqueHarmonic(0, end, self.pick((0.5, 1.0, 2.0)), self.often(90.0, np.inf))]
+
+    def couplings(self) -> dict[int, Any]:
+        """Return couplings with play, a table or a loss factor."""
+        table = {"twist": [0.0, 0.05, 0.2], "torque": self.often([0.0, 20.0, 200.0], self.array())}
+        kinds = [{"stiffness": 3000.0, "play": 0.02}, table, {"stiffness": 2e3, "loss_factor": 0.1}]
+        return {self.pick((0, 1, -1)): cardan.Coupling(**self.pick(kinds))}
 
     def load(self) -> Load | None:
         """Return a load of the driveline, mostly one that suffices for everything."""
@@ -164,6 +217,8 @@ class Input(atheris.FuzzedDataProvider):
 
 
 USUAL: dict[str, Any] = {
+    "across": lambda _: 0.02,
+    "along": lambda _: 0.01,
     "angle": lambda given: given.pick((Sweep(0.0, 6.0, 41), given.array(most=LONGEST))),
     "angle_of": lambda given: given.pick(("drive", "driven")),
     "arm": lambda _: 0.03,
@@ -175,6 +230,7 @@ USUAL: dict[str, Any] = {
     "bounds": lambda _: [(-2.0, 2.0)],
     "by": lambda given: given.some(BY),
     "compliance": lambda _: 1e-15,
+    "count": lambda given: given.ConsumeIntInRange(0, 9),
     "cross": lambda given: given.ConsumeIntInRange(0, 9) / 100,
     "damping_ratios": lambda given: given.pick((0.0, 0.02, 0.5)),
     "dampings": lambda _: None,
@@ -186,7 +242,9 @@ USUAL: dict[str, Any] = {
     "driven_yoke": lambda given: given.ConsumeIntInRange(0, 9) / 100,
     "driving_yoke": lambda given: given.ConsumeIntInRange(0, 9) / 100,
     "dtype": lambda given: given.pick((None, np.float32)),
+    "firing_order": lambda given: given.pick(([1, 3, 4, 2], [1, 2], given.counts())),
     "group": lambda given: given.pick(BY),
+    "harmonics": lambda _: [(0.5, 90.0, 60.0)],
     "index": lambda given: given.pick((0, -1, ..., None, slice(None, None, -1), (0, 0))),
     "inertias": lambda given: np.ones(given.line.n_joints + 1),
     "jac": lambda _: None,
@@ -211,6 +269,7 @@ USUAL: dict[str, Any] = {
     "parameters": lambda _: None,
     "phases": lambda given: given.array(()),
     "points": Input.points,
+    "probes": lambda given: given.pick(((), [(0, 0.5)], [(given.count(), 1.5)])),
     "reduce": lambda given: given.pick((None, *REDUCTIONS)),
     "reference": lambda given: given.pick(("common", "input", "output")),
     "samples": lambda given: given.ConsumeIntInRange(1, MOST),
@@ -218,6 +277,7 @@ USUAL: dict[str, Any] = {
     "shaft": lambda given: given.pick((-1, 0, 1)),
     "shafts": lambda given: given.pick((None, slice(None), 0, [0, 1], -1)),
     "shape": lambda given: given.pick(((-1,), (1, -1), (1,))),
+    "speeds": lambda given: given.pick(((5.0, 300.0), (0.0, np.inf), given.array((2,)))),
     "start": lambda given: given.array((1,)),
     "starts": lambda _: 1,
     "state": lambda _: 0,
@@ -230,6 +290,25 @@ USUAL: dict[str, Any] = {
     "weights": lambda given: {"angle": given.array()},
     "workers": lambda given: given.pick((None, 1, 2, 2**70)),
 }
+
+
+OWN: dict[Any, dict[str, Any]] = {
+    LateralSystem: {
+        "shafts": Input.shafts,
+        "bearings": Input.elastic_bearings,
+        "masses": Input.masses,
+        "unbalance": lambda given: [cardan.Unbalance(0, 0.3, 1e-4, given.often([0, 1, 0], 0.5))],
+        "sliding": lambda given: given.pick((None, None, [1], given.counts())),
+    },
+    TorsionalSystem: {
+        "couplings": Input.couplings,
+        "drive": lambda given: given.pick(("held", "free")),
+        "harmonics": Input.harmonics,
+        "inertias": lambda given: np.ones((given.line.n_joints + 1, 2)),
+        "loss_factors": lambda given: given.pick((None, 0.1)),
+    },
+}
+"""What an argument of these means by the same name."""
 
 
 @functools.cache
@@ -284,7 +363,7 @@ def result_of(function: Any, given: Input) -> Any:  # noqa: ANN401
 
 def evaluated(plan: Plan, given: Input) -> Any:  # noqa: ANN401
     """Evaluate a plan, and again into arrays, mostly of the right shape."""
-    angle = given.argument("angle")
+    angle = given.argument("angle", USUAL)
     result = plan(angle)
     for name, array in result.items():
         target = given.array(np.shape(array), array.dtype.str)

@@ -39,7 +39,7 @@ TEXTS = [path.read_bytes() for path in sorted(PATHS)]
 SCENES = [tomllib.loads(text.decode()) | {"output": {}} for text in TEXTS]
 PARTS = [part for scene in SCENES for part in scene.values() if isinstance(part, dict)]
 KEYS = ["", *sorted({key for part in PARTS for key in part})]
-COMMANDS = ["check", "phase", "optimise", "tolerances", "life", "torsion", "run"]
+COMMANDS = ["check", "phase", "optimise", "tolerances", "life", "torsion", "lateral", "run"]
 # Studies and searches as short as they are still something.
 SHORT = {"steps": 3, "samples": 50, "samples_per_turn": 36, "starts": 1, "turns": 1}
 NUMBERS = [0, -1, 1, 0.5, 1e-9, 89.999, 90, 1e300, float("nan"), float("inf"), 7]

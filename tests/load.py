@@ -24,7 +24,20 @@ from typing import Any
 
 import numpy as np
 
-from cardan import Driveline, Load, Scene, Sweep, TorsionalSystem, identify, optimise
+from cardan import (
+    Coupling,
+    Driveline,
+    ElasticBearing,
+    LateralSystem,
+    Load,
+    Scene,
+    Sweep,
+    TorqueHarmonic,
+    TorsionalSystem,
+    identify,
+    optimise,
+    tube,
+)
 
 THREADS = 4
 GROWTH = 0.03
@@ -66,6 +79,22 @@ def jobs() -> dict[str, Callable[[], Any]]:
         damping_ratios=0.02,
         load_torque=30.0,
     )
+    engine = TorsionalSystem(
+        Driveline.from_bends([0.1]),
+        inertias=[[0.5, 0.02], [0.01, 0.1]],
+        stiffnesses=[np.inf, 900.0],
+        dampings=[0.0, 2.0],
+        drive="free",
+        load_torque=30.0,
+        harmonics=[TorqueHarmonic(0, "input", order, 90.0 / order) for order in (0.5, 1.0, 2.0)],
+        couplings={0: Coupling(3000.0, play=0.01)},
+    )
+    corners = [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [3.0, 0.1, 0.0], [3.5, 0.1, 0.0]]
+    swinging = LateralSystem(
+        Driveline.from_points(corners),
+        shafts=[tube(0.09, 0.003, length=1.5), tube(0.09, 0.003, length=1.5), None],
+        bearings=[ElasticBearing(0, at, 4e5, loss_factor=0.1) for at in (0.0, 1.3)],
+    )
     as_built = shaft.with_deviations(driving_yoke=0.01, cross=[0.0, 0.02])
     forces = ("joint_force", "bearing_force")
     leaning = mounted.with_deviations(cross=0.01)
@@ -103,6 +132,13 @@ def jobs() -> dict[str, Callable[[], Any]]:
         found = system.steady([40.0, 150.0])
         stability = system.stability(150.0)
         return {"orders": found.torque_orders, "multipliers": stability.multipliers}
+
+    def rattling() -> Any:  # noqa: ANN401
+        return {"orders": engine.steady([90.0, 140.0]).torque_orders}
+
+    def shaking() -> Any:  # noqa: ANN401
+        found = swinging.response(np.linspace(20.0, 400.0, 100), torque)
+        return {"force": found.bearing_force, "frequency": swinging.natural_frequencies(3)}
 
     def lasting() -> Any:  # noqa: ANN401
         found = shaft.reshape(1).life(steps, rating=RATING, shares=[0.7, 0.3])
@@ -157,6 +193,8 @@ def jobs() -> dict[str, Callable[[], Any]]:
         "gradient": weighted,
         "tolerances": toleranced,
         "torsion": vibrating,
+        "engine with play": rattling,
+        "lateral": shaking,
         "life": lasting,
         "as built": lambda: as_built.evaluate(angle[:20_000], ("angle", "moment"), load=torque),
         "harmonics": analysed,

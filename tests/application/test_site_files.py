@@ -48,7 +48,7 @@ def test_pages_show_every_picture_that_is_drawn(
     monkeypatch.setenv("PYTHONWARNINGS", "error")
     drawn = site_files.pictures()
     assert set(drawn) == linked(r"[^)\s]*\.svg")
-    for path in (*drawn.values(), DOCS / "foeppl.svg"):
+    for path in drawn.values():
         text = path.read_text("utf-8")
         # What a browser sets in a font of its own could be cut.
         assert "<text" not in text

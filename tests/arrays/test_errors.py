@@ -23,6 +23,7 @@ from cardan import (
     Load,
     Machine,
     Sweep,
+    TorsionalSystem,
 )
 from cardan.reference import approximations as approximate
 
@@ -32,6 +33,7 @@ SKEW = ONE.with_deviations(cross=0.01)
 SLOW = Load(output_torque=1.0, speed=1.0)
 LOADED = Load(drive_torque=[1.0, 2.0, 3.0])
 NAN = np.nan
+ONES = np.ones((3, 2))
 BATCH = np.zeros((2, 3, 2))
 BATCH[1, 2, 1] = 1.6
 POINTS = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]
@@ -267,6 +269,20 @@ def test_fields_arrive_from_a_task_of_dask() -> None:
     [
         (lambda: cardan.Answer(3), "of", "is 3; it must be a cardan.Scene"),  # type: ignore[arg-type]
         (lambda: Machine(3), "states", "is 3; it must be a driveline"),  # type: ignore[arg-type]
+        (lambda: Machine(TWO, drawn=3), "drawn", "is 3; it must be a driveline"),  # type: ignore[arg-type]
+        (lambda: TWO.steering(drawn=3), "drawn", "is 3; it must be a driveline"),  # type: ignore[arg-type]
+        (
+            lambda: TorsionalSystem(
+                TWO, inertias=ONES, stiffnesses=[1, 1, 1], drive="free", harmonics=[(1, 2)]
+            ),  # type: ignore[list-item]
+            "harmonics",
+            "is (1, 2); it must be a TorqueHarmonic",
+        ),
+        (
+            lambda: TorsionalSystem(TWO, inertias=ONES, stiffnesses=[1, 1, 1], couplings=[3]),  # type: ignore[arg-type]
+            "couplings",
+            "is [3]; it must map shafts to couplings",
+        ),
         (lambda: cardan.Scene.parse(b"x"), "text", "it must be the text of a scene"),  # type: ignore[arg-type]
         (lambda: TWO.evaluate(0.1, tolerance="0"), "tolerance", "it must be a number"),  # type: ignore[arg-type]
         (lambda: TWO.evaluate([[1], [1, 2]]), "angle", "is no array of numbers"),

@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, not_negative, per_joint, positive, threads
-from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape
+from cardan.arrays.errors import ArgumentValueError, check_shape
 from cardan.arrays.indices import item_index
 from cardan.design.limits import Bound
 from cardan.evaluation.load import Load, require_load
+from cardan.geometry.geometry import require_driveline
 from cardan.geometry.parameters import has_lengths
 
 if TYPE_CHECKING:
@@ -163,7 +164,7 @@ class Machine:
                 straight ahead of a steering column hold; by default that of the first state.
 
         Raises:
-            TypeError: a load that is none, values that are not real numbers.
+            TypeError: a driveline or a load that is none, values that are not real numbers.
             ValueError: shapes that do not fit.
         """
         own = _states_of("states", states)
@@ -173,6 +174,7 @@ class Machine:
             given += [(name, item, *_pair(name, bound)) for item, bound in each]
         parts = {**_NOTHING, "states": _cases(own, load, speed), "limits": given}
         drawing = own[0] if drawn is None else drawn
+        require_driveline("drawn", drawing)
         if drawing.shape:
             raise ArgumentValueError("drawn", f"has shape {drawing.shape}; it is one driveline")
         parts["drawn"] = _cases(drawing.reshape(1), None, None)
@@ -425,8 +427,7 @@ def _plain(values: Any) -> Any:  # noqa: ANN401 - of any depth
 
 
 def _states_of(name: str, line: Driveline) -> Driveline:
-    if not hasattr(line, "n_joints"):
-        raise ArgumentTypeError(name, f"is {line!r}; it must be a driveline")
+    require_driveline(name, line)
     right = len(line.shape) <= 1
     check_shape(name, line, right, "it is one driveline or a batch of one axis")
     return line.reshape(-1)

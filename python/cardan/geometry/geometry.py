@@ -20,6 +20,12 @@ if TYPE_CHECKING:
     from cardan.driveline import Driveline
 
 
+def require_driveline(name: str, line: object, place: Place = ()) -> None:
+    """Raise an error unless an argument is a driveline, whose class is above this one."""
+    if not isinstance(getattr(line, "_geometry", None), Geometry):
+        raise ArgumentTypeError(name, f"is {line!r}; it must be a driveline", place)
+
+
 class Geometry(NamedTuple):
     """What makes a batch of drivelines: angles in rad and unit vectors, as of ``Driveline``."""
 
@@ -137,8 +143,7 @@ def concatenate(
     if not given:
         raise ArgumentValueError("lines", "is empty; there must be at least one driveline")
     for i, line in enumerate(given):
-        if not isinstance(line, cls):
-            raise ArgumentTypeError("lines", f"is {line!r}; it must be a driveline", (i,))
+        require_driveline("lines", line, (i,))
         if line.n_joints != given[0].n_joints:
             problem = f"has {line.n_joints} joints and lines[0] {given[0].n_joints}"
             raise ArgumentValueError("lines", problem, (i,))
@@ -219,8 +224,7 @@ def approx_equal(line: Driveline, other: Driveline, tolerance: float = 1e-9) -> 
     Raises:
         TypeError: something that is not a driveline.
     """
-    if not isinstance(other, type(line)):
-        raise ArgumentTypeError("other", f"is {other!r}; it must be a driveline")
+    require_driveline("other", other)
     if (line.n_joints, line.shape) != (other.n_joints, other.shape):
         return False
     turns = (0.0, 2.0 * np.pi, np.pi, 0.0, 0.0)

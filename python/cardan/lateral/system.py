@@ -16,6 +16,7 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_sh
 from cardan.arrays.indices import integer, item_index
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
+from cardan.geometry.geometry import require_driveline
 from cardan.lateral.elements import ElasticBearing, PointMass, RigidShaft, Unbalance
 from cardan.lateral.results import (
     VECTORS,
@@ -142,8 +143,7 @@ class LateralSystem:
         sliding: Sequence[SupportsIndex] | None = None,
     ) -> None:
         """Check the arguments and pass them to the native module."""
-        if not isinstance(line, Driveline):
-            raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
+        require_driveline("line", line)
         line._geometry.check_ideal("lateral systems are computed")
         count = line.n_joints + 1
         shafts = tuple(shafts)

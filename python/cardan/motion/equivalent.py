@@ -13,7 +13,7 @@ from cardan import _core
 from cardan.arrays import FloatArray, as_float64, scalar_or_array, threads
 from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import item_index
-from cardan.geometry.geometry import broadcast
+from cardan.geometry.geometry import broadcast, require_driveline
 from cardan.geometry.parameters import PARAMETERS, Parameters, checked_kind, parameter_shape
 
 if TYPE_CHECKING:
@@ -309,13 +309,16 @@ def steering(
         degrees: whether it is in degrees.
 
     Raises:
+        TypeError: a drawn driveline that is none.
         ValueError: shapes that do not broadcast, several drawn drivelines.
     """
     line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
     angle = np.radians(centre) if degrees else as_float64("centre", centre)
     shape, numbers, (angles,) = broadcast(line, centre=angle)
-    if drawn is not None and drawn.shape:
-        raise ArgumentValueError("drawn", f"has shape {drawn.shape}; it is one driveline")
+    if drawn is not None:
+        require_driveline("drawn", drawn)
+        if drawn.shape:
+            raise ArgumentValueError("drawn", f"has shape {drawn.shape}; it is one driveline")
     own = None if drawn is None else drawn._lines
     flat = _core.steering(line._lines, numbers, angles, own, threads.at_most(None))
     ratio, slope, offset, quick, *others = flat.reshape(8, *shape)

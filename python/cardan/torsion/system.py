@@ -32,6 +32,7 @@ from cardan.arrays.errors import (
 )
 from cardan.arrays.indices import integer
 from cardan.driveline import Driveline
+from cardan.geometry.geometry import require_driveline
 from cardan.torsion.analyses import (
     bend_rules,
     modes,
@@ -166,8 +167,7 @@ class TorsionalSystem:
         loss_factors: ArrayLike | None = None,
     ) -> None:
         """Check the arguments and pass them to the native module."""
-        if not isinstance(line, Driveline):
-            raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
+        require_driveline("line", line)
         exclusive(dampings=dampings, damping_ratios=damping_ratios)
         line._geometry.check_ideal("torsional systems are computed")
         shafts = line.n_joints + 1
@@ -206,7 +206,7 @@ class TorsionalSystem:
             compliant=compliant,
             drive=drive or "held",
             drive_slope=float(finite("drive_slope", drive_slope)),
-            harmonics=tuple(harmonics),
+            harmonics=_harmonics(harmonics),
             couplings=MappingProxyType(made),
             **dict(zip(given, full, strict=True)),
         )
@@ -612,12 +612,22 @@ def _orders(orders: ArrayLike) -> FloatArray:
     return given
 
 
+def _harmonics(harmonics: Iterable[TorqueHarmonic]) -> tuple[TorqueHarmonic, ...]:
+    found = tuple(harmonics)
+    for i, own in enumerate(found):
+        if not isinstance(own, TorqueHarmonic):
+            raise ArgumentTypeError("harmonics", f"is {own!r}; it must be a TorqueHarmonic", (i,))
+    return found
+
+
 def _couplings(
     couplings: Mapping[int, Coupling] | None, loss_factors: ArrayLike | None, springs: FloatArray
 ) -> dict[int, Coupling]:
     """Return the couplings by their shafts, with those that loss factors make of springs."""
     shafts = springs.shape[-1]
     made: dict[int, Coupling] = {}
+    if not isinstance(couplings, Mapping | None):
+        raise ArgumentTypeError("couplings", f"is {couplings!r}; it must map shafts to couplings")
     for shaft, own in sorted((couplings or {}).items()):
         if not isinstance(own, Coupling):
             raise ArgumentTypeError("couplings", f"has {own!r}; it must be a Coupling", (shaft,))

@@ -730,7 +730,7 @@ function used(value, limit, most) {
 }
 
 /** @param {string} name of a state or step */
-const placeText = (name) => (/^\p{L}/u.test(name) ? `in ${name}` : `in “${minus(name)}”`);
+const placeText = (name) => (/^\p{L}/u.test(name) ? `in ${minus(name)}` : `in “${minus(name)}”`);
 
 /**
  * One number of the drivelines of a machine.
