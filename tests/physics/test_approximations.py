@@ -147,6 +147,11 @@ def test_the_root_rule(case: dict[str, Any]) -> None:
     squares = math.sqrt(float((betas**2).sum()))
     assert got == pytest.approx(float(case["rule_deg"]), rel=1e-12, abs=4e-8 * squares)
     line = Driveline.from_bends(np.abs(betas), degrees=True)
+    signs = np.sign(betas)
+    # Joints whose errors add have crossed yokes between them.
+    crossed = line.with_phases(np.where(signs[1:] == signs[:-1], RIGHT, 0.0))
+    exact_bend = float(case["exact_deg"])
+    assert math.degrees(crossed.equivalent().bend) == pytest.approx(exact_bend, rel=1e-12, abs=3e-6)
     assert line.catalogue_bend(np.sign(betas)) == pytest.approx(math.radians(got), abs=1e-8)
 
 

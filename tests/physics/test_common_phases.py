@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -200,3 +201,29 @@ def test_no_driveline_needs_no_setting() -> None:
 def test_an_empty_axis_has_no_setting() -> None:
     with pytest.raises(ValueError, match="states is 0; that axis of the batch is empty"):
         Driveline.from_bends(np.empty((0, 2))).optimal_phases(states=0)
+
+
+@pytest.mark.parametrize(("joints", "most"), [(6, 0.5), (4, 1.4), (8, 1.0)])
+@pytest.mark.parametrize("options", [{}, {"teeth": 24}, {"fixed": [1]}], ids=str)
+def test_no_other_setting_of_many_joints_is_better(
+    joints: int, most: float, options: dict[str, Any]
+) -> None:
+    """Neither one drawn at random, nor one that differs by a tooth or a little of two shafts."""
+    rng = np.random.default_rng(joints)
+    line = states_of(rng, joints, 4, most)
+    found = line.optimal_phases(states=0, **options)
+    least = mean_square(line, found)
+    free = [i for i in range(joints - 1) if i + 1 not in options.get("fixed", [])]
+    step = 2.0 * np.pi / options["teeth"] if "teeth" in options else 0.01
+    moves = np.zeros((0, joints - 1))
+    for size in (step, 2.0 * step, 5.0 * step):
+        own = size * np.eye(joints - 1)[free]
+        pairs = [a + s * b for a, b in itertools.combinations(own, 2) for s in (1.0, -1.0)]
+        moves = np.concatenate([moves, own, pairs])
+    drawn = np.zeros((3000, joints - 1))
+    drawn[:, free] = rng.uniform(-np.pi, np.pi, (3000, len(free)))
+    if "teeth" in options:
+        drawn = step * np.round(drawn / step)
+    tried = found + np.concatenate([moves, -moves, drawn])
+    k = line.with_phases(tried[:, np.newaxis]).equivalent().k
+    assert least <= np.min(np.mean(k**2, axis=-1)) * (1.0 + 1e-9) + 1e-15

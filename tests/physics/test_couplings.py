@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 import cardan
 from engine_cases import CASES, INF, KINKED, arguments_of, complexes, phases_of
@@ -173,3 +174,48 @@ def test_loss_factors_are_refused_beside_kinks() -> None:
                 2: cardan.Coupling(8e3, play=0.01),
             },
         )
+
+
+def test_damping_in_contact_is_that_of_an_integration() -> None:
+    """A flywheel behind a held drive and a coupling that rattles, until its motion repeats."""
+    damping, stiffness, play, inertia, load, speed = 6.0, 8000.0, 0.02, 0.05, 20.0, 80.0
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([0.0]),
+        inertias=[[0.0, 0.0], [0.0, inertia]],
+        stiffnesses=[INF, INF],
+        dampings=[0.0, damping],
+        load_torque=load,
+        drive="held",
+        harmonics=[cardan.TorqueHarmonic(1, "output", 2.0, 120.0, 60.0)],
+        couplings={1: cardan.Coupling(stiffness, play=play, contact_damping=True)},
+    )
+
+    def torque(state: NDArray[np.float64]) -> NDArray[np.float64]:
+        beyond = state[0] - np.clip(state[0], -0.5 * play, 0.5 * play)
+        return np.where(beyond == 0.0, 0.0, stiffness * beyond + damping * state[1])
+
+    def slopes(time: float, state: NDArray[np.float64]) -> list[float]:
+        angle = 2.0 * (speed * time - state[0])
+        driven = 120.0 * np.cos(angle) + 60.0 * np.sin(angle)
+        return [
+            state[1],
+            (load - driven - float(torque(state[:2]))) / inertia,
+            float(torque(state)),
+        ]
+
+    period, state = np.pi / speed, np.array([0.0125, 0.0, 0.0])
+    for _ in range(60):
+        begun = state * [1.0, 1.0, 0.0]
+        done = solve_ivp(
+            slopes, (0.0, period), begun, "DOP853", rtol=1e-11, atol=1e-13, dense_output=True
+        )
+        state = done.y[:, -1]
+    assert np.max(np.abs(state - begun)[:2] / [1.0, speed]) < 1e-9
+    torques = torque(done.sol(np.linspace(0.0, period, 100_001)))
+    assert 0.05 < np.mean(torques == 0.0) < 0.95, "the coupling rattles"
+    found = system.steady(speed, tolerance=1e-11)
+    largest = np.max(torques)
+    assert abs(found.torque_max[0] - largest) < 1e-6 * largest
+    # Leaving contact, the torque jumps.
+    assert abs(found.torque_min[0] - np.min(torques)) < 1e-3 * largest
+    assert abs(found.torque_mean[0] - state[2] / period) < 1e-7 * largest

@@ -55,6 +55,19 @@ def grid(*counts: int) -> NDArray[np.float64]:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
+@pytest.mark.parametrize("vectorised", [False, True])
+def test_no_point_of_a_fine_grid_has_a_smaller_mean_square(vectorised: bool) -> None:
+    best = cardan.optimise(truck, START, BOUNDS, over="rms", vectorised=vectorised, **PHASES)
+
+    def rms(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        k = np.sqrt(np.mean(truck(x).equivalent().k ** 2, axis=-1))
+        return np.asarray(2.0 * np.arctan(np.sqrt(k)))
+
+    values = rms(grid(25, 45, 45))
+    assert best.value <= np.min(values) < 1.25 * best.value
+    np.testing.assert_allclose(best.value, rms(best.x), rtol=1e-9)
+
+
 def test_no_point_of_a_fine_grid_is_better() -> None:
     best = cardan.optimise(truck, START, BOUNDS, **PHASES)
     values = largest(grid(25, 45, 45))

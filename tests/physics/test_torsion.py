@@ -385,3 +385,26 @@ def test_without_load_and_vibration_angles_are_those_of_rigid_shafts(seed: int) 
             assert orbit.angle_error[shaft, side] == pytest.approx(known, abs=1e-4)
             assert start[shaft, side] == pytest.approx(known[0], abs=1e-12)
         assert abs(np.mean(orbit.angle_error[shaft])) < 2e-5
+
+
+@pytest.mark.parametrize(("heavier", "faster"), [(2.0**8, 0.6), (2.0**-8, 2.7)])
+def test_torsion_scales_with_inertia_and_time(heavier: float, faster: float) -> None:
+    line = Driveline.from_bends([0.3, 0.7, 0.1], [1.0, -2.0], [0.4, 2.0])
+
+    def torques(inertia: float, rate: float) -> Any:  # noqa: ANN401
+        system = TorsionalSystem(
+            line,
+            inertias=inertia * np.tile([0.01, 0.04], (4, 1)),
+            drive="held",
+            stiffnesses=[math.inf, *[inertia * rate**2 * 4000.0] * 3],
+            dampings=inertia * rate * 2.0,
+            load_torque=inertia * rate**2 * 25.0,
+        )
+        return system.steady(rate * np.array([20.0, 70.0]))
+
+    one, other = torques(1.0, 1.0), torques(heavier, faster)
+    assert np.all(one.found & other.found)
+    for name in ("torque_mean", "torque_min", "torque_max", "torque_orders"):
+        want = getattr(one, name) * heavier * faster**2
+        unit = np.max(np.abs(want))
+        np.testing.assert_allclose(getattr(other, name), want, rtol=0, atol=1e-6 * unit)
