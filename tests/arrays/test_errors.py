@@ -273,8 +273,12 @@ def test_fields_arrive_from_a_task_of_dask() -> None:
         (lambda: TWO.steering(drawn=3), "drawn", "is 3; it must be a driveline"),  # type: ignore[arg-type]
         (
             lambda: TorsionalSystem(
-                TWO, inertias=ONES, stiffnesses=[1, 1, 1], drive="free", harmonics=[(1, 2)]
-            ),  # type: ignore[list-item]
+                TWO,
+                inertias=ONES,
+                stiffnesses=[1, 1, 1],
+                drive="free",
+                harmonics=[(1, 2)],  # type: ignore[list-item]
+            ),
             "harmonics",
             "is (1, 2); it must be a TorqueHarmonic",
         ),

@@ -397,7 +397,7 @@ def test_reductions_of_sweeps(
     close = 1e-13 if dtype == np.float64 and tolerance != 1e-6 else 4e-6
     for how, plain in PLAIN.items():
         for drivelines, place in ((line, ...), (of_two(line)[:, np.newaxis], 1)):
-            got = drivelines.evaluate(sweep, wanted, reduce=how, **options)
+            got = drivelines.evaluate(sweep, wanted, reduce=how, **options)  # type: ignore[arg-type]
             for name in wanted:
-                off = np.abs(got[name][place] - plain(samples[name].astype(np.float64)))
+                off = np.abs(got[name][place] - plain(samples[name].astype(np.float64)))  # type: ignore[no-untyped-call]
                 assert off <= close * float(largest[name]) + 1e-37, (name, how)

@@ -324,11 +324,16 @@ test_refusals = refusals(
             np.full((2, 2), 0.1), np.ones((3, 2))
         ),
         "direction is 'reverse'; it must be 'drive' or 'coast'": lambda: inertia_bend(
-            [0.1], [1], "reverse"
-        ),  # type: ignore[arg-type]
+            [0.1],
+            [1],
+            "reverse",  # type: ignore[arg-type]
+        ),
         "direction is 'overrun'; it must be 'drive' or 'coast'": lambda: inertia_excitation(
-            [0.1], [1], 1.0, "overrun"
-        ),  # type: ignore[arg-type]
+            [0.1],
+            [1],
+            1.0,
+            "overrun",  # type: ignore[arg-type]
+        ),
         "shapes do not broadcast: bends (2,), speed (3,)": lambda: torsional_excitation(
             np.full((2, 2), 0.1), [1, 1], [1.0] * 3
         ),

@@ -203,8 +203,8 @@ def test_an_empty_axis_has_no_setting() -> None:
         Driveline.from_bends(np.empty((0, 2))).optimal_phases(states=0)
 
 
-@pytest.mark.parametrize(("joints", "most"), [(6, 0.5), (4, 1.4), (8, 1.0)])
-@pytest.mark.parametrize("options", [{}, {"teeth": 24}, {"fixed": [1]}], ids=str)
+@pytest.mark.parametrize(("joints", "most"), [(4, 1.4), (6, 0.5), (8, 1.0)])
+@pytest.mark.parametrize("options", [{}, {"teeth": 7}, {"fixed": [1]}], ids=str)
 def test_no_other_setting_of_many_joints_is_better(
     joints: int, most: float, options: dict[str, Any]
 ) -> None:
@@ -215,15 +215,14 @@ def test_no_other_setting_of_many_joints_is_better(
     least = mean_square(line, found)
     free = [i for i in range(joints - 1) if i + 1 not in options.get("fixed", [])]
     step = 2.0 * np.pi / options["teeth"] if "teeth" in options else 0.01
-    moves = np.zeros((0, joints - 1))
-    for size in (step, 2.0 * step, 5.0 * step):
-        own = size * np.eye(joints - 1)[free]
-        pairs = [a + s * b for a, b in itertools.combinations(own, 2) for s in (1.0, -1.0)]
-        moves = np.concatenate([moves, own, pairs])
+    own = np.eye(joints - 1)[free]
+    pairs = [a + s * b for a, b in itertools.combinations(own, 2) for s in (1.0, -1.0)]
+    once = np.concatenate([own, np.reshape(pairs, (-1, joints - 1))])
+    moves = np.concatenate([size * step * once for size in (1.0, 2.0, 5.0)])
     drawn = np.zeros((3000, joints - 1))
     drawn[:, free] = rng.uniform(-np.pi, np.pi, (3000, len(free)))
     if "teeth" in options:
-        drawn = step * np.round(drawn / step)
+        drawn = step * np.round(drawn / step)  # type: ignore[assignment]
     tried = found + np.concatenate([moves, -moves, drawn])
     k = line.with_phases(tried[:, np.newaxis]).equivalent().k
     assert least <= np.min(np.mean(k**2, axis=-1)) * (1.0 + 1e-9) + 1e-15

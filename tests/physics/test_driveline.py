@@ -339,8 +339,8 @@ test_bad_input = refusals(
             Driveline.from_projected_bends([1, 1], [0, 0], reference="output")
         ),
         "reference is 'middle'; it must be 'common', 'input' or 'output'": lambda: (
-            Driveline.from_projected_bends([0, 0], [0, 0], reference="middle")
-        ),  # type: ignore[arg-type]
+            Driveline.from_projected_bends([0, 0], [0, 0], reference="middle")  # type: ignore[arg-type]
+        ),
         "orders[1] is 0; an order is at least 1": lambda: Driveline.from_bends([0.1]).harmonics(
             [1, 0]
         ),

@@ -210,6 +210,7 @@ def test_a_loss_factor_has_no_law_in_time() -> None:
 def test_natural_frequencies_without_the_rotation_of_all(twin: bool) -> None:
     # M. I. Friswell et al., Dynamics of Rotating Machines, 2010, example 9.7.1.
     def frequencies(joints: int, **given: Any) -> Any:  # noqa: ANN401
+        given["dampings"] = [0.0] * (joints + 1)
         if twin:
             system = System(reference.from_bends([0.0] * joints), **given)
             return np.asarray(torsion.natural_frequencies(system)) / math.tau

@@ -669,13 +669,13 @@ SIMPLE = simple()
 test_questions_without_an_answer = refusals(
     {
         "count is 0; it must be at least 1": lambda: SIMPLE.natural_frequencies(0),
-        "TypeError: count is 2.5; it must be an integer": lambda: SIMPLE.modes(2.5),
+        "TypeError: count is 2.5; it must be an integer": lambda: SIMPLE.modes(2.5),  # type: ignore[arg-type]
         "probes[0] has the position 9.0 m; shaft 1": lambda: SIMPLE.modes(2, [(1, 9.0)]),
         "IndexError: probes.shaft[0] is 7; there are 4, counted": lambda: SIMPLE.modes(
             2, [(7, 0.1)]
         ),
         "speed[1] is nan; it must be finite": lambda: SIMPLE.response([1.0, math.nan]),
-        "TypeError: load is 3; it must be a cardan.Load or the": lambda: SIMPLE.response(1.0, 3),
+        "TypeError: load is 3; it must be a cardan.Load or the": lambda: SIMPLE.response(1.0, 3),  # type: ignore[arg-type]
         "load has an acceleration; the speeds of a response are steady": lambda: SIMPLE.response(
             1.0, Load(acceleration=1.0)
         ),
@@ -695,7 +695,7 @@ test_questions_without_an_answer = refusals(
             2.0, SAME.steady(1.0)
         ),
         "speeds are 5.0 and 1.0; they must incr": lambda: SIMPLE.resonances((5.0, 1.0)),
-        "speeds has shape (); it must be two speeds": lambda: SIMPLE.resonances(5.0),
+        "speeds has shape (); it must be two speeds": lambda: SIMPLE.resonances(5.0),  # type: ignore[arg-type]
         "orders must be positive": lambda: SIMPLE.resonances((1.0, 5.0), [0]),
         "system is a batch (2,); it must be one": lambda: simple(
             bearings=[ElasticBearing(1, [1.0, 1.1], 3e5)]
@@ -705,9 +705,9 @@ test_questions_without_an_answer = refusals(
         "shapes do not broadcast: torque (2,), speed (3,)": lambda: SIMPLE.is_stable(
             [1.0, 2.0, 3.0], [1.0, 2.0]
         ),
-        "name is 'force'; it must be": lambda: SIMPLE.response(1.0).largest("force"),
+        "name is 'force'; it must be": lambda: SIMPLE.response(1.0).largest("force"),  # type: ignore[arg-type]
         "name is 'force'; it must be 'bearing_force'": lambda: SIMPLE.response(1.0).of_order(
-            "force"
+            "force"  # type: ignore[arg-type]
         ),
         "orders are [0.123, 2.0], which do not repeat within 16 turns": lambda: SIMPLE.response(
             1.0, orders=[0.123, 2]

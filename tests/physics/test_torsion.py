@@ -308,7 +308,7 @@ test_wrong_calls_are_refused = refusals(
         "TypeError: speed has dtype": lambda: SYSTEM.steady("fast"),
         "tolerance is 0.0; it must be from": lambda: SYSTEM.steady(100.0, tolerance=0.0),
         "samples is 0; it must be at least 1": lambda: SYSTEM.orbit(100.0, 0),
-        "TypeError: samples is 2.0; it must be an integer": lambda: SYSTEM.orbit(100.0, 2.0),
+        "TypeError: samples is 2.0; it must be an integer": lambda: SYSTEM.orbit(100.0, 2.0),  # type: ignore[arg-type]
         "workers is 0": lambda: SYSTEM.stability(100.0, workers=0),
         "workers is 0; it must be positive": lambda: SYSTEM.steady(100.0, workers=0),
         "TypeError: line is 3; it must be a drivel": lambda: cardan.TorsionalSystem(
@@ -389,14 +389,14 @@ def test_without_load_and_vibration_angles_are_those_of_rigid_shafts(seed: int) 
 
 @pytest.mark.parametrize(("heavier", "faster"), [(2.0**8, 0.6), (2.0**-8, 2.7)])
 def test_torsion_scales_with_inertia_and_time(heavier: float, faster: float) -> None:
-    line = Driveline.from_bends([0.3, 0.7, 0.1], [1.0, -2.0], [0.4, 2.0])
+    line = cardan.Driveline.from_bends([0.3, 0.7, 0.1], [1.0, -2.0], [0.4, 2.0])
 
     def torques(inertia: float, rate: float) -> Any:  # noqa: ANN401
-        system = TorsionalSystem(
+        system = cardan.TorsionalSystem(
             line,
             inertias=inertia * np.tile([0.01, 0.04], (4, 1)),
             drive="held",
-            stiffnesses=[math.inf, *[inertia * rate**2 * 4000.0] * 3],
+            stiffnesses=[np.inf, *[inertia * rate**2 * 4000.0] * 3],
             dampings=inertia * rate * 2.0,
             load_torque=inertia * rate**2 * 25.0,
         )
