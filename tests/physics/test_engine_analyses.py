@@ -137,6 +137,11 @@ def test_rattling_is_a_torque_that_changes_its_sign_or_is_lost() -> None:
     assert start_of_loose == pytest.approx(start, rel=5e-3)
 
 
+def test_play_is_free_half_to_either_side() -> None:
+    coupling = cardan.Coupling(8000.0, play=2e-3)
+    assert coupling.torque_at([-3e-3, -1e-3, 0.0, 5e-4, 2e-3]) == pytest.approx([-16, 0, 0, 0, 8])
+
+
 def test_coarse_answers_are_at_the_speeds_given() -> None:
     system, speeds = sommerfeld(), np.linspace(100.0, 600.0, 26)
     coarse = system.speed_response(speeds, refined=False)

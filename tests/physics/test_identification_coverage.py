@@ -15,7 +15,7 @@ from numpy.random import Generator
 
 from cardan import Identification, identify
 from cardan.arrays import FloatArray
-from cardan.motion.uncertainty import size_interval, times_of
+from cardan.motion.uncertainty import of_steps, size_interval, times_of
 
 # A recording, and the true bend.
 Recorded = tuple[FloatArray, Mapping[str, FloatArray], float]
@@ -223,6 +223,21 @@ def test_intervals_contain_95_percent_of_the_bends() -> None:
     # Of 1800 recordings the share is known to 0.5 %.
     assert min(shares.values()) > 0.94 - 0.01
     assert max(shares.values()) < 0.96 + 0.015
+
+
+def test_noise_takes_away_what_the_steps_of_a_counter_leave() -> None:
+    # The samples meet every step at the same place, so all lines of the sawtooth have one size.
+    # Normal noise of 0.2 steps leaves exp(-(2 pi m 0.2)**2) of the power of line m. What the fit
+    # leaves is that noise and the sawtooth, whose variance is a twelfth of a squared step.
+    step, lines = math.pi / 32.0, np.arange(1.0, 17.0)
+    drive = np.arange(640, dtype=np.float64) * step
+    one = np.ones_like(drive)
+    quiet, noisy = (
+        of_steps(drive, drive, step * math.sqrt(1.0 / 12.0 + noise**2) * one, step)
+        for noise in (0.0, 0.2)
+    )
+    left = np.sum(np.exp(-((0.4 * math.pi * lines) ** 2)) / lines**2) / np.sum(lines**-2.0)
+    assert (noisy / quiet) ** 2 == pytest.approx(left, rel=1e-9)
 
 
 def test_a_bend_that_changes_with_the_speed_is_told() -> None:

@@ -50,6 +50,7 @@ def test_q_is_that_of_the_chain(chain: tuple[list[float], list[float], list[floa
     total = sum(math.tan(bend / 2) ** 2 for bend in chain[0])
     assert abs(got - complex(want)) <= 8 * EPS * (abs(complex(want)) + 1e-3 * total)
     assert abs(got) == pytest.approx(float(line.equivalent().k), rel=4 * EPS)
+    assert line.transmission().abs2 == pytest.approx(abs(got) ** 2, rel=4 * EPS, abs=0.0)
 
 
 @pytest.mark.parametrize("chain", CHAINS, ids=str)
