@@ -258,6 +258,98 @@ def test_long_runs_of_rows_of_one_driveline() -> None:
 # --- extremes of sweeps ----------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("reduce", ["min", "max", "peak"])
+@pytest.mark.parametrize("tolerance", [None, 0.0, 1e-6])
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        Sweep(0.0, 1.0, 7000),
+        Sweep(2.9, -9.3, 20_011),
+        Sweep.revolutions(1, 7200),
+        Sweep.revolutions(2.5, 20_000),
+        Sweep(0.0, 400.0, 1500),
+    ],
+)
+def test_extremes_of_sweeps_are_those_of_all_samples(
+    sweep: Sweep, tolerance: float | None, reduce: Reduction
+) -> None:
+    names = MOTION[1:]
+    for line in (
+        Driveline.from_bends([[[0.5]], [[0.0]], [[1.5]], [[1e-3]]]),
+        Driveline.from_bends([[0.3, 0.0, 0.4], [0.7, 0.9, 1.1]], [0.2, 1.0], [0.4, -2.0])[:, None],
+    ):
+        settings: dict[str, Any] = {"shafts": sorted({1, line.n_joints}), "tolerance": tolerance}
+        samples = line.plan(names, **settings)(np.asarray(sweep))
+        found = line.plan(names, reduce=reduce, **settings)(sweep)
+        for name in names:
+            size = np.abs(samples[name]) if reduce == "peak" else samples[name]
+            wanted = size.min(axis=-1) if reduce == "min" else size.max(axis=-1)
+            # The array holds rounded angles; single precision has its own rounding.
+            scale = np.abs(samples[name]).max(axis=-1)
+            bound = 2e-6 if tolerance == 1e-6 else 1e-11
+            np.testing.assert_allclose(found[name], wanted, rtol=0, atol=bound * scale.max())
+
+
+@pytest.mark.parametrize(("name", "load"), [("torque", LOAD_OF_TWO), ("tilt_driving", None)])
+def test_extremes_of_what_is_no_motion(name: str, load: Load | None) -> None:
+    sweep = Sweep.revolutions(2, 5000)
+    samples = STEEP.evaluate(sweep, name, load=load)[name]
+    reduced = {how: STEEP.evaluate(sweep, name, load=load, reduce=how)[name] for how in REDUCTIONS}
+    assert np.array_equal(reduced["min"], samples.min(axis=-1))
+    assert np.array_equal(reduced["max"], samples.max(axis=-1))
+
+
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+@pytest.mark.parametrize("degrees", [0.1, 20.0, 35.0, 35.26, 35.5, 60.0, 89.0, 89.99])
+def test_extremes_of_the_jerk(degrees: float, tolerance: float | None) -> None:
+    # Bends with tan b above the root of 1/2 have extremes besides those at quarter turns: of
+    # 4 k^2 c^2 + 8 k (1 + k^2) c = 24 k^2 - (1 + k^2)^2 with c = cos 2a.
+    bend = math.radians(degrees)
+    line = Driveline.from_bends([bend])
+    cosine, sine2, k = math.cos(bend), math.sin(bend) ** 2, math.tan(bend / 2) ** 2
+    least, most = -2 * sine2 / cosine**3, 2 * cosine * sine2
+    roots = np.roots([4 * k * k, 8 * k * (1 + k * k), (1 + k * k) ** 2 - 24 * k * k])
+    (inner,) = roots[np.abs(roots) < 1] if math.tan(bend) > math.sqrt(0.5) else [-1.0]
+    beside = line.evaluate(0.5 * math.acos(inner), "jerk_ratio", tolerance=0).jerk_ratio
+    assert (inner > -1) == (degrees > 35.265)
+    sweep = Sweep(-0.1, 3.1, 100_001)
+    dense = line.evaluate(np.asarray(sweep), "jerk_ratio", tolerance=0).jerk_ratio
+    close = (2e-6 if tolerance else 1e-12) * -least
+    for how, value, sampled in (
+        ("min", least, dense.min()),
+        ("max", max(most, float(beside)), dense.max()),
+        ("peak", -least, -dense.min()),
+    ):
+        got = line.evaluate(sweep, "jerk_ratio", reduce=how, tolerance=tolerance).jerk_ratio  # type: ignore[arg-type]
+        assert abs(got - sampled) <= close + 1e-9 * -least * (degrees > 89.5), how
+        # Samples lie beside the closed forms.
+        narrow = (3.2e-5 / cosine) ** 2
+        assert abs(got - value) <= close + 20 * narrow * -least, how
+
+
+@pytest.mark.parametrize("start", [1e12 - 7, -1e12])
+def test_extremes_of_far_sweeps(start: float) -> None:
+    names = MOTION[1:]
+    sweep = Sweep(start, start + 6, 100_000)
+    samples = CHAIN.evaluate(sweep, names)
+    extremes: tuple[Reduction, ...] = ("min", "max", "peak")
+    for how in extremes:
+        got = CHAIN.evaluate(sweep, names, reduce=how)
+        for name in names:
+            atol = 1e-14 * np.abs(samples[name]).max()
+            np.testing.assert_allclose(got[name], PLAIN[how](samples[name]), rtol=0, atol=atol)
+
+
+def test_extremes_of_a_turn_are_the_closed_forms() -> None:
+    line = Driveline.from_bends(np.radians([[1.0], [20.0], [60.0], [85.0]]))
+    joint = line.equivalent()
+    fine = Sweep.revolutions(1, 100_000)
+    got = line[:, None].evaluate(fine, ("speed_ratio", "angle_error"), reduce="max")
+    assert np.allclose(got.speed_ratio, joint.max_speed_ratio, rtol=1e-15)
+    assert np.allclose(got.angle_error, joint.max_angle_error, rtol=1e-6)
+    assert np.all(got.angle_error <= joint.max_angle_error * (1 + 1e-15))
+
+
 def test_extremes_past_the_end_of_a_sweep_do_not_count() -> None:
     line = Driveline.from_bends([0.5])
     sweep = Sweep(1.6, np.pi - 2e-4, 7001)

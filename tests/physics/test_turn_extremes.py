@@ -78,6 +78,30 @@ def test_flywheel_has_a_closed_form() -> None:
         assert found.value == pytest.approx(0.3 * 100.0 * acceleration, rel=1e-12)
 
 
+def test_exactly_in_forty_digits() -> None:
+    """The bending moment between two joints, searched by mpmath where it is largest."""
+    bends, twist, phase = (0.5, 1.2), 0.7, 0.3
+    line = Driveline.from_bends(bends, [twist], [phase])
+    found = peak(line, "bending_driven", 1, Load(drive_torque=1.0))
+    with mpmath.workdps(40):
+        first, second = (mpmath.mpf(bend) for bend in bends)
+
+        def bending(angle: mpmath.mpf) -> mpmath.mpf:
+            c, s = mpmath.cos(angle), mpmath.sin(angle)
+            torque = (c**2 * mpmath.cos(first) ** 2 + s**2) / mpmath.cos(first)
+            # The driven pin, counted from its bend plane, and the shaft between the joints.
+            w = mpmath.expj(angle) - mpmath.tan(first / 2) ** 2 * mpmath.expj(-angle)
+            own = mpmath.arg(w) + phase - mpmath.mpf(twist) + mpmath.pi / 2
+            slope = mpmath.sqrt(1 + mpmath.tan(second) ** 2 * mpmath.sin(own) ** 2)
+            return torque * mpmath.sin(second) * abs(mpmath.cos(own)) * slope
+
+        steps = [mpmath.pi * i / 2000 for i in range(2000)]
+        start = max(steps, key=bending)
+        place = mpmath.findroot(lambda a: mpmath.diff(bending, a), start)
+        assert found.value == pytest.approx(float(bending(place)), rel=1e-14)
+        assert min(abs(at - float(place)) for at in found.places) < 1e-7
+
+
 def chains() -> list[Driveline]:
     """Chains of ordinary and of steep joints."""
     chance = np.random.default_rng(7)
