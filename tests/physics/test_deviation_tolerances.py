@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import pickle
-import re
 from typing import Any
 
 import numpy as np
@@ -12,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep
-from cardan.design.quantities import farthest_signs, order_amplitude
+from cardan.design.quantities import order_amplitude
 from cardan.tolerances import JOINT_GROUPS
-from cardan.tolerances.case import _root
 from deviation_oracle import LeaningChain, LeaningJoint
+from refusals import refusals
 from tiers import few
 
 BENDS, TWISTS, PHASES = [0.2, 0.35], [0.4], [1.0]
@@ -73,16 +71,6 @@ def test_first_order_is_that_of_differences_between_loops_of_pins(order: int) ->
         np.testing.assert_allclose(found.shares[group], shares, rtol=1e-6, atol=1e-12)
     own = LINE.order_tolerances(*halves.T, order=order)
     assert np.abs(own.drawing + signs @ own.contributions.ravel()).max() == pytest.approx(linear)
-
-
-def test_the_signs_of_the_farthest_sum_are_those_of_all_trials() -> None:
-    random = np.random.default_rng(11)
-    signs = np.array([*itertools.product((-1.0, 1.0), repeat=7)])
-    for _ in range(20):
-        middle, *vectors = random.normal(size=8) + 1j * random.normal(size=8)
-        farthest = np.abs(middle + signs @ np.array(vectors)).max()
-        found = farthest_signs(complex(middle), np.array(vectors))
-        assert abs(middle + found @ np.array(vectors)) == pytest.approx(farthest, rel=1e-12)
 
 
 def test_an_acceleration_is_that_of_the_speed() -> None:
@@ -225,16 +213,6 @@ def test_permitted_tolerances_reach_the_limit() -> None:
     assert again.worst == pytest.approx(300.0, rel=1e-9)
 
 
-def test_a_figure_that_is_infinite_from_somewhere_on_has_its_last_number() -> None:
-    for blocked in (0.3, 1.0, 139.0):
-
-        def excess(factor: float, end: float = blocked) -> float:
-            return -1.0 if factor < end else np.inf
-
-        found = _root(excess)
-        assert blocked * 0.999 <= found < blocked
-
-
 @pytest.mark.long
 def test_where_joints_block_before_a_limit_the_permitted_tolerances_end() -> None:
     bend, half = np.radians(10.0), 0.01
@@ -253,37 +231,30 @@ def test_the_amplitude_is_that_of_the_angle_error() -> None:
         assert order_amplitude(built, order, 2) == pytest.approx(by_pins(HALVES, order), abs=1e-15)
 
 
-def test_results_are_pickled() -> None:
-    found = LINE.tolerances(**YOKES, of="angle_error_order_1", samples=10, seed=0)
-    again = pickle.loads(pickle.dumps(found))
-    assert (again.worst, again.sampled.tolist()) == (found.worst, found.sampled.tolist())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"driving_yoke": 0.1}, "of is 'equivalent_bend', a figure of ideal joints; joints with"),
-        (
-            {"cross": 0.1, "bends": 0.1, "of": ["torque", "max_angle_error"]},
-            "of[1] is 'max_angle_error', a figure of ideal joints",
-        ),
-        ({"cross": 0.1, "of": "acceleration_order_1"}, "speed is missing; 'acceleration_order_1'"),
-        (
-            {"cross": 0.1, "of": "angle_error_order_0"},
-            "of[0] is 'angle_error_order_0'; did you mean 'angle_error_order_1'?",
-        ),
-        ({"cross": -0.1, "of": "angle_error_order_1"}, "cross is -0.1; a tolerance must be"),
-        ({"driven_yoke": [0.1] * 3, "of": "angle_error_order_1"}, "driven_yoke has shape (3,)"),
-        (
-            {"driven_yoke": 0.7, "cross": 0.6, "of": "angle_error_order_1"},
-            "cross and the others permit deviations of 74.4845 deg and a bend of 20.0535 deg "
-            "together at joint 1; their sum must stay below 90 deg so that the joint can turn",
-        ),
-    ],
+test_what_does_not_hold_is_refused = refusals(
+    {
+        "of is 'equivalent_bend', a figure of ideal joints; joints with": {"driving_yoke": 0.1},
+        "of[1] is 'max_angle_error', a figure of ideal joints": {
+            "cross": 0.1,
+            "bends": 0.1,
+            "of": ["torque", "max_angle_error"],
+        },
+        "speed is missing; 'acceleration_order_1'": {"cross": 0.1, "of": "acceleration_order_1"},
+        "of[0] is 'angle_error_order_0'; did you mean 'angle_error_order_1'?": {
+            "cross": 0.1,
+            "of": "angle_error_order_0",
+        },
+        "cross is -0.1; a tolerance must be": {"cross": -0.1, "of": "angle_error_order_1"},
+        "driven_yoke has shape (3,)": {"driven_yoke": [0.1] * 3, "of": "angle_error_order_1"},
+        "cross and the others permit deviations of 74.4845 deg and a bend of 20.0535 deg "
+        "together at joint 1; their sum must stay below 90 deg so that the joint can turn": {
+            "driven_yoke": 0.7,
+            "cross": 0.6,
+            "of": "angle_error_order_1",
+        },
+    },
+    LINE.tolerances,
 )
-def test_what_does_not_hold_is_refused(arguments: dict[str, Any], said: str) -> None:
-    with pytest.raises(ArgumentValueError, match=re.escape(said)):
-        LINE.tolerances(**arguments)
 
 
 def test_what_a_driveline_as_built_refuses() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Callable
 from typing import Any
 
 import mpmath
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan import reference
+from refusals import refusals
 
 THOMA = cardan.Driveline.from_bends([8.5], degrees=True)
 
@@ -46,45 +45,6 @@ def test_thoma_ten_times_the_inertia_leaves_two_thousandths_from_peak_to_peak() 
     assert share == pytest.approx(1 / 11, rel=1e-3)
 
 
-def test_equations_of_motion_integrated_without_torque() -> None:
-    """Lagrange's equation with the slow reference's ratios, by Runge and Kutta over a turn."""
-    line, inertias = chain()
-    shafts = reference.from_bends(*(a.tolist() for a in (line.bends, line.twists, line.phases)))
-
-    def rate(state: np.ndarray) -> np.ndarray:
-        ratios, slopes = zip(*_reference_motion(shafts, state[0]), strict=True)
-        inertia = sum(i * r * r for i, r in zip(inertias, ratios, strict=True))
-        slope = sum(2 * i * r * s for i, r, s in zip(inertias, ratios, slopes, strict=True))
-        return np.array([state[1], -slope * state[1] ** 2 / (2 * inertia)])
-
-    steps, speed = 500, 40.0
-    free = line.free_running(inertias)
-    period = free.time_per_turn(speed, angle=0.3)
-    state, step = np.array([0.3, speed]), period / steps
-    path = [state]
-    for _ in range(steps):
-        k1 = rate(state)
-        k2 = rate(state + step / 2 * k1)
-        k3 = rate(state + step / 2 * k2)
-        k4 = rate(state + step * k3)
-        state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        path.append(state)
-    angles, speeds = np.array(path).T
-    assert angles[-1] - 0.3 == pytest.approx(math.tau, abs=1e-7)
-    assert speeds * period / math.tau == pytest.approx(free.speed_ratio(angles), rel=1e-7)
-    assert speeds.max() * period / math.tau == pytest.approx(free.max_speed_ratio, rel=1e-4)
-    assert speeds.min() * period / math.tau == pytest.approx(free.min_speed_ratio, rel=1e-4)
-
-
-def _reference_motion(shafts: reference.Shafts, angle: float) -> list[tuple[float, float]]:
-    """Speed and acceleration ratio of every shaft by the slow reference."""
-    found = [(1.0, 0.0)]
-    for shaft in range(1, len(shafts.directions)):
-        motion = reference.motion(shafts, angle, shaft, offset=0.0)
-        found.append((motion.speed_ratio, motion.acceleration_ratio))
-    return found
-
-
 def test_the_torque_at_the_drive_is_zero() -> None:
     """The loads of the core, at the speed and acceleration that this drive has."""
     line, inertias = chain()
@@ -99,26 +59,6 @@ def test_the_torque_at_the_drive_is_zero() -> None:
     torque = line.evaluate(angles, "torque", shafts=slice(None), load=load).torque
     assert np.abs(torque[1:]).max() > 100.0
     assert np.abs(torque[0]).max() < 1e-12 * np.abs(torque[1:]).max()
-
-
-@pytest.mark.parametrize(("bends", "own"), [([8.5], 1.0), ([8.5], 10.0), ([20.0, 14.0], 10.0)])
-def test_the_share_is_the_error_of_inertia_torques(bends: list[float], own: float) -> None:
-    """What a constant drive speed overestimates; the rule of the check rests on it."""
-    line = cardan.Driveline.from_bends(bends, degrees=True)
-    inertias = [own, *[0.05] * (len(bends) - 1), 1.0]
-    free, angles = line.free_running(inertias), np.linspace(0.0, math.pi, 2001)
-    steady = cardan.Load(speed=1.0, inertias=inertias)
-    yielding = cardan.Load(
-        speed=free.speed_ratio(angles),
-        acceleration=free.acceleration_ratio(angles),
-        inertias=inertias,
-    )
-    largest = [
-        np.abs(line.evaluate(angles, "torque", load=load).torque).max()
-        for load in (steady, yielding)
-    ]
-    share = free.variation / line.equivalent().non_uniformity
-    assert 1.0 - largest[1] / largest[0] == pytest.approx(share, rel=0.01)
 
 
 @pytest.mark.parametrize("bend", [0.5, 20.0, 60.0, 88.0])
@@ -142,10 +82,6 @@ def test_a_drive_without_inertia_varies_as_the_flywheel_would() -> None:
     angles = np.linspace(0, 3, 7)
     ratio = THOMA.evaluate(angles, "speed_ratio").speed_ratio
     assert free.speed_ratio(angles) == pytest.approx(1.0 / ratio, rel=1e-14)
-
-
-def test_the_representation_has_no_private_fields() -> None:
-    assert " _" not in repr(THOMA.free_running([10.0, 1.0]))
 
 
 def test_a_drive_alone_and_a_straight_joint_run_steadily() -> None:
@@ -185,25 +121,16 @@ def test_everything_broadcasts() -> None:
     assert varied[-1] == many[-1].free_running([1.0, 1.0]).variation
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: THOMA.free_running(1.0), r"inertias has shape \(\); 2 shafts need \(\.\.\., 2\)"),
-        (lambda: THOMA.free_running([1.0]), r"inertias has shape \(1,\); 2 shafts"),
-        (lambda: THOMA.free_running([1.0, -1.0]), r"inertias\[1\] is -1.0; it must be finite"),
-        (lambda: THOMA.free_running([1.0, math.nan]), r"inertias\[1\] is nan; it must be finite"),
-        (lambda: THOMA.free_running([0.0, 0.0]), "inertias are all 0; at least one shaft"),
-        (lambda: THOMA.free_running([1.0, 1.0]).drive_inertia_for(0.0), "variation is 0.0; it"),
-    ],
+test_refusals = refusals(
+    {
+        "inertias has shape (); 2 shafts need (..., 2)": lambda: THOMA.free_running(1.0),
+        "inertias has shape (1,); 2 shafts": lambda: THOMA.free_running([1.0]),
+        "inertias[1] is -1.0; it must be finite": lambda: THOMA.free_running([1.0, -1.0]),
+        "inertias[1] is nan; it must be finite": lambda: THOMA.free_running([1.0, math.nan]),
+        "inertias are all 0; at least one shaft": lambda: THOMA.free_running([0.0, 0.0]),
+        "variation is 0.0; it": lambda: THOMA.free_running([1.0, 1.0]).drive_inertia_for(0.0),
+    }
 )
-def test_refusals(call: Callable[[], Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
-def test_what_is_not_a_number() -> None:
-    with pytest.raises(TypeError, match="inertias has dtype"):
-        THOMA.free_running(["a", "b"])
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-160, 1e200, 1e307])

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 import cardan
 import tiers
-from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
+from cardan import ArgumentValueError, Driveline, Load
 from cardan.optimisation.problem import Problem, QuantityLike, measure_of
 from cardan.optimisation.search import _Program, _settings, candidates
+from refusals import refusals
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
 LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])
@@ -54,6 +55,19 @@ def grid(*counts: int) -> NDArray[np.float64]:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
+@pytest.mark.parametrize("vectorised", [False, True])
+def test_no_point_of_a_fine_grid_has_a_smaller_mean_square(vectorised: bool) -> None:
+    best = cardan.optimise(truck, START, BOUNDS, over="rms", vectorised=vectorised, **PHASES)
+
+    def rms(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        k = np.sqrt(np.mean(truck(x).equivalent().k ** 2, axis=-1))
+        return np.asarray(2.0 * np.arctan(np.sqrt(k)))
+
+    values = rms(grid(25, 45, 45))
+    assert best.value <= np.min(values) < 1.25 * best.value
+    np.testing.assert_allclose(best.value, rms(best.x), rtol=1e-9)
+
+
 def test_no_point_of_a_fine_grid_is_better() -> None:
     best = cardan.optimise(truck, START, BOUNDS, **PHASES)
     values = largest(grid(25, 45, 45))
@@ -67,47 +81,6 @@ def test_no_point_of_a_fine_grid_is_better() -> None:
     np.testing.assert_allclose(best.before, largest(START), rtol=1e-12)
     np.testing.assert_allclose(best.per_state, truck(best.x).equivalent().bend, rtol=1e-9)
     np.testing.assert_allclose(best.per_state_before, truck(START).equivalent().bend, rtol=1e-9)
-
-
-@pytest.mark.parametrize("over", ["largest", "rms"])
-def test_ten_times_the_work_of_another_optimiser_finds_nothing_better(
-    over: Literal["largest", "rms"],
-) -> None:
-    from scipy.optimize import differential_evolution
-
-    drivelines = 0
-
-    def counted(x: NDArray[np.float64]) -> Driveline:
-        nonlocal drivelines
-        drivelines += 9
-        return truck(x)
-
-    best = cardan.optimise(counted, START, BOUNDS, over=over, **PHASES)
-
-    done = 0
-
-    def other(columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        nonlocal done
-        done += 9 * columns.shape[1]
-        k = truck(columns.T).equivalent().k
-        length = np.max(k, axis=-1) if over == "largest" else np.sqrt(np.mean(k**2, axis=-1))
-        return np.asarray(2.0 * np.arctan(np.sqrt(length)))
-
-    generations = 10 * drivelines // (9 * 45)
-    found = differential_evolution(
-        other,
-        list(zip(LOW, HIGH, strict=True)),
-        seed=3,
-        maxiter=generations,
-        popsize=15,
-        tol=0.0,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-    )
-    assert done >= 10 * drivelines
-    assert best.value <= found.fun * (1.0 + 1e-7)
-    assert found.fun <= best.value * (1.0 + 1e-3)
 
 
 def test_one_phase_is_that_of_the_closed_form() -> None:
@@ -199,19 +172,6 @@ def supported(x: NDArray[np.float64]) -> Driveline:
 
 BY_POSITION = [("points", (2, 1)), ("positions", 2)]
 TORQUE = Load(output_torque=300.0)
-
-
-@pytest.mark.parametrize("name", ["bearing_force_2_peak", "joint_force_1_rms"])
-def test_forces_have_exact_derivatives_by_bearings_too(name: str) -> None:
-    x = np.array([-0.07, 1.1])
-    measure = measure_of("minimise", name, 3, TORQUE)
-    assert measure.derivatives
-    by = measure.derivatives(supported(x), ["points", "positions"])
-    parts = [by["points"][..., 2, 1], by["positions"][..., 2]]
-    for i, step in enumerate(1e-6 * np.eye(2)):
-        ends = [measure.vectors(supported(x + sign * step)) for sign in (1.0, -1.0)]
-        difference = (ends[0] - ends[1]) / 2e-6
-        np.testing.assert_allclose(parts[i], difference, rtol=1e-6, atol=1e-6 * np.max(ends))
 
 
 @pytest.mark.parametrize("keep", [{}, {"equivalent_bend": 0.056}])
@@ -361,19 +321,6 @@ def test_the_best_of_all_starts_counts() -> None:
     assert best.x == pytest.approx([0.2], abs=1e-4)
 
 
-def test_the_worst_of_several_limits_counts() -> None:
-    names = ("non_uniformity", "equivalent_bend")
-    goal, *keep = (measure_of("keep", name, 3, None) for name in (names[1], *names))
-    lengths, even = np.array([0.5, 0.001]), np.full(9, 1.0 / 9.0)
-    problem = Problem(
-        *(truck, LOW, HIGH, HIGH - LOW, goal, tuple(keep), lengths, False, even, None, True)
-    )
-    size = float(np.max(np.abs(truck(START).transmission().q)))
-    (found,) = candidates(problem, START[np.newaxis])
-    assert found.excess == pytest.approx(size / 0.001 - 1.0)
-    assert found.rank == (found.excess, found.size)
-
-
 def test_of_many_teeth_those_next_to_the_optima_are_compared() -> None:
     """A phase repeats after half a turn: 0° is as near to 175° as 170° is."""
     allowed = [np.arange(0.0, 180.0, 15.0)] * 3
@@ -432,12 +379,6 @@ def test_differences_are_the_derivatives_within_and_at_the_bounds(at: float) -> 
     np.testing.assert_allclose(found[:, 0, 0], transmission.dq(by="points")[:, 2, 1], rtol=1e-6)
     by_phases = np.pi / 180.0 * transmission.dq(by="phases")
     np.testing.assert_allclose(found[:, 0, 1:], by_phases, rtol=1e-6, atol=1e-12)
-
-
-def test_batches_of_variables_find_the_same() -> None:
-    one = cardan.optimise(truck, START, BOUNDS, **PHASES)
-    many = cardan.optimise(truck, START, BOUNDS, vectorised=True, **PHASES)
-    assert many.value == pytest.approx(one.value, rel=1e-9)
 
 
 def moment(line: Driveline) -> NDArray[np.float64]:
@@ -672,77 +613,70 @@ def one_phase(x: NDArray[np.float64]) -> Driveline:
     return Driveline.from_bends([0.1, 0.1], [0.0], x)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"start": [[0.0]]}, "start has shape (1, 1); it must be one number per variable"),
-        ({"start": [np.nan]}, "start[0] is nan; it must be finite"),
-        ({"start": [2.0]}, "start[0] is 2; it must lie within its bounds [-1, 1]"),
-        ({"bounds": [(1, -1)]}, "bounds[0] is [1, -1]; the first must be below the second"),
-        ({"bounds": [(0, 1)] * 2}, "bounds has shape (2, 2); it must be (1, 2), a pair per"),
-        ({"over": "all"}, "over is 'all'; it must be 'largest' or 'rms'"),
-        ({"minimise": "bend"}, "minimise is 'bend'; "),
-        ({"minimise": "torque_1_peak"}, "minimise is 'torque_1_peak'; it needs a load"),
-        ({"minimise": lambda line: [0.0, 1.0]}, "minimise returned shape (2,); it must return"),
-        (
-            {"minimise": "inertia_excitation", "lines_of": lambda x: Driveline.from_bends(x)},
-            "minimise is 'inertia_excitation'; one joint has no shaft between two joints",
-        ),
-        ({"speed": [1.0, 2.0]}, "speed has shape (2,); there are 1 states"),
-        ({"speed": 0.0}, "speed is 0.0; it must be finite and not 0"),
-        ({"states": ["a", "b"]}, "states has 2 names; there are 1 states"),
-        ({"weights": [1.0]}, "weights go with over='rms'; the largest needs none"),
-        ({"over": "rms", "weights": [-1.0]}, "weights[0] is -1.0; it must be finite and not"),
-        ({"over": "rms", "weights": [0.0]}, "weights are all 0; at least one must be positive"),
-        (
-            {"over": "rms", "weights": [1, 1]},
-            "weights has shape (2,); it must be (1,)",
-        ),
-        ({"keep": {"non_uniformity": 0}}, "keep['non_uniformity'] is 0; a limit must be a pos"),
-        ({"keep": {"equivalent_bend": 2}}, "keep['equivalent_bend'] is 2; a limit must be a "),
-        ({"phases": [1]}, "phases[0] is 1; there are 1 variables, counted from 0"),
-        ({"phases": [0, 0]}, "phases[1] is 0 again; name each once"),
-        ({"phases": [0], "teeth": [3, 4]}, "teeth has length 2; there are 1 phases"),
-        ({"phases": [0], "teeth": 0}, "teeth is 0; it must be at least 1"),
-        ({"parameters": []}, "parameters has length 0; there are 1 variables"),
-        ({"parameters": [("phases", 1)]}, "parameters[0, 1] is 1; index 1 is out of bounds"),
-        ({"parameters": [("speed", 0)]}, "parameters[0, 0] is 'speed'; "),
-        (
-            {"parameters": [("phases", 0)], "jac": lambda x: np.zeros((1, 1))},
-            "jac does not go with parameters, which say the same",
-        ),
-        ({"starts": 0}, "starts is 0; it must be at least 1"),
-        (
-            {"lines_of": lambda x: Driveline.from_bends([[[0.1]]])},
-            "lines_of returned a batch (1, 1); ",
-        ),
-        ({"jac": lambda x: np.zeros((2, 1))}, "jac returned shape (2, 1); it must be states by"),
-        (
-            {"vectorised": True, "lines_of": lambda x: one_phase(x[0])},
-            "lines_of returned a batch (); ",
-        ),
-    ],
-)
-def test_bad_input(arguments: dict[str, Any], message: str) -> None:
+def asked(**arguments: Any) -> cardan.Optimum:  # noqa: ANN401
     given = {"lines_of": one_phase, "start": [0.5], "bounds": [(-1.0, 1.0)], **arguments}
-    with pytest.raises(ArgumentValueError) as caught:
-        cardan.optimise(**given)
-    assert str(caught.value).startswith(message)
+    return cardan.optimise(**given)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"minimise": 3}, "minimise is 3; it must be a name or a function of a driveline"),
-        ({"starts": 2.5}, "starts is 2.5; it must be an integer"),
-        ({"lines_of": lambda x: x}, "lines_of returned ndarray; it must return a Driveline"),
-    ],
+test_bad_input = refusals(
+    {
+        "start has shape (1, 1); it must be one number per variable": {"start": [[0.0]]},
+        "start[0] is nan; it must be finite": {"start": [np.nan]},
+        "start[0] is 2; it must lie within its bounds [-1, 1]": {"start": [2.0]},
+        "bounds[0] is [1, -1]; the first must be below the second": {"bounds": [(1, -1)]},
+        "bounds has shape (2, 2); it must be (1, 2), a pair per": {"bounds": [(0, 1)] * 2},
+        "over is 'all'; it must be 'largest' or 'rms'": {"over": "all"},
+        "minimise is 'bend'; ": {"minimise": "bend"},
+        "minimise is 'torque_1_peak'; it needs a load": {"minimise": "torque_1_peak"},
+        "minimise returned shape (2,); it must return": {"minimise": lambda line: [0.0, 1.0]},
+        "minimise is 'inertia_excitation'; one joint has no shaft between two joints": {
+            "minimise": "inertia_excitation",
+            "lines_of": lambda x: Driveline.from_bends(x),
+        },
+        "speed has shape (2,); there are 1 states": {"speed": [1.0, 2.0]},
+        "speed is 0.0; it must be finite and not 0": {"speed": 0.0},
+        "states has 2 names; there are 1 states": {"states": ["a", "b"]},
+        "weights go with over='rms'; the largest needs none": {"weights": [1.0]},
+        "weights[0] is -1.0; it must be finite and not": {"over": "rms", "weights": [-1.0]},
+        "weights are all 0; at least one must be positive": {"over": "rms", "weights": [0.0]},
+        "weights has shape (2,); it must be (1,)": {"over": "rms", "weights": [1, 1]},
+        "keep['non_uniformity'] is 0; a limit must be a pos": {"keep": {"non_uniformity": 0}},
+        "keep['equivalent_bend'] is 2; a limit must be a ": {"keep": {"equivalent_bend": 2}},
+        "phases[0] is 1; there are 1 variables, counted from 0": {"phases": [1]},
+        "phases[1] is 0 again; name each once": {"phases": [0, 0]},
+        "teeth has length 2; there are 1 phases": {"phases": [0], "teeth": [3, 4]},
+        "teeth is 0; it must be at least 1": {"phases": [0], "teeth": 0},
+        "parameters has length 0; there are 1 variables": {"parameters": []},
+        "parameters[0, 1] is 1; index 1 is out of bounds": {"parameters": [("phases", 1)]},
+        "parameters[0, 0] is 'speed'; ": {"parameters": [("speed", 0)]},
+        "jac does not go with parameters, which say the same": {
+            "parameters": [("phases", 0)],
+            "jac": lambda x: np.zeros((1, 1)),
+        },
+        "starts is 0; it must be at least 1": {"starts": 0},
+        "lines_of returned a batch (1, 1); ": {
+            "lines_of": lambda x: Driveline.from_bends([[[0.1]]])
+        },
+        "jac returned shape (2, 1); it must be states by": {"jac": lambda x: np.zeros((2, 1))},
+        "lines_of returned a batch (); ": {
+            "vectorised": True,
+            "lines_of": lambda x: one_phase(x[0]),
+        },
+    },
+    asked,
 )
-def test_wrong_types(arguments: dict[str, Any], message: str) -> None:
-    given = {"lines_of": one_phase, "start": [0.5], "bounds": [(-1.0, 1.0)], **arguments}
-    with pytest.raises(ArgumentTypeError) as caught:
-        cardan.optimise(**given)
-    assert str(caught.value) == message
+
+
+test_wrong_types = refusals(
+    {
+        "TypeError: minimise is 3; it must be a name or a function of a driveline": {"minimise": 3},
+        "TypeError: starts is 2.5; it must be an integer": {"starts": 2.5},
+        "TypeError: lines_of returned ndarray; it must return a Driveline": {
+            "lines_of": lambda x: x
+        },
+    },
+    asked,
+)
 
 
 def test_errors_of_the_start_are_those_of_the_driveline() -> None:
