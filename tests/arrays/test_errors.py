@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -263,6 +265,81 @@ def test_fields_arrive_from_a_task_of_dask() -> None:
         Driveline.from_bends(bends).evaluate(0.1).speed_ratio.compute()  # type: ignore[attr-defined]
     # Within the chunk.
     assert (caught.value.argument, caught.value.place) == ("bends", (0, 2, 1))
+
+
+def test_tracebacks_show_the_public_name() -> None:
+    for name in ("ArgumentError", "ArgumentTypeError", "ArgumentValueError"):
+        assert getattr(cardan, name).__module__ == "cardan"
+        assert name in vars(cardan)["__all__"]
+
+
+def texts_read(source: str) -> Iterator[int]:
+    """The lines where a program does more with the text of an error than to pass it on."""
+    tree = ast.parse(source)
+    names = {"error"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ExceptHandler) and node.name:
+            names.add(node.name)
+
+    def is_text(node: ast.AST) -> bool:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            one_name = len(node.args) == 1 and isinstance(node.args[0], ast.Name)
+            return node.func.id in ("str", "repr") and one_name and node.args[0].id in names  # type: ignore[attr-defined]
+        if isinstance(node, ast.FormattedValue):
+            return isinstance(node.value, ast.Name) and node.value.id in names
+        return isinstance(node, ast.JoinedStr) and any(map(is_text, node.values))
+
+    for node in ast.walk(tree):
+        match node:
+            case ast.Attribute(value=ast.Name(id=name), attr="args") if name in names:
+                # Errors may set their own, as ``self.args``.
+                yield node.lineno
+            case ast.Attribute(attr="split", value=value) if is_text(value):
+                # To bring a text of several lines into one.
+                pass
+            case ast.Attribute(value=value) | ast.Subscript(value=value) if is_text(value):
+                yield node.lineno
+            case ast.Compare(left=left, comparators=others) if any(map(is_text, [left, *others])):
+                yield node.lineno
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="re")), args=given) if any(
+                map(is_text, given)
+            ):
+                yield node.lineno
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="self")), args=given) if any(
+                map(is_text, given)
+            ):
+                yield node.lineno
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        "re.sub('a', 'b', str(error))",
+        "re.match('a', f'{error}')",
+        "self._line(section, str(error))",
+        "str(error).startswith('a')",
+        "'a' in str(error)",
+        "str(error) == 'a'",
+        "str(error)[:3]",
+        "error.args[0]",
+    ],
+)
+def test_the_search_finds_what_it_looks_for(use: str) -> None:
+    handler = f"try:\n    f()\nexcept ValueError as error:\n    x = {use}\n"
+    assert list(texts_read(handler)) == [4]
+    assert list(texts_read(handler.replace("error", "wrong"))) == [4]
+    assert not list(texts_read(handler.replace(use, "error.argument")))
+
+
+def test_no_code_of_the_package_reads_the_text_of_an_error() -> None:
+    package = Path(cardan.__file__).parent
+    found = {
+        f"{path.relative_to(package)}:{line}"
+        for path in package.rglob("*.py")
+        for line in texts_read(path.read_text(encoding="utf-8"))
+    }
+    assert len(list(package.rglob("*.py"))) > 50
+    assert not found
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import weakref
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -100,6 +102,26 @@ def test_drivelines_and_long_loads_are_freed_without_the_collector() -> None:
         assert [reference() for reference in followed] == [None, None]
     finally:
         gc.enable()
+
+
+def test_few_plans_are_remembered() -> None:
+    known = line()
+    for tolerance in np.repeat(np.geomspace(1e-9, 1e-3, 100), 2):
+        known.evaluate(ANGLE, tolerance=tolerance)
+    assert 1 <= len(known._plans) <= 8
+    many = Driveline.from_bends(np.full((2, 1), 0.3))
+    for _ in range(2):
+        many.evaluate(ANGLE[:, None], "angle")
+    assert not many._plans
+
+
+def test_copies_begin_without_plans() -> None:
+    known = line()
+    for _ in range(2):
+        known.evaluate(ANGLE)
+    for other in (pickle.loads(pickle.dumps(known)), known.with_phases(0.0), known.reversed()):
+        assert not other._plans
+    assert copy.copy(known) is known
 
 
 def test_threads_may_share_a_driveline() -> None:

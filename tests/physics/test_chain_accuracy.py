@@ -360,12 +360,3 @@ def test_angles_that_are_less_than_the_angle_error(case: dict[str, Any]) -> None
     got = chain.line.evaluate([case["angle"]], ("angle", "angle_error"), tolerance=0)
     assert want.distance(got.angle).max() <= limits("tolerance_0_chain")["angle"] * want.ulp[0]
     assert 3.0 < abs(got.angle_error[0] / got.angle[0]) < 5.0
-
-
-def test_far_angles_of_either_sign_keep_the_sense_of_the_pins() -> None:
-    """Half a turn, after which the motion repeats, changes the sign of the tilts."""
-    bend, angle = 0.4, np.multiply.outer([1.0, -1.0], 10.0 ** np.arange(12, 309))
-    got = Driveline.from_bends([bend]).evaluate(angle, ("tilt_driving", "tilt_driven"), joints=0)
-    sine = np.tan(got.tilt_driving) / math.tan(bend)
-    cosine = np.sin(got.tilt_driven) / math.sin(bend)
-    assert np.max(np.abs([cosine - np.cos(angle), sine - np.sin(angle)])) < 4e-15
