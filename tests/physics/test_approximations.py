@@ -21,12 +21,13 @@ from cardan.reference.approximations import (
     thoma_small_angle,
     torsional_excitation,
 )
-from oracle import EPS, Doubles, mp, radians, read
+from oracle import EPS, Doubles, distinct, mp, radians, read
 from refusals import refusals
 
 RIGHT = math.pi / 2
 RPM = 2 * math.pi / 60
 CASES = read("thoma_small_angle.json")["cases"]
+SINGLE = read("single_moments.json")["cases"]
 
 # --- Thoma by equation -----------------------------------------------------------------------
 
@@ -37,6 +38,20 @@ bends = pytest.mark.parametrize("bend", BENDS)
 
 def close(got: Doubles, want: Doubles, scale: float = 1.0) -> None:
     assert np.max(np.abs(got - want)) <= 1e-14 * scale
+
+
+def driven(bend: float) -> Doubles:
+    """Return his psi over his phi: the library's angle."""
+    angle: Doubles = Driveline.from_bends([bend]).evaluate(TURN, "angle").angle
+    return angle
+
+
+def arms(bend: float) -> tuple[Doubles, Doubles]:
+    """Return the arms of the cross as (1) and (2) give their direction cosines."""
+    phi, psi = TURN, driven(bend)
+    first = [np.cos(phi) * math.cos(bend), -np.cos(phi) * math.sin(bend), np.sin(phi)]
+    second = [-np.sin(psi), np.zeros_like(psi), np.cos(psi)]
+    return np.stack(first, axis=-1), np.stack(second, axis=-1)
 
 
 def his_axes(bend: float) -> Doubles:
@@ -57,6 +72,72 @@ def exact(bend: float, angle: Doubles, inertia: float = 1.0, speed: float = 1.0)
 
 
 @bends
+def test_thoma_1_and_2_arms_of_the_cross(bend: float) -> None:
+    first, second = arms(bend)
+    # Unit vectors, across their shafts and, because the library's angle is his psi, each other.
+    driving, driven_shaft = his_axes(bend)[0], np.array([0.0, -1.0, 0.0])
+    one = np.ones_like(TURN)
+    for arm, shaft in ((first, driving), (second, driven_shaft)):
+        close((arm**2).sum(axis=1), one)
+        close(arm @ shaft, 0 * one)
+    close((first * second).sum(axis=1), 0 * one, 1 / math.cos(bend))
+    # Both turn right-handed about the direction of the power flow, which is -y.
+    for arm, shaft in ((first, driving), (second, driven_shaft)):
+        step = np.cross(arm[:-1], arm[1:]) @ shaft
+        assert np.all(step > 0)
+
+
+@bends
+def test_thoma_3_driven_angle(bend: float) -> None:
+    square = np.sin(TURN) ** 2
+    want = square / (math.cos(bend) ** 2 + (1 - math.cos(bend) ** 2) * square)
+    close(np.sin(driven(bend)) ** 2, want, 1 / math.cos(bend) ** 2)
+
+
+@bends
+def test_thoma_4_driven_angle(bend: float) -> None:
+    phi = np.linspace(-1.5, 1.5, 301)
+    psi = Driveline.from_bends([bend]).evaluate(phi, "angle").angle
+    close(psi, np.arctan(np.tan(phi) / math.cos(bend)), 1 / math.cos(bend))
+
+
+@bends
+def test_thoma_5_to_7_bending_moments(bend: float) -> None:
+    first, second = arms(bend)
+    ratios = thoma_moment_ratios(TURN, bend)
+    # (5): the moment is normal to both arms, so its components are as the direction cosines.
+    normal = np.cross(first, second)
+    scale = 1 / math.cos(bend) ** 2
+    close(ratios.x * normal[:, 1], normal[:, 0], scale)
+    close(ratios.z * normal[:, 1], normal[:, 2], scale)
+    # (6) and (7) as they are printed, away from the poles of the tangent.
+    phi = np.linspace(-1.5, 1.5, 301)
+    under = math.cos(bend) ** 2 + np.tan(phi) ** 2
+    ratios = thoma_moment_ratios(phi, bend)
+    close(ratios.x, math.sin(bend) * math.cos(bend) / under, scale)
+    close(ratios.z, math.sin(bend) * np.tan(phi) / under, scale)
+    # They hold for any torque: here that of a drive which puts 1 N m into shaft I.
+    load = Load(drive_torque=1.0)
+    result = Driveline.from_bends([bend]).evaluate(phi, "moment", joints=0, load=load)
+    x, y, z = (result.moment @ his_axes(bend)).T
+    close(ratios.x * y, x, scale)
+    close(ratios.z * y, z, scale)
+
+
+@pytest.mark.parametrize("beta", distinct(SINGLE, "beta_deg"))
+def test_thoma_6_and_7_against_the_vector_model(beta: str) -> None:
+    bend = radians(beta)
+    for row in SINGLE:
+        if row["beta_deg"] == beta:
+            x, y, z = (float(v) for v in row["static"]["M_on_shaft2_xyz"])
+            ratios = thoma_moment_ratios(radians(row["phi_deg"]), bend)
+            # Conditioning, as the pins turn up to 1/cos times as fast as the drive.
+            slack = 4 * EPS / math.cos(bend) ** 2
+            assert abs(ratios.x - x / y) <= slack
+            assert abs(ratios.z - z / y) <= slack
+
+
+@bends
 def test_thoma_6_and_7_keep_their_digits(bend: float) -> None:
     angles = [0.0, 1e-300, 1e-9, 0.3, RIGHT - 1e-9, RIGHT, 2.0, math.pi, 1e4]
     got = thoma_moment_ratios(angles, bend)
@@ -70,7 +151,34 @@ def test_thoma_6_and_7_keep_their_digits(bend: float) -> None:
             assert abs(value - want) <= 8 * EPS * abs(want)
 
 
+@bends
+def test_thoma_8_torque_of_the_flywheel(bend: float) -> None:
+    # Printed as (3): inertia times the square of the speed times the second derivative of psi.
+    inertia, speed = 0.7, 30.0
+    line = Driveline.from_bends([bend])
+    rate = line.evaluate(TURN, "acceleration_ratio").acceleration_ratio
+    unit = inertia * speed**2
+    got = exact(bend, TURN, inertia, speed)
+    largest = float(line.equivalent().max_acceleration_ratio)
+    close(got.torque / unit, rate, largest / math.cos(bend))
+    # It is positive about the driven shaft as that points along the power flow, -y.
+    ratios = thoma_moment_ratios(TURN, bend)
+    close(got.moment_x / unit, ratios.x * rate, 10 * largest / math.cos(bend) ** 2)
+    close(got.moment_z / unit, ratios.z * rate, 10 * largest / math.cos(bend) ** 2)
+
+
 # --- Thoma's small-angle forms ---------------------------------------------------------------
+
+
+def test_thoma_small_angle_forms_as_printed() -> None:
+    inertia, speed, bend = 0.02, 150.0, math.radians(8.5)
+    got = thoma_small_angle(TURN, bend, inertia, speed)
+    unit = inertia * speed**2 * (1 - math.cos(bend))
+    sine = math.sin(bend)
+    four = 0.5 * np.sin(4 * TURN)
+    close(got.torque, -2 * unit * np.sin(2 * TURN), unit)
+    close(got.moment_x, -unit * sine * (np.sin(2 * TURN) + four), unit)
+    close(got.moment_z, -0.5 * unit * sine * (1 - np.cos(4 * TURN)), unit)
 
 
 def test_thoma_small_angle_forms_keep_their_digits() -> None:
@@ -136,6 +244,30 @@ def test_errors_that_the_documentation_states(
         assert f"{', '.join(map(str, numbers))} %" in text
 
 
+def test_the_relative_error_is_of_the_order_of_one_less_the_cosine() -> None:
+    # Not of its square, as Thoma's wording suggests.
+    angle: Doubles = np.linspace(0, math.pi, 2001)
+    for bend in (1e-3, 1e-2, 1e-1):
+        right, approximate = exact(bend, angle), thoma_small_angle(angle, bend, 1.0, 1.0)
+        for e, a, constant in zip(right, approximate, (1.37, 2.45, 2.27), strict=True):
+            error = np.max(np.abs(a - e)) / np.max(np.abs(e))
+            assert error / (1 - math.cos(bend)) == pytest.approx(constant, rel=0.02)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["bend_deg"])
+def test_mean_of_the_bending_moment_across_the_shafts(case: dict[str, Any]) -> None:
+    bend, inertia, speed = radians(case["bend_deg"]), 0.4, 60.0
+    unit = inertia * speed**2
+    # Equal steps over a turn integrate a trigonometric polynomial exactly.
+    angle: Doubles = np.linspace(0, 2 * math.pi, 256, endpoint=False)
+    mean = np.mean(exact(bend, angle, inertia, speed).moment_z)
+    assert mean == pytest.approx(-0.25 * unit * math.sin(bend) * math.tan(bend) ** 2, rel=1e-12)
+    assert mean / unit == pytest.approx(float(case["mean_Mz"]), rel=1e-12)
+    small = np.mean(thoma_small_angle(angle, bend, inertia, speed).moment_z)
+    versine = 2 * math.sin(bend / 2) ** 2
+    assert small == pytest.approx(-0.5 * unit * math.sin(bend) * versine, rel=1e-12)
+
+
 # --- catalogue and workshop rules ------------------------------------------------------------
 
 
@@ -147,11 +279,6 @@ def test_the_root_rule(case: dict[str, Any]) -> None:
     squares = math.sqrt(float((betas**2).sum()))
     assert got == pytest.approx(float(case["rule_deg"]), rel=1e-12, abs=4e-8 * squares)
     line = Driveline.from_bends(np.abs(betas), degrees=True)
-    signs = np.sign(betas)
-    # Joints whose errors add have crossed yokes between them.
-    crossed = line.with_phases(np.where(signs[1:] == signs[:-1], RIGHT, 0.0))
-    exact_bend = float(case["exact_deg"])
-    assert math.degrees(crossed.equivalent().bend) == pytest.approx(exact_bend, rel=1e-12, abs=3e-6)
     assert line.catalogue_bend(np.sign(betas)) == pytest.approx(math.radians(got), abs=1e-8)
 
 
@@ -221,6 +348,25 @@ def test_workshop_figures_of_four_joints_at_2500_rpm() -> None:
     assert limits == (300.0, 500.0, 1000.0, 2000.0)
 
 
+@pytest.mark.parametrize(
+    ("rpm", "bend", "peak"),
+    # Parker/Chelsea, bulletin HY25-1890-M1/US, page 5, "100 RAD/SEC2"; Spicer at higher speeds.
+    [
+        *((3000, 5 + 50 / 60, 1025), (2500, 7.0, 1026), (2000, 8 + 40 / 60, 1008)),
+        *((1500, 11.5, 1001), (3500, 5.0, 1024), (4000, 4.2, 944), (5000, 3.2, 856)),
+    ],
+)
+def test_published_angles_over_the_speed(rpm: float, bend: float, peak: float) -> None:
+    """They accelerate the driven shaft of one joint by 1000 rad/s² at most, not by 100."""
+    speed, angle = rpm * math.pi / 30.0, np.linspace(0.0, math.pi, 20_001)
+    line = Driveline.from_bends([bend], degrees=True)
+    exact = np.max(np.abs(line.evaluate(angle, "acceleration_ratio").acceleration_ratio))
+    assert exact * speed**2 == pytest.approx(peak, abs=1.0)
+    # The square of the angle times the speed is the share of the second order.
+    assert (math.radians(bend) * speed) ** 2 == pytest.approx(exact * speed**2, rel=0.01)
+    assert 0.85 < peak / approximations.INERTIA_LIMIT < 1.03
+
+
 def test_inertia_weights() -> None:
     # The sum over the shafts between the joints of what reaches each of them.
     for signs in (SIGNS, [1, -1, -1, -1]):
@@ -236,6 +382,15 @@ def test_inertia_weights() -> None:
     assert inertia_bend([0.1, 0.2], [1, -1], "coast") == pytest.approx(0.2, rel=1e-15)
     # One joint has no such shaft.
     assert inertia_excitation([0.1], [1], 100.0) == 0.0
+
+
+@pytest.mark.parametrize(("degrees", "below"), [(10, 0.015), (30, 0.15)])
+def test_the_torsional_figure_of_one_joint_is_low(degrees: float, below: float) -> None:
+    bend = math.radians(degrees)
+    peak = float(Driveline.from_bends([bend]).equivalent().max_acceleration_ratio)
+    figure = torsional_excitation([bend], [1], 1.0)
+    assert figure == pytest.approx(math.sin(bend) ** 2, rel=1e-14)
+    assert 1 - figure / peak == pytest.approx(below, rel=0.04)
 
 
 def test_a_hopeless_chain_does_not_pass() -> None:

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cardan import ball_joint
 from cardan.ball_joint import BallJoint, layer_compliance
-from oracle import EPS, LIMIT_TABLE, Doubles, Exact, MpNumber, mp, read
+from oracle import EPS, LIMIT_TABLE, Doubles, Exact, MpNumber, mp, radians, read
 from refusals import refusals
 
 DATA = read("ball_joint.json")
@@ -36,7 +37,54 @@ def loose_at(angle: float, radius: float = 1.0) -> tuple[BallJoint, float]:
 # --- Marcus by equation ----------------------------------------------------------------------
 
 RADIUS, LOAD, ALPHA_1, ALPHA_2 = 0.06, 2.5e5, 3e-12, 4e-12
+THETA = np.linspace(-RIGHT, RIGHT, 181)
 JOINT = BallJoint(RADIUS)
+
+
+def test_marcus_1_and_2_compression() -> None:
+    # (1): each side gives way by its own coefficient; (2): together by the approach's part along
+    # the normal.
+    n = JOINT.pressure(THETA, LOAD)
+    approach = JOINT.approach(LOAD, ALPHA_1 + ALPHA_2)
+    want = approach * np.cos(THETA)
+    assert ALPHA_1 * n + ALPHA_2 * n == pytest.approx(want, rel=4 * EPS, abs=1e-20)
+
+
+def test_marcus_3_pressure_from_the_approach() -> None:
+    approach = JOINT.approach(LOAD, ALPHA_1 + ALPHA_2)
+    want = approach / (ALPHA_1 + ALPHA_2) * np.cos(THETA)
+    assert JOINT.pressure(THETA, LOAD) == pytest.approx(want, rel=4 * EPS)
+
+
+def test_marcus_4_to_7_the_load_is_the_vertical_part_of_the_pressure() -> None:
+    # (4) element of surface, (5) force on it, (6) its vertical part, (7) the sum; the d psi that
+    # the print of (7) lost is the factor 2 pi.
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    theta, d_theta = RIGHT / 2 * (nodes + 1), RIGHT / 2 * weights
+    d_f = RADIUS**2 * np.sin(theta) * d_theta * 2 * math.pi
+    d_v = JOINT.pressure(theta, LOAD) * d_f * np.cos(theta)
+    assert d_v.sum() == pytest.approx(LOAD, rel=1e-14)
+
+
+def test_marcus_8_approach() -> None:
+    approach = JOINT.approach(LOAD, ALPHA_1 + ALPHA_2)
+    load = 2 * math.pi * RADIUS**2 * approach / (3 * (ALPHA_1 + ALPHA_2))
+    assert load == pytest.approx(LOAD, rel=4 * EPS)
+
+
+def test_marcus_9_pressure_from_the_load() -> None:
+    want = 3 * LOAD / (2 * math.pi * RADIUS**2) * np.cos(THETA)
+    assert JOINT.pressure(THETA, LOAD) == pytest.approx(want, rel=4 * EPS)
+
+
+def test_marcus_10_peak() -> None:
+    peak = JOINT.peak_pressure(LOAD)
+    assert peak == pytest.approx(3 * LOAD / (2 * math.pi * RADIUS**2), rel=4 * EPS)
+    assert peak == JOINT.pressure(0.0, LOAD)
+    # His "three times" is the load over the whole surface; a pressure that is the same everywhere
+    # would carry it as the load over the projection.
+    assert peak == pytest.approx(3 * LOAD / (2 * math.pi * RADIUS**2), rel=4 * EPS)
+    assert peak == pytest.approx(1.5 * LOAD / (math.pi * RADIUS**2), rel=4 * EPS)
 
 
 @pytest.mark.parametrize("row", DATA["marcus"], ids=lambda row: f"{row['D']}, {row['K']}")
@@ -77,6 +125,39 @@ def test_a_layer_yields_as_hookes_law_without_lateral_strain(poisson: float) -> 
 
 
 # --- data ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("row", DATA["fit"], ids=lambda row: row["theta0_deg"])
+def test_cut_seats(row: dict[str, str]) -> None:
+    angle = radians(row["theta0_deg"])
+    seat = BallJoint(1.0, angle)
+    peak = float(row["peak_factor"])
+    assert seat.contact_angle(1.0) == angle
+    assert seat.peak_pressure(1.0) == pytest.approx(peak, rel=5 * EPS)
+    over_mean = seat.peak_pressure(1.0) * math.pi * math.sin(angle) ** 2
+    assert over_mean == pytest.approx(float(row["over_projected_mean"]), rel=6 * EPS)
+    assert seat.friction_moment(1.0, 1.0) == pytest.approx(float(row["pivot"]), rel=4 * EPS)
+    sized = BallJoint.sized_for(50.0, 2.0, angle)
+    assert sized.radius == pytest.approx(5.0 * float(row["r_factor"]), rel=4 * EPS)
+    assert sized.half_angle == angle
+
+
+@pytest.mark.parametrize("row", DATA["clearance"], ids=lambda row: row["theta0_deg"])
+def test_contacts_ended_by_a_clearance(row: dict[str, str]) -> None:
+    angle, peak = radians(row["theta0_deg"]), float(row["peak_factor"])
+    if angle == RIGHT:  # only a perfect fit touches so far
+        joint, load = BallJoint(1.0).with_clearance(0.0, compliance=2e-12), 1.0
+    else:
+        joint, _ = loose_at(angle)
+        versine = 2 * math.sin(angle / 2) ** 2
+        load = joint.clearance * versine / math.cos(angle) / joint.compliance / peak
+    assert joint.contact_angle(load) == pytest.approx(angle, rel=6 * EPS)
+    assert joint.peak_pressure(load) / load == pytest.approx(peak, rel=12 * EPS)
+    assert joint.friction_moment(load, 0.1) == pytest.approx(
+        0.1 * load * float(row["pivot"]), rel=16 * EPS
+    )
+    over_mean = joint.peak_pressure(load) / load * math.pi * math.sin(angle) ** 2
+    assert over_mean == pytest.approx(float(row["over_projected_mean"]), rel=16 * EPS)
 
 
 # --- integrals over the surface --------------------------------------------------------------
@@ -202,6 +283,13 @@ def test_friction_against_tilting(joint: BallJoint) -> None:
     relative = 1e-6 if edge > 1.4 else 1e-12 + 1e-15 / edge
     for axis in (first, math.cos(0.4) * first + math.sin(0.4) * second):
         assert got == pytest.approx(0.12 * moment(joint, axis, 120), rel=relative)
+
+
+def test_friction_of_a_hemisphere() -> None:
+    whole = 0.1 * LOAD * RADIUS
+    assert JOINT.friction_moment(LOAD, 0.1) == pytest.approx(whole, rel=4 * EPS)
+    tilting = 4 / math.pi * whole
+    assert JOINT.tilting_friction_moment(LOAD, 0.1) == pytest.approx(tilting, rel=8 * EPS)
 
 
 def test_friction_of_a_small_contact() -> None:
@@ -602,3 +690,15 @@ test_refusals = refusals(
         ),
     }
 )
+
+
+def test_nodes_of_the_rule_are_those_of_gauss() -> None:
+    nodes = ball_joint._GAUSS
+    assert len(nodes) == 12
+    with mp.workdps(40):
+        for found, weight in nodes:
+            node = mp.findroot(lambda x: mp.legendre(24, x), mp.mpf(found))
+            slope = 24 * (mp.legendre(23, node) - node * mp.legendre(24, node)) / (1 - node**2)
+            assert found == float(node)
+            assert weight == float(2 / ((1 - node**2) * slope**2))
+    assert len({node for node, _ in nodes}) == 12

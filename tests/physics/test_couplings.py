@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import cardan
+from cardan.arrays import FloatArray
 from engine_cases import CASES, INF, KINKED, arguments_of, complexes, phases_of
 from refusals import refusals
 
@@ -102,6 +103,175 @@ def test_slope_of_the_drive_torque_is_that_between_speeds() -> None:
     assert slope == pytest.approx((torques[1] - torques[0]) / 0.02, rel=1e-5)
 
 
+class OneJoint:
+    """A drive, one joint, a coupling with play whose damper acts in contact, and an inertia.
+
+    Written from Newton's law of both inertias, and integrated in time from kink to kink.
+    """
+
+    bend, damping, stiffness, play = np.deg2rad(15.0), 6.0, 8000.0, 0.02
+    inertias, slope, load, parts = (0.08, 0.05), 0.5, 20.0, (120.0, 60.0)
+
+    def __init__(self, free: bool) -> None:
+        self.free = free
+        line = cardan.Driveline.from_bends([self.bend])
+        harmonic = (
+            cardan.TorqueHarmonic(0, "input", 2.0, *self.parts)
+            if free
+            else cardan.TorqueHarmonic(1, "output", 2.0, *self.parts)
+        )
+        self.system = cardan.TorsionalSystem(
+            line,
+            inertias=[[self.inertias[0] if free else 0.0, 0.0], [0.0, self.inertias[1]]],
+            stiffnesses=[INF, INF],
+            dampings=[0.0, self.damping],
+            load_torque=self.load,
+            drive="free" if free else "held",
+            drive_slope=self.slope if free else 0.0,
+            harmonics=[harmonic],
+            couplings={1: cardan.Coupling(self.stiffness, play=self.play, contact_damping=True)},
+        )
+
+    def twist(self, state: FloatArray) -> tuple[float, float, float]:
+        """The twist, its rate and the ratio of the joint."""
+        drive, last, drive_speed, last_speed = state[:4]
+        turn = np.arctan2(np.sin(drive), np.cos(self.bend) * np.cos(drive))
+        turn += 2.0 * np.pi * np.round((drive - turn) / (2.0 * np.pi))
+        divisor = np.sin(drive) ** 2 + (np.cos(self.bend) * np.cos(drive)) ** 2
+        ratio = np.cos(self.bend) / divisor
+        return turn - last, ratio * drive_speed - last_speed, ratio
+
+    def torque(self, state: FloatArray, side: int) -> float:
+        """The torque on a side of the play, or within it for 0."""
+        twist, rate, _ = self.twist(state)
+        if side == 0:
+            return 0.0
+        return self.stiffness * (twist - 0.5 * side * self.play) + self.damping * rate
+
+    def slopes(self, state: FloatArray, side: int, speed: float, mean: float) -> FloatArray:
+        """Of angles, speeds and the integral of the torque."""
+        drive, last, drive_speed, last_speed = state[:4]
+        torque = self.torque(state, side)
+        *_, ratio = self.twist(state)
+        angle = drive if self.free else last
+        varying = self.parts[0] * np.cos(2.0 * angle) + self.parts[1] * np.sin(2.0 * angle)
+        of_drive, on_last = 0.0, torque - self.load
+        if self.free:
+            of_drive = mean - self.slope * (drive_speed - speed) + varying - ratio * torque
+        else:
+            on_last += varying
+        return np.array(
+            [
+                drive_speed,
+                last_speed,
+                of_drive / self.inertias[0],
+                on_last / self.inertias[1],
+                torque,
+            ]
+        )
+
+    def run(
+        self, state: FloatArray, time: float, speed: float, mean: float, tolerance: float = 1e-12
+    ) -> tuple[FloatArray, FloatArray]:
+        """The state after a time, and the torques on the way."""
+        state, now, torques = np.append(state, 0.0), 0.0, []
+        twist, *_ = self.twist(state)
+        side = int(np.sign(twist)) if abs(twist) > 0.5 * self.play else 0
+        while now < time:
+            events = []
+            for bound in {0: (-1, 1), 1: (1,), -1: (-1,)}[side]:
+
+                def meets(_: float, at: FloatArray, bound: int = bound) -> float:
+                    return self.twist(at)[0] - 0.5 * bound * self.play
+
+                meets.terminal = True  # type: ignore[attr-defined]
+                # Only outwards: the motion begins on a kink.
+                meets.direction = float(bound if side == 0 else -bound)  # type: ignore[attr-defined]
+                events.append(meets)
+            done = solve_ivp(
+                lambda _, at, side=side: self.slopes(at, side, speed, mean),
+                (now, time),
+                state,
+                method="DOP853",
+                rtol=tolerance,
+                atol=tolerance,
+                events=events,
+                dense_output=True,
+            )
+            times = np.linspace(now, done.t[-1], 400)
+            torques.append([self.torque(at, side) for at in done.sol(times).T])
+            state, now = done.y[:, -1], done.t[-1]
+            if done.status == 1:
+                hit = next(i for i, found in enumerate(done.t_events) if found.size)
+                side = ((-1, 1)[hit]) if side == 0 else 0
+        return state, np.array(torques)
+
+
+def peak(values: FloatArray) -> float:
+    """The largest value between equally spaced ones, by parabolas."""
+    i = int(np.argmax(values))
+    if i in (0, len(values) - 1):
+        return float(values[i])
+    before, here, after = values[i - 1 : i + 2]
+    return float(here - (after - before) ** 2 / (8.0 * (before - 2.0 * here + after)))
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_orbit_with_damping_in_contact_is_that_of_an_integration(free: bool) -> None:
+    model, speed = OneJoint(free), 80.0
+    found = model.system.steady(speed, tolerance=1e-11)
+    mean = float(found.drive_torque_mean)
+    orbit = model.system.orbit(speed, 1, tolerance=1e-11)
+    last = (-1, 1, 0)
+    start = np.array(
+        [
+            orbit.angle_error[0, 0, 0],
+            orbit.angle_error[last],
+            orbit.speed[0, 0, 0],
+            orbit.speed[last],
+        ]
+    )
+    period = np.pi / speed
+    end, torques = model.run(start, period, speed, mean)
+    assert len(torques) > 2, "the coupling rattles"
+    moved = np.array([np.pi, np.pi, 0.0, 0.0])
+    assert np.max(np.abs(end[:4] - start - moved) / [1.0, 1.0, speed, speed]) < 1e-9
+    largest = max(peak(piece) for piece in torques)
+    least = -max(peak(-piece) for piece in torques)
+    assert largest == pytest.approx(found.torque_max[0], rel=1e-7)
+    assert abs(least - found.torque_min[0]) < 1e-7 * largest
+    assert abs(end[4] / period - found.torque_mean[0]) < 1e-8 * largest
+    # The maps of neighbouring motions, whose torque jumps at other times.
+    columns = range(0 if free else 1, 4, 1 if free else 2)
+    aside = 1e-6 * np.array([1.0, 1.0, speed, speed])
+    changes = []
+    for column in columns:
+        ends = []
+        for side in (aside, -aside):
+            begun = start.copy()
+            begun[column] += side[column]
+            ends.append(model.run(begun, period, speed, mean)[0][:4])
+        changes.append((ends[0] - ends[1]) / (2.0 * aside[column]))
+    chosen = list(columns)
+    multipliers = list(np.linalg.eigvals(np.array(changes).T[chosen]))
+    if free:
+        multipliers.remove(min(multipliers, key=lambda x: abs(x - 1.0)))
+    stability = model.system.stability(speed, tolerance=1e-11)
+    assert distance(stability.multipliers, multipliers) < 1e-6
+
+
+@pytest.mark.long
+def test_motion_from_a_disturbed_start_settles_on_the_orbit() -> None:
+    model, speed = OneJoint(free=True), 80.0
+    found = model.system.steady(speed, tolerance=1e-11)
+    mean = float(found.drive_torque_mean)
+    state = np.array([0.0, -0.015, speed + 0.1, speed - 0.1])
+    for _ in range(100):
+        end, torques = model.run(state, np.pi / speed, speed, mean, 1e-11)
+        state = end[:4]
+    assert max(peak(piece) for piece in torques) == pytest.approx(found.torque_max[0], rel=1e-6)
+
+
 def test_play_that_is_not_crossed_shifts_the_linear_orbit() -> None:
     case = CASES[32]
     found = system_of(case).steady(case["speed"])
@@ -174,48 +344,3 @@ def test_loss_factors_are_refused_beside_kinks() -> None:
                 2: cardan.Coupling(8e3, play=0.01),
             },
         )
-
-
-def test_damping_in_contact_is_that_of_an_integration() -> None:
-    """A flywheel behind a held drive and a coupling that rattles, until its motion repeats."""
-    damping, stiffness, play, inertia, load, speed = 6.0, 8000.0, 0.02, 0.05, 20.0, 80.0
-    system = cardan.TorsionalSystem(
-        cardan.Driveline.from_bends([0.0]),
-        inertias=[[0.0, 0.0], [0.0, inertia]],
-        stiffnesses=[INF, INF],
-        dampings=[0.0, damping],
-        load_torque=load,
-        drive="held",
-        harmonics=[cardan.TorqueHarmonic(1, "output", 2.0, 120.0, 60.0)],
-        couplings={1: cardan.Coupling(stiffness, play=play, contact_damping=True)},
-    )
-
-    def torque(state: NDArray[np.float64]) -> NDArray[np.float64]:
-        beyond = state[0] - np.clip(state[0], -0.5 * play, 0.5 * play)
-        return np.where(beyond == 0.0, 0.0, stiffness * beyond + damping * state[1])
-
-    def slopes(time: float, state: NDArray[np.float64]) -> list[float]:
-        angle = 2.0 * (speed * time - state[0])
-        driven = 120.0 * np.cos(angle) + 60.0 * np.sin(angle)
-        return [
-            state[1],
-            (load - driven - float(torque(state[:2]))) / inertia,
-            float(torque(state)),
-        ]
-
-    period, state = np.pi / speed, np.array([0.0125, 0.0, 0.0])
-    for _ in range(60):
-        begun = state * [1.0, 1.0, 0.0]
-        done = solve_ivp(
-            slopes, (0.0, period), begun, "DOP853", rtol=1e-11, atol=1e-13, dense_output=True
-        )
-        state = done.y[:, -1]
-    assert np.max(np.abs(state - begun)[:2] / [1.0, speed]) < 1e-9
-    torques = torque(done.sol(np.linspace(0.0, period, 100_001)))
-    assert 0.05 < np.mean(torques == 0.0) < 0.95, "the coupling rattles"
-    found = system.steady(speed, tolerance=1e-11)
-    largest = np.max(torques)
-    assert abs(found.torque_max[0] - largest) < 1e-6 * largest
-    # Leaving contact, the torque jumps.
-    assert abs(found.torque_min[0] - np.min(torques)) < 1e-3 * largest
-    assert abs(found.torque_mean[0] - state[2] / period) < 1e-7 * largest

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load, Sweep
+from cardan.evaluation.plan import Plan
 from derivative_oracle import (
     BearingPlaces,
     differences,
@@ -265,6 +266,27 @@ def test_constant_velocity_has_a_slope_of_q_and_none_of_abs2() -> None:
     assert np.max(np.abs(transmission.d_abs2("phases"))) < 1e-16
     with pytest.raises(TypeError, match="infinite"):
         transmission.d_bend("phases")
+
+
+def test_an_earlier_shaft_at_angles_of_the_last_one_has_derivatives_by_all_joints() -> None:
+    bends, twists, phases, *_ = CHAINS["truck"]
+
+    def changed(by: float, joint: int) -> Plan:
+        own = np.array(bends)
+        own[joint] += by
+        line = Driveline.from_bends(own, twists, phases)
+        return line.plan("speed_ratio", shafts=1, angle_of="driven")
+
+    plan, angles = changed(0.0, 0), np.linspace(-3.0, 3.0, 7)
+    found = plan.derivatives(angles, "bends")["speed_ratio"]["bends"]
+    total = plan.gradient(angles, {"speed_ratio": 1.0}).bends
+    step = 1e-5
+    for joint in range(len(bends)):
+        above, below = (changed(by, joint)(angles).speed_ratio for by in (step, -step))
+        slope = (above - below) / (2 * step)
+        assert np.max(np.abs(slope)) > 1e-3
+        assert found[:, joint] == pytest.approx(slope, abs=1e-8)
+        assert total[joint] == pytest.approx(slope.sum(), abs=1e-8)
 
 
 # --- sums and reductions -------------------------------------------------------------------------

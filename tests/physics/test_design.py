@@ -13,7 +13,50 @@ import cardan
 from cardan import Driveline
 from cardan.design.judged import VERDICTS, is_within, ranked
 from cardan.reference import design
+from oracle import read
 from refusals import refusals
+
+DATA = read("design.json")
+
+
+def line_of(case: dict[str, Any]) -> Driveline:
+    return Driveline.from_bends(case["bends"], case["twists"], case["phases"])
+
+
+def agrees(found: object, recorded: dict[str, Any]) -> None:
+    """Compare with figures of 12 digits, next to a zero with those of the largest figure."""
+    for name, want in recorded.items():
+        got = np.ravel(getattr(found, name))
+        near = 2e-15 * max(1.0, *np.abs(np.ravel(want)))
+        np.testing.assert_allclose(got, np.ravel(want), rtol=1e-11, atol=near, err_msg=name)
+
+
+@pytest.mark.parametrize("case", DATA["check"])
+def test_recorded_excitations(case: dict[str, Any]) -> None:
+    found = {f.figure: f.value for f in line_of(case).check(case["speed"]).findings}
+    assert found.keys() == case["found"].keys()
+    for figure, want in case["found"].items():
+        assert found[figure] == pytest.approx(want, rel=1e-11)
+
+
+@pytest.mark.parametrize("case", DATA["steering"])
+def test_recorded_steering(case: dict[str, Any]) -> None:
+    agrees(line_of(case).steering(case["centre"]), case["found"])
+
+
+@pytest.mark.parametrize("case", DATA["spline"])
+def test_recorded_splines(case: dict[str, Any]) -> None:
+    line = Driveline.from_points(case["points"]).with_bearings(case["bearings"])
+    agrees(line.spline_force(case["shaft"], *case["arguments"]), case["found"])
+
+
+@pytest.mark.parametrize("case", DATA["tube"])
+def test_recorded_tubes(case: dict[str, Any]) -> None:
+    outer, wall, length = case["arguments"]
+    found = cardan.tube(outer, wall, length=length)
+    want = dict(case["found"])
+    assert found.shear_stress(1500.0) == pytest.approx(want.pop("shear_stress"), rel=1e-11)
+    agrees(found, want)
 
 
 def test_excitations_of_a_batch_are_those_of_its_drivelines() -> None:
@@ -103,6 +146,18 @@ def test_turned_to_symmetry_the_ratio_is_the_same_on_both_sides(seed: int) -> No
     np.testing.assert_allclose(found.offset, -nearest, atol=1e-12)
 
 
+def test_batches_and_degrees() -> None:
+    lines = Driveline.from_bends([[0.1], [0.2]])
+    found = lines.steering([[0.0], [30.0], [90.0]], degrees=True)
+    assert found.ratio.shape == found.quick.shape == (3, 2)
+    np.testing.assert_allclose(found.ratio[0], 1.0 / np.cos([0.1, 0.2]), rtol=1e-13)
+    np.testing.assert_allclose(found.ratio[2], np.cos([0.1, 0.2]), rtol=1e-13)
+    np.testing.assert_allclose(np.degrees(found.offset), [[0, 0], [30, 30], [0, 0]], atol=1e-12)
+    assert found.quick.tolist() == [[True, True], [True, True], [False, False]]
+    with pytest.raises(TypeError, match="centre"):
+        lines.steering("a")
+
+
 def pin(line: Driveline, angle: float) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The driving pin of joint 0 at an angle of the drive, which counts from the first plane."""
     along, normal = line.directions[0], line.normals[0]
@@ -159,6 +214,11 @@ def test_a_tube_of_steel() -> None:
     assert shaft.shear_stress(2000.0) == pytest.approx(57.937e6, abs=500.0)
     assert shaft.critical_speed * 30 / math.pi == pytest.approx(6604.19, abs=0.005)
     assert isinstance(shaft.shear_stress(2000.0), float)
+
+
+def test_a_solid_bar_has_the_largest_wall() -> None:
+    solid, full = cardan.tube(0.04, length=1.0), cardan.tube(0.04, 0.02, length=1.0)
+    assert solid.stiffness == full.stiffness == pytest.approx(7.93e10 * math.pi * 0.04**4 / 32)
 
 
 def test_tubes_broadcast() -> None:

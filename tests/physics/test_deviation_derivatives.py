@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import ArgumentValueError, Driveline, Sweep
+from cardan import ArgumentValueError, Driveline, Load, Sweep
 from deviation_oracle import LeaningChain, LeaningJoint
 from oracle import MpNumber, mp
 
@@ -16,6 +16,15 @@ BENDS, TWISTS, PHASES = [0.3, 0.45], [0.4], [1.2]
 IDEAL = Driveline.from_bends(BENDS, TWISTS, PHASES)
 LINE = IDEAL.with_deviations([0.02, -0.01], [0.03, -0.015], [-0.01, 0.02])
 RATES = ("speed_ratio", "acceleration_ratio", "jerk_ratio")
+LOADED = (
+    "moment",
+    "support_moment",
+    "torque",
+    "bending_driving",
+    "bending_driven",
+    "tilt_driving",
+    "tilt_driven",
+)
 PARAMETERS = ("bends", "twists", "phases", "deviations")
 STEP = mp.mpf(10) ** -20
 
@@ -76,6 +85,73 @@ def test_to_first_order_deviations_add_on_top_of_the_ideal_chain() -> None:
         for which, part in enumerate(parts):
             wanted = part - part.mean()
             np.testing.assert_allclose(found[:, joint, which], wanted, rtol=0, atol=2e-14)
+
+
+def load_of(torque: float, inertias: Any, end: str) -> Load:  # noqa: ANN401 - an array or a list
+    return Load(**{end: torque}, speed=20.0, acceleration=5.0, inertias=inertias)
+
+
+@pytest.mark.parametrize("end", ["drive_torque", "output_torque"])
+def test_loaded_outputs_are_differentiated_as_they_are_evaluated(end: str) -> None:
+    """Differences over one and two steps, extrapolated, with error terms carried."""
+    angles, inertias, step = np.array([0.4, 2.9]), np.array([0.1, 0.02, 0.03]), 2e-4
+    load = load_of(3.0, inertias, end)
+    found = LINE.plan((*RATES, *LOADED), load=load, shafts=slice(None)).derivatives(
+        angles, by=(*PARAMETERS, "angle", end, "inertias")
+    )
+    given = {
+        "bends": np.array(BENDS),
+        "twists": np.array(TWISTS),
+        "phases": np.array(PHASES),
+        "deviations": LINE.deviations,
+        "angle": angles,
+        end: np.array(3.0),
+        "inertias": inertias,
+    }
+
+    def at(name: str, place: tuple[int, ...], by: float) -> Any:  # noqa: ANN401 - a result
+        own = {key: array.copy() for key, array in given.items()}
+        own[name][... if name == "angle" else place] += by
+        line = Driveline.from_bends(own["bends"], own["twists"], own["phases"])
+        line = line.with_deviations(*own["deviations"].T)
+        return line.evaluate(
+            own["angle"],
+            (*RATES, *LOADED),
+            load=load_of(float(own[end]), own["inertias"], end),
+            shafts=slice(None),
+            tolerance=0,
+        )
+
+    for name in given:
+        places = [()] if name in ("angle", end) else [*np.ndindex(given[name].shape)]
+        for place in places:
+            four = {k: at(name, place, k * step) for k in (-2, -1, 1, 2)}
+            for output, array in found.items():
+                near, far = four[1][output] - four[-1][output], four[2][output] - four[-2][output]
+                wanted = (8 * near - far) / (12 * step)
+                got = array[name][(..., *place)]
+                np.testing.assert_allclose(
+                    got, wanted, rtol=1e-9, atol=2e-9, err_msg=f"{output} by {name}{place}"
+                )
+
+
+def test_gradients_are_weighted_sums_of_derivatives() -> None:
+    angles = np.linspace(-1.0, 5.0, 23)
+    random = np.random.default_rng(3)
+    plan = LINE.plan(("angle", "moment"), load=Load(drive_torque=3.0))
+    weights = {"angle": random.normal(size=23), "moment": random.normal(size=(2, 23, 3))}
+    found = plan.gradient(angles, weights)
+    at, by = plan(angles), plan.derivatives(angles, by=(*PARAMETERS, "drive_torque"))
+    value = sum(np.sum(weights[name] * at[name]) for name in weights)
+    assert found.value == pytest.approx(value, rel=1e-14)
+    for name in (*PARAMETERS, "drive_torque"):
+        wanted: Any = 0.0
+        for output, weight in weights.items():
+            own = by[output][name]
+            extra = own.ndim - weight.ndim
+            whole = weight.reshape(*weight.shape, *(1,) * extra)
+            wanted = wanted + (whole * own).sum(axis=tuple(range(weight.ndim)))
+        np.testing.assert_allclose(getattr(found, name), wanted, rtol=1e-13, atol=1e-13)
 
 
 def test_batches_and_sweeps_are_their_parts() -> None:

@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep
-from cardan.design.quantities import order_amplitude
+from cardan.design.quantities import farthest_signs, order_amplitude
 from cardan.tolerances import JOINT_GROUPS
+from cardan.tolerances.case import _root
 from deviation_oracle import LeaningChain, LeaningJoint
 from refusals import refusals
 from tiers import few
@@ -71,6 +72,16 @@ def test_first_order_is_that_of_differences_between_loops_of_pins(order: int) ->
         np.testing.assert_allclose(found.shares[group], shares, rtol=1e-6, atol=1e-12)
     own = LINE.order_tolerances(*halves.T, order=order)
     assert np.abs(own.drawing + signs @ own.contributions.ravel()).max() == pytest.approx(linear)
+
+
+def test_the_signs_of_the_farthest_sum_are_those_of_all_trials() -> None:
+    random = np.random.default_rng(11)
+    signs = np.array([*itertools.product((-1.0, 1.0), repeat=7)])
+    for _ in range(20):
+        middle, *vectors = random.normal(size=8) + 1j * random.normal(size=8)
+        farthest = np.abs(middle + signs @ np.array(vectors)).max()
+        found = farthest_signs(complex(middle), np.array(vectors))
+        assert abs(middle + found @ np.array(vectors)) == pytest.approx(farthest, rel=1e-12)
 
 
 def test_an_acceleration_is_that_of_the_speed() -> None:
@@ -211,6 +222,16 @@ def test_permitted_tolerances_reach_the_limit() -> None:
     wider: dict[str, Any] = {**YOKES, "driving_yoke": factor * np.array(YOKES["driving_yoke"])}
     again = LINE.tolerances(**wider, of="acceleration_order_1", speed=SPEED)
     assert again.worst == pytest.approx(300.0, rel=1e-9)
+
+
+def test_a_figure_that_is_infinite_from_somewhere_on_has_its_last_number() -> None:
+    for blocked in (0.3, 1.0, 139.0):
+
+        def excess(factor: float, end: float = blocked) -> float:
+            return -1.0 if factor < end else np.inf
+
+        found = _root(excess)
+        assert blocked * 0.999 <= found < blocked
 
 
 @pytest.mark.long

@@ -128,6 +128,48 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
     assert off <= limits("worst" if tolerance is None else "tolerance_0", "as_built")[name]
 
 
+def test_moments_are_normal_to_both_pins() -> None:
+    found = LINE.evaluate(TURN[:4], ("moment", "torque"), load=LOAD, shafts=slice(None))
+    for i, angle in enumerate(TURN[:4].tolist()):
+        inputs = CHAIN.inputs(angle)
+        for j, joint in enumerate(CHAIN.joints):
+            u, m = LINE.directions[j], LINE.normals[j]
+            axes = np.array([u, np.cross(m, u), m])
+            got = axes @ found.moment[j, i]
+            torsion = got[0]
+            exact = [float(x) * torsion for x in joint.moment(inputs[j])]
+            np.testing.assert_allclose(got, exact, rtol=0, atol=1e-14 * abs(torsion))
+            # Along the driven shaft it is the torque that enters it.
+            along = found.moment[j, i] @ LINE.directions[j + 1]
+            assert along == pytest.approx(found.torque[j + 1, i], rel=1e-13)
+
+
+def test_power_and_balance_hold() -> None:
+    load = Load(drive_torque=3.0)
+    names = ("torque", "speed_ratio", "support_moment")
+    at = LINE.evaluate(TURN, names, load=load, shafts=slice(None))
+    moment = LINE.evaluate(TURN, "moment", load=load).moment
+    np.testing.assert_allclose(at.torque * at.speed_ratio, 3.0, rtol=1e-14)
+    for shaft, u in enumerate(LINE.directions):
+        given = np.zeros((len(TURN), 3))
+        if shaft > 0:
+            given += moment[shaft - 1]
+        if shaft < 3:
+            given -= moment[shaft]
+        across = given - np.outer(given @ u, u)
+        np.testing.assert_allclose(at.support_moment[shaft], -across, rtol=0, atol=1e-14)
+
+
+def test_bending_moments_are_the_parts_across_the_shafts() -> None:
+    at = LINE.evaluate(TURN, ("moment", "bending_driving", "bending_driven"), load=LOAD)
+    for j in range(3):
+        for u, size in zip(
+            LINE.directions[j : j + 2], (at.bending_driving[j], at.bending_driven[j]), strict=True
+        ):
+            across = at.moment[j] - np.outer(at.moment[j] @ u, u)
+            np.testing.assert_allclose(np.linalg.norm(across, axis=-1), size, rtol=1e-12)
+
+
 def test_tilts_are_the_angles_about_the_pins() -> None:
     """From one angle to another the cross turns about each pin by the difference of its tilts."""
     found = LINE.evaluate(TURN[:5], ("tilt_driving", "tilt_driven"))
@@ -145,12 +187,34 @@ def test_tilts_are_the_angles_about_the_pins() -> None:
             assert found.tilt_driven[j, i] == pytest.approx(-about(q, v, -p), abs=1e-14)
 
 
+def test_small_deviations_approach_the_ideal_joint() -> None:
+    near = IDEAL.with_deviations(cross=[1e-13, 0.0, 0.0])
+    one, other = (
+        line.evaluate(TURN, (*MOTION, *SCALARS, *VECTORS), load=LOAD) for line in (near, IDEAL)
+    )
+    for name, array in one.items():
+        np.testing.assert_allclose(array, other[name], rtol=0, atol=2e-11, err_msg=name)
+
+
 def test_without_deviations_the_driveline_is_ideal() -> None:
     ideal = LINE.with_deviations()
     assert not ideal.has_deviations
     assert LINE.has_deviations
     assert np.array_equal(ideal.deviations, np.zeros((3, 3)))
     assert np.array_equal(ideal.evaluate(TURN).angle, IDEAL.evaluate(TURN).angle)
+
+
+def test_steep_joints() -> None:
+    row = {"bend": 1.5, "driving_yoke": 0.01, "cross": 0.02, "driven_yoke": -0.015}
+    line, joint = single(row), LeaningJoint(1.5, [0.01, 0.02, -0.015])
+    own = LeaningChain([joint])
+    for angle in (0.1, 1.5, -2.9):
+        found = line.evaluate(angle, ("speed_ratio", "acceleration_ratio"))
+        exact = own.rates(angle)
+        assert float(found.speed_ratio) == pytest.approx(float(exact[0]), rel=1e-12)
+        assert float(found.acceleration_ratio) == pytest.approx(float(exact[1]), rel=1e-11)
+    error = line.evaluate(Sweep.revolutions(1, 4096), "angle_error").angle_error
+    assert abs(error.mean()) < 1e-13
 
 
 def batch() -> Driveline:
@@ -229,6 +293,32 @@ def test_yokes_make_order_1_and_a_cross_none() -> None:
         odd = cross.amplitude[name][[0, 2]]
         assert np.all(odd <= cross.error[name]), name
         assert cross.amplitude[name][1] > 1e-3, name
+
+
+def test_harmonics_are_those_of_exact_samples() -> None:
+    count, orders = 64, [1, 2, 3, 4]
+    exact = [CHAIN.lag(2 * mp.pi * i / count) for i in range(count)]
+    found = LINE.harmonics(orders, outputs="angle_error")
+    for order, amplitude in zip(orders, found.complex_amplitude["angle_error"], strict=True):
+        turns = [mp.expj(-2 * mp.pi * order * i / count) for i in range(count)]
+        wanted = 2 * mp.fsum(x * y for x, y in zip(exact, turns, strict=True)) / count
+        assert abs(mp.mpmathify(complex(amplitude)) - wanted) <= found.error["angle_error"] + 1e-16
+    assert np.all(found.angle_error[::2] > 1e-4)
+
+
+def test_harmonics_of_loads() -> None:
+    # Driven yokes that lean round off the kinks of bending moments.
+    driving, cross, _ = LINE.deviations.T
+    line = LINE.with_deviations(driving, cross, [0.02, -0.03, 0.02])
+    turn = np.arange(8192) * 2 * np.pi / 8192
+    names = ("moment", "bending_driven", "torque")
+    samples = line.evaluate(turn, names, load=LOAD)
+    found = line.harmonics([1, 2, 3], outputs=names, load=LOAD)
+    for name in names:
+        axis = -2 if name == "moment" else -1
+        spectrum = np.fft.rfft(samples[name], axis=axis) * 2 / 8192
+        wanted = np.moveaxis(spectrum, axis, -1)[..., 1:4]
+        np.testing.assert_allclose(found.complex_amplitude[name], wanted, rtol=0, atol=1e-12)
 
 
 def test_reversing_inverts_the_motion() -> None:
@@ -364,6 +454,15 @@ def test_play_is_a_cross_error_on_either_flank() -> None:
     assert IDEAL.reshape(1).with_play(0.01, [[10.0], [20.0]]).shape == (2, 2)
 
 
+def test_the_lash_of_one_joint_has_a_closed_form() -> None:
+    bend, play, arm = 0.6, 0.3, 25.0
+    angle = np.linspace(0.0, 7.0, 29)
+    found = Driveline.from_bends([bend]).lash(angle, play, arm)
+    rho = np.sqrt(np.sin(angle) ** 2 + np.cos(bend) ** 2 * np.cos(angle) ** 2)
+    exact = 2.0 * np.arcsin(np.sin(2.0 * play / arm) / rho)
+    np.testing.assert_allclose(found, exact, rtol=2e-14)
+
+
 def test_the_lash_of_a_chain_is_that_of_its_vectors() -> None:
     play, arm = 0.2, 30.0
     flanks = LINE.with_play(play, arm)
@@ -380,6 +479,28 @@ def test_the_lash_of_a_chain_is_that_of_its_vectors() -> None:
     batched = batch().lash(angles[:, np.newaxis], play, arm)
     assert batched.shape == (2, 7)
     np.testing.assert_allclose(batched[:, 3], batch()[3].lash(angles, play, arm), rtol=1e-13)
+
+
+def test_inertias_wind_up_the_joints_before_them_alone() -> None:
+    """Joint by joint: its moment over its stiffness, passed on by the ratio of what follows."""
+    angle, stiffness = np.linspace(0.0, 3.0, 13), np.array([1e5, 3e5, 2e5])
+    bends = np.cos(IDEAL.bends)
+    for shaft in range(4):
+        inertias = 0.2 * np.eye(4)[shaft]
+        load = Load(output_torque=0.0, speed=100.0, inertias=inertias)
+        ratio, acceleration = (
+            IDEAL.evaluate(angle, name, shafts=slice(None))[name]
+            for name in ("speed_ratio", "acceleration_ratio")
+        )
+        torque = 0.2 * acceleration[shaft] * 100.0**2
+        # By the power that every joint passes on to the shaft.
+        each = [
+            torque * ratio[shaft] / ratio[joint] / (stiffness[joint] * bends[joint])
+            for joint in range(shaft)
+        ]
+        lag = sum(own * ratio[3] / ratio[joint + 1] for joint, own in enumerate(each))
+        found = IDEAL.wind_up(angle, load, stiffness)
+        np.testing.assert_allclose(found, lag, rtol=1e-9, atol=1e-17)
 
 
 test_wrong_play_and_stiffness_are_refused = refusals(

@@ -177,6 +177,57 @@ def test_chains(case: dict[str, Any]) -> None:
         assert abs(found - want) <= 1e-15 / float(got.k)
 
 
+@pytest.mark.parametrize("case", read("aligned_bends.json")["cases"], ids=lambda c: str(c["betas"]))
+def test_aligned_and_crossed_yokes(case: dict[str, Any]) -> None:
+    # A sign that differs from the one before: this joint works against it, yokes in one plane.
+    bends = np.array(case["betas"], dtype=float)
+    crossed = np.where(bends[1:] * bends[:-1] > 0, 90.0, 0.0)
+    line = Driveline.from_bends(abs(bends), phases=crossed, degrees=True)
+    assert math.degrees(line.equivalent().bend) == pytest.approx(
+        float(case["exact_deg"]), rel=1e-13
+    )
+    rule = math.degrees(line.catalogue_bend(np.sign(bends)))
+    assert rule == pytest.approx(float(case["rule_deg"]), rel=1e-13, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "case", read("extremes.json")["extremes"], ids=lambda case: case["beta_deg"]
+)
+def test_extremes_of_one_joint(case: dict[str, Any]) -> None:
+    bend = float(case["beta_deg"])
+    got = Driveline.from_bends([bend], degrees=True).equivalent()
+    rounded = 4 * EPS * (1 + math.radians(bend) * math.tan(math.radians(bend)))
+    assert math.degrees(got.bend) == pytest.approx(bend, rel=1e-15)
+    assert got.angle_offset == 0
+    want = {
+        "max_speed_ratio": float(case["ratio_max"]),
+        "min_speed_ratio": float(case["ratio_min"]),
+        "non_uniformity": float(case["u"]),
+        "max_acceleration_ratio": abs(float(case["accel_min"])),
+        "max_angle_error": math.radians(float(case["delta_max_deg"])),
+    }
+    for name, value in want.items():
+        assert getattr(got, name) == pytest.approx(value, rel=4 * rounded), name
+
+
+def test_extremes_are_those_of_the_sampled_motion() -> None:
+    line = Driveline.from_bends([0.5, 0.9, 0.3], [0.1, 1.0], [0.5, 0.2])
+    angle = np.linspace(0, math.pi, 200_001)
+    for shaft in range(4):
+        joint = line.equivalent(shaft)
+        motion = line.evaluate(
+            angle, ("angle_error", "speed_ratio", "acceleration_ratio"), shafts=shaft
+        )
+        assert np.ptp(motion.speed_ratio) == pytest.approx(float(joint.non_uniformity), rel=1e-8)
+        for name, value in (
+            ("angle_error", joint.max_angle_error),
+            ("acceleration_ratio", joint.max_acceleration_ratio),
+        ):
+            assert np.max(motion[name]) == pytest.approx(float(value), rel=1e-8, abs=0), name
+        assert np.max(motion.speed_ratio) == pytest.approx(float(joint.max_speed_ratio), rel=1e-8)
+        assert np.min(motion.speed_ratio) == pytest.approx(float(joint.min_speed_ratio), rel=1e-8)
+
+
 def test_the_cost_of_sixty_four_joints_is_that_of_one() -> None:
     # Not timed: the chain must fold to a joint whose motion is the last shaft's.
     random = np.random.default_rng(64)

@@ -94,6 +94,18 @@ def test_natural_frequencies_of_the_twin(number: int) -> None:
     np.testing.assert_allclose(system_of(case).natural_frequencies(), known, rtol=1e-9)
 
 
+def test_shapes_of_modes_balance() -> None:
+    system = system_of(CASES[16])
+    for frequency, shape, *_ in system._core.modes():
+        of_ends = np.array(shape).reshape(-1, 2)
+        assert np.max(of_ends) == 1.0
+        assert np.min(of_ends) >= -1.0
+        # What the shaft ends carry sums to 0 with the mean inertias, to the square of the bends.
+        inertia = system.inertias * of_ends
+        assert abs(inertia.sum()) < 0.05 * np.abs(inertia).sum()
+        assert frequency > 0.0
+
+
 def test_a_huge_drive_is_held() -> None:
     held = two("held", inertias=[[0, 0], [0, 0.05]], load_torque=30).steady(60.0)
     gaps = []
@@ -179,6 +191,29 @@ def test_the_mean_torque_is_its_own_derivative() -> None:
     around = system.steady([speed - step, speed + step], tolerance=1e-12).drive_torque_mean
     slope = float(system.stability(speed).drive_torque_slope)
     assert slope == pytest.approx(float(np.diff(around)[0]) / (2 * step), rel=1e-4)
+
+
+@pytest.mark.long
+def test_a_disturbed_motion_returns_to_the_orbit() -> None:
+    case = CASES[22]
+    system = system_of(case)
+    speed, period = case["speed"], 4 * math.pi / case["speed"]
+    steady = system.steady(speed)
+    time = period * np.arange(201)
+    start = system.transient(time[:2] / 50, speed=1.01 * speed, torque=0.9 * case["TL"])
+    mean, slope = float(steady.drive_torque_mean), case.get("slope", 0.0)
+    found = system.transient(
+        time,
+        speed=speed,
+        start=start,
+        tolerance=1e-10,
+        drive_torque=lambda _, now: mean - slope * (now - speed),
+    )
+    # Once in each period the motion is at the same place, wherever in it that is.
+    away = np.abs(np.diff(found.torque[0]))
+    assert away[0] > 1.0
+    assert away[-1] < 1e-5
+    assert np.diff(found.drive_angle)[-1] == pytest.approx(4 * math.pi, abs=1e-7)
 
 
 def test_a_motion_that_begins_on_the_orbit_stays_there() -> None:

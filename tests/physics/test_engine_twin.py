@@ -115,7 +115,55 @@ def two_inertias(bend: float, **options: Any) -> System:  # noqa: ANN401
     return System(reference.from_bends([math.radians(bend)]), **(own | options))
 
 
+BEHIND: dict[str, Any] = {
+    "inertias": [(0.1, 0.0), (0.05, 0.0)],
+    "stiffnesses": [8000.0, INF],
+    "dampings": [2.0, 0.0],
+}
+
+
 LOSS: dict[str, Any] = {"dampings": [0.0, 0.0], "loss_factors": [0.0, 0.18]}
+
+
+@pytest.mark.parametrize(
+    ("bend", "options", "exact", "torque"),
+    [
+        (2.0, {}, -1.8069306684e-4 + 1.7620777262e-5j, 100.0000197763),
+        (2.0, BEHIND, -1.7845443058e-4 + 3.4106514765e-5j, None),
+        (8.0, {}, -2.8998596974e-3 + 2.827856777e-4j, None),
+        (8.0, BEHIND, -2.8634111162e-3 + 5.474149170e-4j, None),
+        (2.0, LOSS, -1.6988646700e-4 + 4.4864908438e-5j, None),
+    ],
+)
+def test_small_bends_have_the_twist_of_the_closed_form(
+    bend: float, options: dict[str, Any], exact: complex, torque: float | None
+) -> None:
+    system = two_inertias(bend, **options)
+    speed, load, stiffness, drive, last = 150.0, 100.0, 8000.0, 0.1, 0.05
+    found = torsion.collocated(system, speed, samples=16)
+    shaft = system.compliant[0]
+    twist = found.motion.angle_error[shaft, 0] - found.motion.angle_error[shaft, 1]
+    # Im z is Re(-i z).
+    order = 1j * found.orders(twist, [2.0])[0]
+    assert order == pytest.approx(exact, abs=1e-9 * abs(exact))
+    if torque is not None:
+        assert found.drive_torque_mean == pytest.approx(torque, abs=1e-10)
+    k, rate, common = math.tan(math.radians(bend) / 2.0) ** 2, 2.0 * speed, drive * last / 0.15
+    spring = stiffness + rate * 2.0j if "loss_factors" not in options else stiffness * (1.0 + 0.18j)
+    inner = rate**2 * common
+    closed = k * (inner + 2j * load * common / drive) / (inner - spring)
+    if shaft == 0:
+        turned = np.exp(-2j * load / stiffness)
+        closed = k * (inner - 2j * load * common / last) / (inner - spring) * turned
+    assert order == pytest.approx(closed, rel=2.0 * k if shaft == 0 else 2.0 * k**2)
+
+
+def test_an_engine_order_of_a_straight_driveline() -> None:
+    harmonic = TorqueHarmonic(0, "input", 1.5, cos=10.0)
+    found = torsion.collocated(two_inertias(0.0, harmonics=[harmonic]), 100.0, samples=16)
+    twist = found.motion.angle_error[1, 0] - found.motion.angle_error[1, 1]
+    exact = 4.58981541679e-4 - 1.89923242963e-5j
+    assert found.orders(twist, [1.5])[0] == pytest.approx(exact, abs=1e-14)
 
 
 @pytest.mark.parametrize(("load", "energy"), [(0.0, 750.322307547), (30.0, 750.322742417)])
@@ -133,6 +181,18 @@ def test_a_rigid_driveline_turns_as_its_energy_says(load: float, energy: float) 
         own = found.motion.speed[0, 0]
         assert torsion.extremes(own) == pytest.approx(torsion.extremes(speed), abs=100.0 * close)
         assert found.drive_torque_mean == pytest.approx(load, abs=close)
+
+
+def test_a_large_drive_inertia_holds_the_speed() -> None:
+    case = system_of(CASES[0])
+    held = torsion.collocated(replace(case, drive="held"), 60.0)
+    heavy = 1e4
+    free = torsion.collocated(replace(case, inertias=[(heavy, 0.0), (0.0, 0.05)]), 60.0)
+    largest = [torsion.extremes(own.motion.torque[0])[1] for own in (free, held)]
+    assert (largest[0] - largest[1]) * heavy == pytest.approx(-1.3132, abs=1e-3)
+    speed = torsion.extremes(free.motion.speed[0, 0])[1]
+    assert (speed - 60.0) * heavy == pytest.approx(0.19473, abs=1e-4)
+    assert free.drive_torque_mean == pytest.approx(held.drive_torque_mean, rel=1e-7)
 
 
 # --- natural frequencies, stability of the speed -------------------------------------------------
@@ -154,6 +214,21 @@ def test_natural_frequencies_of_mean_systems(
     assert torsion.natural_frequencies(system) == pytest.approx(free, abs=6e-5)
     held_drive = replace(system, drive="held")
     assert torsion.natural_frequencies(held_drive) == pytest.approx(held, abs=6e-5)
+
+
+@pytest.mark.parametrize(
+    ("speed", "slope", "multiplier"),
+    [(180.0, 0.30707, 0.984952), (250.0, -0.52205, 1.018855), (300.0, -0.06982, 1.002094)],
+)
+def test_beyond_a_resonance_the_speed_runs_away(
+    speed: float, slope: float, multiplier: float
+) -> None:
+    own = {"inertias": [(0.3, 0.0), (0.0, 0.05)], "dampings": [0.0, 3.0], "load_torque": 30.0}
+    system = two_inertias(20.0, **own)
+    found = torsion.orbit(system, speed, steps=60)
+    assert found.speed_multiplier == pytest.approx(multiplier, abs=1e-6)
+    own_slope = torsion.drive_torque_slope(system, speed, torsion.collocated)
+    assert own_slope == pytest.approx(slope, abs=6e-6)
 
 
 @pytest.mark.parametrize(
@@ -199,6 +274,22 @@ def test_play_is_that_of_one_equation_in_time(contact: bool, close: float) -> No
     found = torsion.orbit(system, speed, known, steps=60)
     assert found.state == pytest.approx(known, abs=close, rel=close)
     assert np.min(found.motion.torque) < 0.0
+
+
+def test_a_stiffness_by_the_mean_torque_is_that_at_its_own_mean() -> None:
+    table = Coupling(mean_torque=[50.0, 90.0, 130.0], stiffness_by_mean=[4e3, 6e3, 12e3])
+    own: dict[str, Any] = {"drive": "free", "stiffnesses": [INF, INF], "load_damping": 0.1}
+    system = two_inertias(15.0, couplings={1: table}, **own)
+    found = torsion.collocated(system, 150.0)
+    mean = float(found.motion.torque.mean())
+    # The load is 100 N m and its damping's share of some 15.
+    assert 114.0 < mean < 116.0
+    own["stiffnesses"] = [INF, 6e3 + (mean - 90.0) / 40.0 * 6e3]
+    plain = two_inertias(15.0, **own)
+    assert found.state == pytest.approx(torsion.collocated(plain, 150.0).state, abs=1e-8)
+    by_steps = torsion.orbit(system, 150.0, steps=40)
+    multipliers = torsion.orbit(plain, 150.0, steps=40).multipliers
+    assert np.poly(by_steps.multipliers) == pytest.approx(np.poly(multipliers), abs=1e-5)
 
 
 def test_a_loss_factor_has_no_law_in_time() -> None:

@@ -108,6 +108,25 @@ def bearings_on(bearings: list[tuple[int, float]], shaft: int) -> list[tuple[int
     return [bearing for bearing in bearings if bearing[0] == shaft]
 
 
+def test_a_floating_shaft_passes_its_support_moment_on_as_a_pair() -> None:
+    rng = np.random.default_rng(1)
+    line = driveline(rng, 2)
+    load = Load(drive_torque=100.0)
+    got = line.evaluate(ANGLES, ("joint_force", "support_moment"), shafts=1, load=load)
+    length = line._geometry.lengths[1]
+    pair = np.cross(line.directions[1], got.support_moment) / length
+    np.testing.assert_allclose(got.joint_force, [pair, pair], atol=1e-13 * np.abs(pair).max())
+
+
+def test_two_bearings_by_hand() -> None:
+    """At 90° the cross bends the driving shaft by T tan 30°, in the plane across the bend plane."""
+    line = Driveline.from_bends([30], degrees=True).with_bearings([(0, 0.1), (0, 0.3)], [0.4, 1.0])
+    got = line.evaluate([0.0, math.pi / 2], "bearing_force", load=Load(drive_torque=100.0))
+    force = 100.0 * math.tan(math.radians(30)) / 0.2
+    want = [[[0.0, 0.0, 0.0], [0.0, 0.0, force]], [[0.0, 0.0, 0.0], [0.0, 0.0, -force]]]
+    np.testing.assert_allclose(got.bearing_force, want, atol=1e-12 * force)
+
+
 TRUCK = (2, 1, 0, 2)
 """Gearbox, a shaft with a centre bearing, a floating shaft, axle."""
 

@@ -130,6 +130,28 @@ def truck(seed: int = 3) -> tuple[Driveline, Driveline, Load]:
     return line, leaning(rng, line), Load(**load_of(rng, 3))
 
 
+def test_forces_of_small_deviations_are_those_of_the_drawing() -> None:
+    line, _, load = truck()
+    near = line.with_deviations([1e-13, 0.0, 0.0], 0.0, [0.0, 0.0, -1e-13])
+    for tolerance in (None, 0):
+        one, other = (
+            x.evaluate(ANGLES, FORCES, load=load, tolerance=tolerance) for x in (near, line)
+        )
+        for name in FORCES:
+            size = np.abs(other[name]).max()
+            np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-11 * size)
+
+
+def test_a_floating_shaft_passes_its_support_moment_on_as_a_pair() -> None:
+    rng = np.random.default_rng(1)
+    line = leaning(rng, driveline(rng, 2))
+    got = line.evaluate(
+        ANGLES, ("joint_force", "support_moment"), shafts=1, load=Load(drive_torque=9.0)
+    )
+    pair = np.cross(line.directions[1], got.support_moment) / line._geometry.lengths[1]
+    np.testing.assert_allclose(got.joint_force, [pair, pair], atol=1e-13 * np.abs(pair).max())
+
+
 def test_batches_sweeps_threads_and_levels() -> None:
     line, built, load = truck()
     # Each row is asked for alone, in a batch, and sample by sample.
@@ -199,6 +221,77 @@ def test_nan_stays_with_its_sample() -> None:
     for name in FORCES:
         assert np.array_equal(np.isnan(found[name]).all(axis=(0, 2)), [False, True, False]), name
         assert np.array_equal(found[name][:, 0], found[name][:, 2])
+
+
+SHAFTS = (0, 3, 1, 0, 3)
+GIVEN: dict[str, Doubles] = {
+    "bends": np.array([0.3, 0.2, 0.4]),
+    "twists": np.array([0.3, -1.0]),
+    "phases": np.array([0.5, 2.0]),
+    "deviations": np.array([[0.01, 0.03, -0.02], [0.02, 0.0, 0.01], [-0.01, 0.02, 0.005]]),
+    "lengths": np.array([0.4, 1.1, 1.3, 0.6]),
+    "positions": np.array([0.1, 0.4, 0.75, 0.35, 0.2]),
+    "inertias": np.array([0.1, 0.2, 0.3, 0.4]),
+    "output_torque": np.array(-80.0),
+    "angle": np.array([0.4, -2.1]),
+}
+
+
+def plan_of(given: dict[str, Doubles], **options: Any) -> Any:  # noqa: ANN401 - a plan
+    line = Driveline.from_bends(given["bends"], given["twists"], given["phases"])
+    bearings = list(zip(SHAFTS, given["positions"].tolist(), strict=True))
+    line = line.with_bearings(bearings, given["lengths"])
+    load = Load(
+        output_torque=float(given["output_torque"]),
+        speed=20.0,
+        acceleration=5.0,
+        inertias=given["inertias"],
+    )
+    return line.with_deviations(*given["deviations"].T).plan(FORCES, load=load, **options)
+
+
+def shifted(kind: str, place: Sequence[int], by: float) -> dict[str, Doubles]:
+    own = {name: array.copy() for name, array in GIVEN.items()}
+    own[kind][... if kind == "angle" else tuple(place)] += by
+    return own
+
+
+@pytest.mark.parametrize("kind", GIVEN)
+def test_derivatives_are_differences(kind: str) -> None:
+    """Differences over one and two steps, extrapolated, with error terms carried."""
+    step = 1e-4
+    found = plan_of(GIVEN).derivatives(GIVEN["angle"], kind)
+    places = [()] if kind == "angle" else [*np.ndindex(GIVEN[kind].shape)]
+    for place in places:
+        at = {}
+        for k in (-2, -1, 1, 2):
+            own = shifted(kind, place, k * step)
+            at[k] = plan_of(own, tolerance=0)(own["angle"])
+        for name in FORCES:
+            near, far = at[1][name] - at[-1][name], at[2][name] - at[-2][name]
+            wanted = (8.0 * near - far) / (12.0 * step)
+            got = found[name][kind][(..., *place)]
+            np.testing.assert_allclose(
+                got, wanted, rtol=0, atol=1e-9 * max(1.0, np.abs(wanted).max())
+            )
+
+
+def test_gradients_are_weighted_sums_of_derivatives() -> None:
+    plan, turn = plan_of(GIVEN), Sweep.revolutions(1, 45)
+    rng = np.random.default_rng(5)
+    weights = {
+        "joint_force": rng.normal(size=(3, 45, 3)),
+        "bearing_force": rng.normal(size=(5, 45, 3)),
+    }
+    found, at = plan.gradient(turn, weights), plan(turn)
+    kinds = [kind for kind in GIVEN if kind != "angle"]
+    each = plan.derivatives(turn, kinds)
+    value = sum(np.sum(weights[name] * at[name]) for name in FORCES)
+    assert found.value == pytest.approx(value, rel=1e-12)
+    for kind in kinds:
+        wanted = sum(np.tensordot(weights[name], each[name][kind], 3) for name in FORCES)
+        size = np.abs(wanted).max()
+        np.testing.assert_allclose(getattr(found, kind), wanted, rtol=0, atol=1e-12 * size)
 
 
 # --- derivatives -------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import cardan
+from cardan import reference
 from refusals import refusals
 
 THOMA = cardan.Driveline.from_bends([8.5], degrees=True)
@@ -45,6 +46,45 @@ def test_thoma_ten_times_the_inertia_leaves_two_thousandths_from_peak_to_peak() 
     assert share == pytest.approx(1 / 11, rel=1e-3)
 
 
+def test_equations_of_motion_integrated_without_torque() -> None:
+    """Lagrange's equation with the slow reference's ratios, by Runge and Kutta over a turn."""
+    line, inertias = chain()
+    shafts = reference.from_bends(*(a.tolist() for a in (line.bends, line.twists, line.phases)))
+
+    def rate(state: np.ndarray) -> np.ndarray:
+        ratios, slopes = zip(*_reference_motion(shafts, state[0]), strict=True)
+        inertia = sum(i * r * r for i, r in zip(inertias, ratios, strict=True))
+        slope = sum(2 * i * r * s for i, r, s in zip(inertias, ratios, slopes, strict=True))
+        return np.array([state[1], -slope * state[1] ** 2 / (2 * inertia)])
+
+    steps, speed = 500, 40.0
+    free = line.free_running(inertias)
+    period = free.time_per_turn(speed, angle=0.3)
+    state, step = np.array([0.3, speed]), period / steps
+    path = [state]
+    for _ in range(steps):
+        k1 = rate(state)
+        k2 = rate(state + step / 2 * k1)
+        k3 = rate(state + step / 2 * k2)
+        k4 = rate(state + step * k3)
+        state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        path.append(state)
+    angles, speeds = np.array(path).T
+    assert angles[-1] - 0.3 == pytest.approx(math.tau, abs=1e-7)
+    assert speeds * period / math.tau == pytest.approx(free.speed_ratio(angles), rel=1e-7)
+    assert speeds.max() * period / math.tau == pytest.approx(free.max_speed_ratio, rel=1e-4)
+    assert speeds.min() * period / math.tau == pytest.approx(free.min_speed_ratio, rel=1e-4)
+
+
+def _reference_motion(shafts: reference.Shafts, angle: float) -> list[tuple[float, float]]:
+    """Speed and acceleration ratio of every shaft by the slow reference."""
+    found = [(1.0, 0.0)]
+    for shaft in range(1, len(shafts.directions)):
+        motion = reference.motion(shafts, angle, shaft, offset=0.0)
+        found.append((motion.speed_ratio, motion.acceleration_ratio))
+    return found
+
+
 def test_the_torque_at_the_drive_is_zero() -> None:
     """The loads of the core, at the speed and acceleration that this drive has."""
     line, inertias = chain()
@@ -59,6 +99,26 @@ def test_the_torque_at_the_drive_is_zero() -> None:
     torque = line.evaluate(angles, "torque", shafts=slice(None), load=load).torque
     assert np.abs(torque[1:]).max() > 100.0
     assert np.abs(torque[0]).max() < 1e-12 * np.abs(torque[1:]).max()
+
+
+@pytest.mark.parametrize(("bends", "own"), [([8.5], 1.0), ([8.5], 10.0), ([20.0, 14.0], 10.0)])
+def test_the_share_is_the_error_of_inertia_torques(bends: list[float], own: float) -> None:
+    """What a constant drive speed overestimates; the rule of the check rests on it."""
+    line = cardan.Driveline.from_bends(bends, degrees=True)
+    inertias = [own, *[0.05] * (len(bends) - 1), 1.0]
+    free, angles = line.free_running(inertias), np.linspace(0.0, math.pi, 2001)
+    steady = cardan.Load(speed=1.0, inertias=inertias)
+    yielding = cardan.Load(
+        speed=free.speed_ratio(angles),
+        acceleration=free.acceleration_ratio(angles),
+        inertias=inertias,
+    )
+    largest = [
+        np.abs(line.evaluate(angles, "torque", load=load).torque).max()
+        for load in (steady, yielding)
+    ]
+    share = free.variation / line.equivalent().non_uniformity
+    assert 1.0 - largest[1] / largest[0] == pytest.approx(share, rel=0.01)
 
 
 @pytest.mark.parametrize("bend", [0.5, 20.0, 60.0, 88.0])

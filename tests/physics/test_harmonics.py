@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cardan import OUTPUTS, Driveline, Harmonics, Load, Sweep
 from oracle import ExactTurn, Fold, MpNumber, mp
 from refusals import refusals
+from vectors import ExactLoads, Frames
 
 MOTION = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
+VECTORS = ("moment", "support_moment")
 KINKED = ("bending_driving", "bending_driven")
 FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
 PERIODIC = tuple(name for name in OUTPUTS if name not in ("angle", *FORCES))
@@ -81,6 +85,65 @@ def test_the_error_of_a_high_order_alone_is_known(bend: float) -> None:
     check(found, "speed_ratio", series([fold.speed_ratio(at) for at in turns(512)], orders))
 
 
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"drive_torque": 3.0},
+        {"output_torque": -2.0},
+        {"drive_torque": 3.0, "speed": 9.0, "acceleration": 4.0, "inertias": [0.02] * 4},
+    ],
+    ids=["drive", "output", "inertias"],
+)
+def test_loads_against_exact_samples(load: dict[str, Any]) -> None:
+    samples = 160
+    plan = LINE.plan(("torque", *VECTORS), shafts=slice(None), load=Load(**load))
+    found = plan.harmonics(ORDERS)
+    frames = Frames.of(LINE)
+    exact = [ExactLoads.of(frames, at, **load) for at in turns(samples)]
+    for shaft in range(4):
+        check(found, "torque", series([at.torque[shaft] for at in exact], ORDERS), shaft)
+        for axis in range(3):
+            parts = [at.support_moment[shaft][axis] for at in exact]
+            check(found, "support_moment", series(parts, ORDERS), shaft, axis)
+    for joint in range(3):
+        for axis in range(3):
+            parts = [at.moment[joint][axis] for at in exact]
+            check(found, "moment", series(parts, ORDERS), joint, axis)
+    for name in plan.places:
+        assert np.max(found.error[name]) <= 1e-13 * np.max(np.abs(found.mean[name]))
+
+
+def test_tilts_against_exact_samples() -> None:
+    names = ("tilt_driving", "tilt_driven")
+    found = LINE.plan(names).harmonics(ORDERS)
+    fold = Fold.of([], [], [])
+    for joint in range(3):
+        before = joint and Fold.of(
+            LINE.bends[:joint].tolist(),
+            LINE.twists[: joint - 1].tolist(),
+            LINE.phases[: joint - 1].tolist(),
+        ).past_shaft(float(LINE.twists[joint - 1]), float(LINE.phases[joint - 1]))
+        tilts = [(before or fold).tilts(float(LINE.bends[joint]), at) for at in turns(160)]
+        for i, name in enumerate(names):
+            check(found, name, series([tilt[i] for tilt in tilts], ORDERS), joint)
+
+
+def test_a_single_joint_bends_its_driving_shaft_by_the_magnitude_of_a_sine() -> None:
+    bend, torque = 0.6, 5.0
+    found = Driveline.from_bends([bend]).harmonics(
+        ORDERS, outputs="bending_driving", load=Load(drive_torque=torque)
+    )
+    size = torque * math.tan(bend)
+    # |sin a| = 2/pi - 4/pi sum cos(2 n a)/(4 n**2 - 1)
+    assert found.mean["bending_driving"] == pytest.approx(2 * size / math.pi, rel=1e-14)
+    even = ORDERS[1::2]
+    wanted = -4 * size / math.pi / (even**2 - 1.0)
+    amplitudes = found.complex_amplitude["bending_driving"][0]
+    assert amplitudes[1::2] == pytest.approx(wanted, abs=1e-14)
+    assert not np.any(amplitudes[::2])
+    assert abs(found.phase["bending_driving"][0, 1]) == pytest.approx(math.pi)
+
+
 @pytest.mark.parametrize("angle_of", ["drive", "driven"])
 def test_magnitudes_with_kinks(angle_of: Any) -> None:  # noqa: ANN401
     load = Load(output_torque=2.0)
@@ -127,6 +190,23 @@ def test_the_series_is_the_output(axes: Any, angle_of: Any) -> None:  # noqa: AN
         wanted = np.moveaxis(result[name], -1, -2) if OUTPUTS[name].vector else result[name]
         scale = max(1.0, np.max(np.abs(wanted)))
         assert sums == pytest.approx(wanted, abs=1e-12 * scale), name
+
+
+@given(
+    st.lists(st.floats(0.0, 0.9), min_size=1, max_size=3),
+    st.lists(st.floats(-4.0, 4.0), min_size=4, max_size=4),
+    st.sampled_from([name for name in PERIODIC if not OUTPUTS[name].vector]),
+)
+def test_parseval(bends: list[float], between: list[float], name: str) -> None:
+    n = len(bends)
+    line = Driveline.from_bends(bends, between[: n - 1], between[2 : n + 1])
+    load = Load(output_torque=1.0)
+    found = line.plan(name, load=load).harmonics(np.arange(1, 201))
+    rms = line.evaluate(Sweep.revolutions(1, 4096), name, load=load, reduce="rms")[name]
+    power = found.mean[name] ** 2 + 0.5 * np.sum(found.amplitude[name] ** 2, axis=-1)
+    # The orders of a kink fall by their square, those beyond 200 have less power than 1e-7.
+    close = 1e-6 if name in KINKED else 1e-12
+    assert power == pytest.approx(rms**2, rel=close, abs=1e-24)
 
 
 def test_half_a_turn_reverses_the_pins_and_nothing_else() -> None:
@@ -183,6 +263,23 @@ def test_an_empty_batch_and_items_in_order() -> None:
     assert np.array_equal(found.torque, each.torque[[2, 0]])
 
 
+def test_over_the_driven_angle_one_order_is_left_of_a_joint() -> None:
+    # 1/r of a joint is a Poisson kernel in the driven angle, so r has a mean and the order 2.
+    bend = 1.1
+    k = math.tan(bend / 2) ** 2
+    found = Driveline.from_bends([bend]).plan("speed_ratio", angle_of="driven").harmonics([2, 4, 6])
+    assert found.mean["speed_ratio"] == pytest.approx((1 + k * k) / (1 - k * k), rel=1e-14)
+    assert found.speed_ratio == pytest.approx([2 * k / (1 - k * k), 0.0, 0.0], abs=1e-13)
+    assert found.complex_amplitude["speed_ratio"][0].real > 0.0
+
+
+def test_a_torque_into_a_chain_has_mean_and_order_2() -> None:
+    found = LINE.harmonics([2, 4], shaft=3, outputs="torque", load=Load(drive_torque=2.0))
+    k = float(LINE.equivalent().k)
+    assert found.mean["torque"] == pytest.approx(2.0 * (1 + k * k) / (1 - k * k), rel=1e-13)
+    assert found.torque == pytest.approx([4.0 * k / (1 - k * k), 0.0], abs=1e-14)
+
+
 @pytest.mark.parametrize("bend", [85.0, 89.5])
 def test_steep_joints_take_more_samples(bend: float) -> None:
     line = Driveline.from_bends([bend], degrees=True)
@@ -213,6 +310,14 @@ def test_results_are_double_also_of_single_precision() -> None:
 def test_nothing_is_computed_of_what_is_not_a_number() -> None:
     found = LINE.plan("torque", load=Load(drive_torque=[1.0, math.nan])).harmonics([2])
     assert np.isnan(found.torque).tolist() == [[False], [True]]
+
+
+def test_no_orders_leave_the_mean() -> None:
+    plan = LINE.plan(("speed_ratio", "torque"), load=LOAD)
+    none, some = plan.harmonics([]), plan.harmonics(2)
+    for name in ("speed_ratio", "torque"):
+        assert none.amplitude[name].shape == (0,)
+        assert none.mean[name] == pytest.approx(some.mean[name], rel=1e-14)
 
 
 def test_attributes() -> None:

@@ -11,11 +11,14 @@ import pickle
 from dataclasses import fields, replace
 from typing import Any
 
+import hypothesis.strategies as st
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 import cardan
+import tiers
 from cardan import ElasticBearing, LateralSystem, Load, PointMass, RigidShaft, Unbalance, reference
 from cardan.lateral import LateralResponse
 from cardan.lateral.results import VECTORS
@@ -161,6 +164,89 @@ def test_a_system_of_everything_against_the_twin() -> None:
         assert own.is_stable(speed, 1.001 * limit) == system.is_stable(speed, 1.001 * limit)
 
 
+@pytest.mark.parametrize("shear", [None, 0.53])
+def test_elements_of_the_twin_converge_to_the_library(shear: float | None) -> None:
+    """With the eighth power of their length, also between masses."""
+    tube, length = replace(TUBE, shear_coefficient=shear, loss_factor=0.01), 1.6
+    errors = []
+    for step in (0.4, 0.2):
+        system = replace(
+            between_machines(tube, length, (0.1, -0.15), step),
+            masses=[twin.PointMass(1, 0.8, 3.0, 0.02)],
+        )
+        # Near the second pair of modes, which the mass hardly moves.
+        speeds = 0.45 * pinned(tube, length, 2) * np.array([0.9, 1.0])
+        known = system.response(speeds, {"drive_torque": 900.0}, [2], [(1, 0.4)])
+        found = library(system).response(speeds, Load(drive_torque=900.0), [2], [(1, 0.4)])
+        errors.append(np.max(np.abs(found.displacement / known.displacement - 1.0)[..., 1:]))
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.4)
+
+
+lengths = st.floats(0.5, 2.0)
+shares = st.floats(0.05, 0.95)
+stiffnesses = st.floats(1e5, 3e6)
+
+
+@st.composite
+def systems(draw: st.DrawFn) -> tuple[twin.System, list[tuple[int, float]]]:
+    """Up to three shafts between machines, each with a bearing and perhaps a mass, and probes."""
+    count = draw(st.integers(1, 3))
+    bends = draw(st.lists(st.floats(-0.3, 0.3), min_size=count + 1, max_size=count + 1))
+    slopes = np.cumsum([0.0, *bends])
+    aside = draw(st.floats(-0.2, 0.2))
+    directions = [(1.0, math.tan(x), aside * i % 0.3) for i, x in enumerate(slopes)]
+    phases = draw(st.lists(st.floats(-3.0, 3.0), min_size=count, max_size=count))
+    own = [0.3, *draw(st.lists(lengths, min_size=count, max_size=count)), 0.3]
+    shafts: list[Any] = [None]
+    for i in range(1, count + 1):
+        # Joints alone hold a rigid shaft between machines.
+        kind = draw(st.sampled_from(["Euler", "Timoshenko", "rigid"][: 3 if count > 1 else 2]))
+        if kind == "rigid":
+            mass, centre = draw(st.floats(2.0, 30.0)), own[i] * draw(shares)
+            shafts.append(twin.RigidShaft(mass, centre, mass * draw(st.floats(0.01, 0.3)), 0.1))
+        else:
+            tube = twin.Tube(draw(st.floats(0.05, 0.12)), 0.003, loss_factor=0.02)
+            shafts.append(replace(tube, shear_coefficient=None if kind == "Euler" else 0.5))
+    bearings = []
+    for i in range(1, count + 1):
+        stiff = draw(stiffnesses), draw(stiffnesses)
+        axis = draw(st.tuples(st.just(0.1), st.just(1.0), st.floats(-2.0, 2.0)))
+        bearings.append(
+            twin.ElasticBearing(
+                i, own[i] * draw(shares), stiff, axis, 0.15, draw(st.floats(0.0, 300.0))
+            )
+        )
+    masses = [
+        twin.PointMass(i, own[i] * draw(shares), draw(st.floats(0.0, 5.0)), 0.02, 0.03)
+        for i in draw(st.sets(st.integers(1, count)))
+    ]
+    unbalance = [twin.Unbalance(1, own[1] * draw(shares), 1e-3, (0.0, 1.0, 0.3))]
+    probes = [(i, own[i] * draw(shares)) for i in range(1, count + 1)]
+    line = reference.from_directions(directions, phases)
+    return twin.System(line, own, [*shafts, None], bearings, masses, unbalance), probes
+
+
+@settings(max_examples=tiers.part(80))
+@given(systems(), st.floats(1.0, 120.0))
+def test_random_systems_against_the_twin(
+    drawn: tuple[twin.System, list[tuple[int, float]]], speed: float
+) -> None:
+    system, probes = drawn
+    own, orders = library(system), [0, 1, 2, 4]
+    options = {"drive_torque": 500.0, "inertias": [0.05] * len(system.lengths)}
+    found = own.response(speed, load(options), orders, probes)
+    known = system.response(speed, options, orders, probes)
+    assert furthest(found, known) < 1e-6
+    # Where bearings hardly move, what is lost is a small part of the product of force and velocity,
+    # to which rounding is relative.
+    lost = found.bearing_power.sum(axis=0) + found.tube_power
+    assert found.given_power == pytest.approx(lost, rel=1e-9, abs=1e-12 * np.max(lost))
+    # Waves that are long beside the elements of the twin.
+    lowest = system.natural_frequencies(3)
+    lowest = lowest[lowest < 3000.0]
+    assert own.natural_frequencies(3)[: len(lowest)] == pytest.approx(lowest, rel=1e-6)
+
+
 # --- tubes without a mesh ------------------------------------------------------------------------
 
 
@@ -208,6 +294,24 @@ def test_a_tube_between_machines(share: float, bends: tuple[float, float]) -> No
 
 
 # --- limits --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bending", [False, True], ids=["rods", "tubes"])
+def test_stiff_bearings_and_slow_turns_are_the_statics_of_the_package(bending: bool) -> None:
+    system, options, places = rigid_limit()
+    if bending:
+        system = replace(system, shafts=[None, TUBE, TUBE, TUBE, None])
+    own, given = library(system), Load(**options)
+    line, orders = own.line.with_bearings(places), [0, 2, 4, 6]
+    found = own.response(0.01 * math.pi / 30.0, given, orders)
+    outputs = ["bearing_force", "joint_force"]
+    known = line.harmonics(orders[1:], outputs=outputs, load=given)
+    for name in outputs:
+        mean, others = known.mean[name], np.moveaxis(known.complex_amplitude[name], -1, 1)
+        wanted = np.concatenate([mean[:, np.newaxis], others], axis=1)
+        size = np.max(np.abs(wanted), axis=(0, 2))[:, np.newaxis]
+        close = (1e-9 if bending else 1e-11) * np.maximum(size, 1e-3 * np.max(size))
+        assert np.all(np.abs(getattr(found, name) - wanted) < close), name
 
 
 def test_a_torsional_motion_brings_its_orders() -> None:
@@ -437,6 +541,17 @@ def test_resonances_are_where_orders_meet_natural_frequencies() -> None:
     assert system.resonances((1.0, 2.0)) == ()
 
 
+def test_resonance_without_damping() -> None:
+    """Near it the amplitude grows with the inverse of the distance."""
+    system = library(two_piece([0.05, 0.1, 0.07]))
+    speed = system.natural_frequencies(1)[0] / 2.0
+    off = speed * (1.0 + np.array([1e-6, 1e-5, 1e-4]))
+    moved = system.response(off, DRIVEN, [2]).of_order("bearing_displacement")[0, :, 0]
+    assert moved[:2] / moved[1:] == pytest.approx([10.0, 10.0], rel=1e-3)
+    at = system.response(speed, DRIVEN, [2]).of_order("bearing_displacement")[0, 0]
+    assert not at < 1e4 * moved[0]
+
+
 # --- stubborn cases ------------------------------------------------------------------------------
 
 
@@ -453,6 +568,13 @@ def test_speed_zero_is_the_limit_of_slow_turns() -> None:
     assert np.max(np.abs(still.bearing_power)) == 0.0
     nothing = own.response(0.0, None, [1])
     assert np.max(np.abs(nothing.bearing_force)) == 0.0
+
+
+def test_a_mean_has_no_imaginary_part() -> None:
+    response = library(mixed()).response([0.0, 80.0], DRIVEN, [0], PLACES)
+    for name in VECTORS:
+        vectors = getattr(response, name)
+        assert np.max(np.abs(vectors.imag)) <= 1e-12 * np.max(np.abs(vectors)), name
 
 
 class Digits:
@@ -548,6 +670,29 @@ def test_a_batch_of_stiffnesses_may_be_alike_in_both_directions() -> None:
 
     batch = force(each[:, np.newaxis])
     assert np.array_equal(batch, np.concatenate([force(k)[:, np.newaxis] for k in each], axis=1))
+
+
+def test_rods_need_no_stiffness_between_joints() -> None:
+    """Joints hold them, also where nothing moves."""
+    line = cardan.Driveline.from_points([(0, 0, 0), (0.3, 0, 0), (1.3, 0.1, 0), (1.6, 0.2, 0)])
+    system = LateralSystem(line, shafts=[None, RigidShaft(10.0, 0.5, 1.0), None])
+    response = system.response([0.0, 50.0], Load(drive_torque=100.0), [0, 2])
+    for name in VECTORS:
+        assert np.isfinite(getattr(response, name)).all()
+    assert response.joint_force[:, 0] == pytest.approx(response.joint_force[:, 1], abs=1e-12)
+
+
+def test_rounding_beyond_an_end_is_at_the_end() -> None:
+    system = library(system_of(CASES["truck"]))
+    length = float(system.lengths[1])
+    probes = [(1, length), (1, np.nextafter(length, 9.0)), (1, length * (1.0 + 9e-10))]
+    for found in (
+        system.response(100.0, DRIVEN, [2], probes).displacement,
+        system.modes(2, probes).displacement,
+    ):
+        np.testing.assert_array_equal(found[1], found[0])
+        np.testing.assert_array_equal(found[2], found[0])
+        assert np.max(np.abs(found)) > 0.0
 
 
 # --- errors --------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ Closed forms judge both the twin and the library.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cardan import reference
-from cardan.reference import forces
+from cardan.reference import design, forces
 from cardan.reference.lateral import (
     Array,
     Complex,
@@ -23,9 +23,12 @@ from cardan.reference.lateral import (
     RigidShaft,
     System,
     Unbalance,
+    largest,
 )
 from lateral_cases import (
+    BENDING,
     CASES,
+    LINE,
     RIGID,
     TUBE,
     TUBES,
@@ -83,6 +86,14 @@ def test_joints_that_support_a_shaft_slide_on_it(name: str) -> None:
     assert replace(system, sliding=None).slides == tuple(CASES[name]["sliding"])
 
 
+@pytest.mark.parametrize("shear", [None, 0.5224])
+def test_modes_of_a_pinned_tube(shear: float | None) -> None:
+    tube, length = replace(TUBE, shear_coefficient=shear), 1.6
+    found = between_machines(tube, length, step=0.1).natural_frequencies(6)
+    wanted = [pinned(tube, length, mode) for mode in (1, 1, 2, 2, 3, 3)]
+    assert found == pytest.approx(wanted, rel=3e-9)
+
+
 # --- tubes -------------------------------------------------------------------------------------
 
 
@@ -96,6 +107,109 @@ def test_elements_converge_with_the_eighth_power_of_their_length(shear: float | 
         for step in (0.2, 0.1)
     ]
     assert math.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.15)
+
+
+def test_critical_speed_is_that_of_the_library() -> None:
+    known = design.tube(0.09, 0.003, 1.6, 7.93e10, 2.06e11, 7850.0)
+    found = between_machines(TUBE, 1.6).natural_frequencies(1)
+    # The other twin divides the length into pieces.
+    assert found == pytest.approx(known["critical_speed"], rel=1e-5)
+
+
+@both
+@pytest.mark.parametrize("share", [0.01, 0.2, 0.45, 0.6])
+def test_a_tube_between_machines_by_its_closed_form(of: Made, share: float) -> None:
+    """Joints of a Z bend it, those of a W load its bearings."""
+    length, bend, torque = 1.5074813, math.radians(5.7106), 1500.0
+    speed = share * pinned(TUBE, length, 1)
+    phase = math.sqrt(2.0 * speed * math.sqrt(LINE / BENDING)) * length / 2.0
+    options: Any = {"orders": [2], "probes": [(1, length / 2.0)]}
+    loads = {"drive_torque": torque}
+
+    z = of(between_machines(TUBE, length, (bend, -bend))).response(speed, loads, **options)
+    # The couple has the size D tan(bend/2), D sin(bend/2) or one between them.
+    couple = torque * bend / 2.0
+    middle = 2.0 * couple * length**2 / (16.0 * BENDING * phase**2)
+    middle *= 1.0 / math.cos(phase) - 1.0 / math.cosh(phase)
+    off = 2.0 * bend**2
+    shape = np.linalg.norm(z.displacement[0, 0]) / math.sqrt(2.0)
+    assert shape == pytest.approx(abs(middle), rel=off)
+    force = couple / length * phase * (math.tan(phase) - math.tanh(phase))
+    borne = np.linalg.norm(z.joint_force[:, 0], axis=-1) / math.sqrt(2.0)
+    assert borne == pytest.approx(2 * [abs(force)], rel=off)
+
+    w = of(between_machines(TUBE, length, (bend, bend))).response(speed, loads, **options)
+    assert np.linalg.norm(w.displacement[0, 0]) < off * abs(middle) + 1e-12
+
+
+@both
+def test_a_tube_between_machines_near_half_its_critical_speed(of: Made) -> None:
+    """Numbers of an independent model."""
+    system = system_of(CASES["one-piece-euler-held"])
+    length = system.lengths[1]
+    speeds = pinned(TUBE, length, 1) * np.array([1e-3, 0.45])
+    load = {"drive_torque": 1500.0}
+    response = of(system).response(speeds, load, [2], [(1, length / 2.0)])
+    z = np.abs(response.displacement[0, :, 0, 2])
+    assert z == pytest.approx([0.1324933e-3, 0.7153832e-3], rel=1e-6)
+    assert abs(response.joint_force[0, 1, 0, 2]) == pytest.approx(846.5643, rel=1e-6)
+    assert np.max(np.abs(response.joint_force[:, 0, 0])) < 1e-2
+
+
+@both
+@pytest.mark.parametrize(
+    ("stiffness", "hertz", "shudder", "force", "displacement"),
+    few(
+        [
+            (1.5e5, 15.13, 454.0, 555.1, 3.67e-3),
+            (3e5, 21.30, 640.0, 513.4, 1.70e-3),
+            (6e5, 29.85, 895.0, 420.8, 0.70e-3),
+        ],
+        [(6e5, 29.85, 895.0, 420.8, 0.70e-3)],
+    ),
+)
+def test_shudder_of_a_truck(
+    of: Made, stiffness: float, hertz: float, shudder: float, force: float, displacement: float
+) -> None:
+    """Numbers of an independent model, in its digits."""
+    truck = system_of(CASES["truck"])
+    bearing = replace(truck.bearings[0], stiffness=(stiffness, stiffness))
+    truck, rpm = replace(truck, bearings=[bearing]), math.pi / 30.0
+    found = of(truck).natural_frequencies(1) / (2.0 * math.pi)
+    assert found == pytest.approx([hertz], abs=0.005)
+    speeds = rpm * (shudder + np.array([-6.0, 0.0, 6.0]))
+    response = of(truck).response(speeds, {"drive_torque": 1500.0}, [2])
+    below, peak, above = largest(response.bearing_force[0], [2])
+    assert peak == pytest.approx(force, abs=0.2)
+    assert peak > max(below, above)
+    moved = largest(response.bearing_displacement[0, 1], [2])
+    assert moved == pytest.approx(displacement, abs=0.5e-5)
+
+
+@both
+@pytest.mark.parametrize(
+    ("slopes", "phases", "static", "shudder"),
+    few(
+        [
+            ((3, 4, 9, 4), (0, 0), 69.65, 513.4),
+            ((3, 4, 9, 7), (0, 0), 94.5, 756.0),
+            ((3, 4, 9, 4), (90, 0), 46.5, 319.0),
+            ((3, 4, 9, 14), (0, 0), 152.0, 1322.0),
+        ],
+        [((3, 4, 9, 14), (0, 0), 152.0, 1322.0)],
+    ),
+    ids=["Z", "pinion wound up", "yokes turned", "W"],
+)
+def test_layouts_of_a_truck(
+    of: Made, slopes: Sequence[float], phases: Sequence[float], static: float, shudder: float
+) -> None:
+    """Numbers of an independent model: slopes, and phases, in degrees."""
+    down = -np.radians(slopes)
+    line = planar(np.diff(down).tolist(), np.radians(phases).tolist())
+    truck = replace(system_of(CASES["truck"], 0.3), line=line, lengths=[0.3, 1.25, 1.75, 0.3])
+    speeds = np.array([0.1, 640.0]) * math.pi / 30.0
+    force = of(truck).response(speeds, {"drive_torque": 1500.0}, [2]).bearing_force[0]
+    assert largest(force, [2]) == pytest.approx([static, shudder], rel=2e-3)
 
 
 # --- rigid shafts ------------------------------------------------------------------------------
@@ -128,6 +242,15 @@ def test_order_2_of_a_rigid_bearing_by_its_layout(
     response = of(two_piece(bends, phases)).response(1e-6, {"drive_torque": 1500.0}, [2])
     found = np.linalg.norm(response.bearing_force[0, 0]) / math.sqrt(2.0)
     assert found == pytest.approx(750.0 * 1.25 / 1.13 * abs(bracket(bends, phases)), rel=2e-4)
+
+
+@both
+def test_a_layout_without_order_2(of: Made) -> None:
+    bends = [math.radians(bend) for bend in (0.3, 0.5, 0.0)]
+    bends[2] = -1.75 * bracket(bends, (0.0, 0.0)).real
+    response = of(two_piece(bends)).response(1e-6, {"drive_torque": 1500.0}, [0, 2])
+    mean, second = np.linalg.norm(response.bearing_force[0], axis=-1)
+    assert second < 1e-3 * mean
 
 
 @both
@@ -249,6 +372,14 @@ def test_torque_stiffness_of_two_pieces(of: Made, phases: tuple[float, float]) -
 
 
 @both
+def test_torque_stiffness_in_numbers(of: Made) -> None:
+    bends = [math.radians(bend) for bend in (1.0, 5.0, 5.0)]
+    assert of(two_piece(bends)).torque_stiffness(1500.0).kappa == pytest.approx(685.7, rel=0.01)
+    turned = of(two_piece(bends, (math.pi / 2.0, 0.0))).torque_stiffness(1500.0)
+    assert turned.kappa == pytest.approx(1646.0, rel=0.01)
+
+
+@both
 def test_a_single_joint_circulates(of: Made) -> None:
     line = reference.from_bends([math.radians(5.0)])
     bearing = ElasticBearing(1, 1.0, (1e6, 1e6))
@@ -329,6 +460,23 @@ def test_stability_by_the_loss_factor(of: Made) -> None:
 
 
 # --- the rest ----------------------------------------------------------------------------------
+
+
+def test_largest_value_over_the_turn() -> None:
+    rng = np.random.default_rng(1)
+    vectors = rng.normal(size=(4, 4, 3)) + 1j * rng.normal(size=(4, 4, 3))
+    vectors[..., 0, :] = vectors[..., 0, :].real
+    orders, angles = (0, 1.5, 2, 4), np.linspace(0.0, 4.0 * math.pi, 20001)
+    sampled = np.einsum("ak,ikx->iax", np.exp(1j * np.multiply.outer(angles, orders)), vectors)
+    wanted = np.max(np.linalg.norm(sampled.real, axis=-1), axis=-1)
+    assert largest(vectors, orders) == pytest.approx(wanted, rel=1e-6)
+    assert np.all(largest(vectors, orders) >= wanted * (1.0 - 1e-14))
+    one = vectors[:, 1]
+    wanted = np.sqrt((np.sum(np.abs(one) ** 2, -1) + np.abs(np.sum(one**2, -1))) / 2.0)
+    assert largest(one[:, None], [2]) == pytest.approx(wanted, rel=1e-12)
+    circle = np.array([[[1.0, 1.0j, 0.0]]])
+    assert largest(circle, [1]) == pytest.approx(1.0, rel=1e-12)
+    assert largest(vectors[:, :1], [0]) == pytest.approx(np.linalg.norm(vectors[:, 0], axis=-1))
 
 
 @both

@@ -45,6 +45,41 @@ def test_one_joint_is_as_the_integrals_over_its_swing(bend: float) -> None:
     assert found.hours[0] / found.catalogue[0] == pytest.approx(float(factor), rel=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("bend", "driving", "driven"),
+    [
+        (10, 1.005140461, 1.010303595),
+        (20, 1.021363413, 1.043106454),
+        (30, 1.051405694, 1.104892123),
+        (45, 1.137008846, 1.286891148),
+    ],
+)
+def test_equivalent_torques(bend: float, driving: float, driven: float) -> None:
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    found = line.life(cardan.Load(drive_torque=1.0, speed=1.0), rating=1.0)
+    both = np.mean(np.array([driving, driven]) ** (10.0 / 3.0 * 9.0 / 8.0)) ** (-8.0 / 9.0)
+    assert found.hours[0] / found.catalogue[0] == pytest.approx(both, rel=1e-8)
+
+
+def test_chains_with_inertias_are_as_sums_of_vectors() -> None:
+    line = cardan.Driveline.from_bends([10, 35, 2], [20, -40], [50, 10], degrees=True)
+    load = cardan.Load(output_torque=90.0, speed=25.0, inertias=[0.0, 0.3, 0.2, 0.5])
+    angles = np.linspace(0.0, math.pi, 60_000, endpoint=False) + 1e-3
+    step, ways = 1e-5, []
+    moment = np.linalg.norm(line.evaluate(angles, "moment", load=load).moment, axis=-1)
+    for name in ("tilt_driving", "tilt_driven"):
+        high, low = (line.evaluate(angles + by, name)[name] for by in (step, -step))
+        ways.append(np.abs(high - low))
+    harm = [np.sum(moment ** (10 / 3) * way, -1) / np.sum(way, -1) for way in ways]
+    both = np.mean(np.array(harm) ** (9 / 8), axis=0) ** (8 / 9)
+    swing = np.array([10.0, 35.0, 3.0]) * 25.0 * 30.0 / math.pi
+    found = line.life(load, rating=[1000.0, 2000.0, 500.0])
+    rating = np.array([1000.0, 2000.0, 500.0]) ** (10 / 3)
+    assert found.hours == pytest.approx(1.5e6 / swing * rating / both, rel=1e-6)
+    assert found.small_swing.tolist() == [False, False, True]
+    assert found.decisive == int(np.argmin(found.hours))
+
+
 def test_the_inertia_of_a_driving_shaft_does_not_load_the_joint_behind_it() -> None:
     line = cardan.Driveline.from_bends([25.0, 25.0], phases=[30.0], degrees=True)
     of: dict[str, Any] = {"output_torque": 100.0, "speed_rpm": 1500.0}
@@ -173,6 +208,16 @@ def test_a_torque_that_varies_within_the_turn() -> None:
     expected = 1.5e6 / (25.0 * 900.0) * 2000.0 ** (10.0 / 3.0) / float(both)
     assert found.hours[0] == pytest.approx(expected, rel=1e-7)
     assert found.catalogue[0] == pytest.approx(law(25.0, 900.0, 300.0, 2000.0), rel=1e-7)
+
+
+def test_a_run_counts_its_hours_by_its_time() -> None:
+    """Half of the angle at 10 rad/s and half at 30 rad/s take as long as all at 15 rad/s."""
+    line = cardan.Driveline.from_bends([20], degrees=True)
+    angles = np.linspace(0.0, 200.0 * math.pi, 40_001)
+    speed = np.where(angles < 100.0 * math.pi, 10.0, 30.0)
+    run = line.life(cardan.Load(output_torque=50.0, speed=speed), rating=500.0, angle=angles)
+    steady = line.life(cardan.Load(output_torque=50.0, speed=15.0), rating=500.0)
+    assert run.hours == pytest.approx(steady.hours, rel=1e-4)
 
 
 @pytest.mark.parametrize(

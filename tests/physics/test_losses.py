@@ -43,6 +43,16 @@ def test_one_joint_has_a_closed_form(bend: float, end: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("bend", "bracket"), [(5, 0.111323216450830), (10, 0.223932794061221), (30, 0.717251749513921)]
+)
+def test_reference_numbers(bend: float, bracket: float) -> None:
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    load = cardan.Load(drive_torque=1.0)
+    found = line.losses(load, friction=1.0, pin_radius=1.0, arm=1.0)
+    assert found.fraction[0] == pytest.approx(bracket, rel=1e-12)
+
+
+@pytest.mark.parametrize(
     ("load", "rel"),
     [
         (cardan.Load(drive_torque=100.0, speed=50.0), 1e-8),
@@ -62,6 +72,15 @@ def test_chains_are_as_vectors_and_differences(load: cardan.Load, rel: float) ->
     assert found.fraction == pytest.approx(np.mean(lost, axis=-1) / abs(drive), rel=rel)
     assert found.power == pytest.approx(np.mean(lost, axis=-1) * load.speed, rel=rel)
     assert found.torque(angles[::997]) == pytest.approx(lost[:, ::997], rel=1e-6, abs=1e-6)
+
+
+def test_a_seal_takes_four_swings_a_turn() -> None:
+    """Each yoke's pins swing over the bend to both sides, whatever the load."""
+    line = cardan.Driveline.from_bends([[12.0], [25.0]], degrees=True)
+    load = cardan.Load(drive_torque=7.0, speed=100.0)
+    found = line.losses(load, friction=0.0, pin_radius=0.01, arm=0.04, seal_torque=0.5)
+    swings = 8.0 * np.radians([[12.0, 25.0]])
+    assert found.power == pytest.approx(0.5 * swings * 100.0 / (2.0 * math.pi), rel=1e-12)
 
 
 def test_batches_are_their_drivelines() -> None:

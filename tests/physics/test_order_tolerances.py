@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,14 @@ def order_1(deviations: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     lines = LINE.with_deviations(*np.moveaxis(deviations, -1, 0))
     found: np.ndarray[Any, Any] = lines.harmonics([1], outputs="angle_error").angle_error[..., 0]
     return found
+
+
+def test_the_worst_corner_is_the_worst_of_all() -> None:
+    signs = np.array([*itertools.product((-1.0, 1.0), repeat=6)]).reshape(-1, 2, 3)
+    # To first order a cross has no part in order 1, but it has one in the worst corner.
+    assert pytest.approx(order_1(signs * HALVES).max(), rel=1e-9) == FOUND.worst
+    assert pytest.approx(order_1(FOUND.worst_deviations), rel=1e-12) == FOUND.worst
+    assert np.array_equal(np.abs(FOUND.worst_deviations), HALVES)
 
 
 @pytest.mark.parametrize("distribution", ["uniform", "normal"])

@@ -22,6 +22,16 @@ def phased(line: Driveline) -> Driveline:
     return line.with_phases(line.optimal_phases())
 
 
+def test_the_example_of_three_joints_closes() -> None:
+    line = Driveline.from_bends([10, 9, 6], degrees=True)
+    turned = np.degrees(line.optimal_phases()) + 90
+    # One of the two mirrored triangles, each turn modulo 180 degrees.
+    expected = np.array([80.2756, 180 - 145.9401])
+    offset = np.minimum(np.abs(turned - expected), np.abs(turned + expected - 180) % 180)
+    assert np.max(offset % 180) < 5e-5
+    assert phased(line).equivalent().k < 4 * EPS
+
+
 @given(
     st.lists(st.floats(0.01, 1.4), min_size=2, max_size=7),
     st.integers(0, 2**32 - 1),
@@ -41,6 +51,31 @@ def test_the_least_bend_that_the_polygon_allows(bends: list[float], seed: int) -
     else:
         least = math.tanh(shortfall / 2)
         assert best.k == pytest.approx(least, abs=unit)
+
+
+@given(st.lists(st.floats(0.05, 1.0), min_size=2, max_size=5), st.integers(0, 2**32 - 1))
+def test_no_phases_do_better(bends: list[float], seed: int) -> None:
+    random = np.random.default_rng(seed)
+    n = len(bends)
+    line = Driveline.from_bends(bends, *random.uniform(-4, 4, (2, n - 1)))
+    others = line.with_phases(random.uniform(-4, 4, (200, n - 1)))
+    assert phased(line).equivalent().k <= np.min(others.equivalent().k) + 1e-13
+
+
+@given(st.lists(st.floats(0.05, 1.0), min_size=2, max_size=3), st.integers(0, 2**32 - 1))
+def test_no_smaller_turn_does_as_well(bends: list[float], seed: int) -> None:
+    # Up to three joints the candidates are few: each yoke modulo 180 degrees, and the mirror image.
+    random = np.random.default_rng(seed)
+    n = len(bends)
+    twists, phases = random.uniform(-4, 4, (2, n - 1))
+    line = Driveline.from_bends(bends, twists, phases)
+    best = line.optimal_phases()
+    turn = best + math.pi / 2 - twists
+    for candidate in (turn, -turn):
+        change = candidate - math.pi / 2 + twists - phases
+        change -= math.pi * np.round(change / math.pi)
+        assert np.sum((best - phases) ** 2) <= np.sum(change**2) + 1e-9
+    assert np.all(np.abs(best - phases) <= math.pi / 2 + 1e-12)
 
 
 def folded(bends: np.ndarray, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -128,6 +163,14 @@ def test_shafts_that_share_a_turn_count_for_the_nearer_triangle() -> None:
     assert np.all(turn(best) <= turn(-best) + 1e-9)
 
 
+def test_what_is_nearly_smooth_turns_little() -> None:
+    bends = np.random.default_rng(3).uniform(0.2, 0.5, (50, 6))
+    smooth = phased(Driveline.from_bends(bends))
+    pushed = smooth.with_phases(smooth.phases + 0.01)
+    turns = pushed.optimal_phases() - pushed.phases
+    assert np.all((turns**2).sum(axis=-1) <= 1.01 * 5 * 0.01**2)
+
+
 def test_shafts_beside_a_straight_joint_share_the_turn() -> None:
     line = Driveline.from_bends([20, 0, 20], twists=[10, 20], degrees=True)
     change = np.degrees(line.optimal_phases())
@@ -136,6 +179,12 @@ def test_shafts_beside_a_straight_joint_share_the_turn() -> None:
     # A straight end leaves its shaft alone.
     line = Driveline.from_bends([0, 20, 20], degrees=True)
     assert np.degrees(line.optimal_phases()) == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize("bends", [[0.3], [0.0], [0.0, 0.0], [0.3, 0.0], [0.0, 0.3, 0.0]])
+def test_nothing_to_phase(bends: list[float]) -> None:
+    line = Driveline.from_bends(bends)
+    assert line.optimal_phases().tolist() == line.phases.tolist()
 
 
 @pytest.mark.parametrize("twist", [1e17, 1e300, 1.79e308, -1.79e308])
@@ -161,3 +210,49 @@ def test_batches_give_what_single_drivelines_give() -> None:
     for i, j in random.integers(0, 50, (40, 2)):
         single = Driveline.from_bends(bends[i, j], twists[i, j], phases[i, j]).optimal_phases()
         assert np.array_equal(best[i, j], single)
+
+
+@pytest.mark.parametrize("phases", [[0.7, -0.4], [0.0, 0.0]])
+def test_harmonics_are_those_of_the_sampled_motion(phases: list[float]) -> None:
+    line = Driveline.from_bends([0.5, 0.7, 0.3], [0.2, 0.9], phases)
+    samples = 256
+    angle = np.arange(samples) * (2 * math.pi / samples)
+    for shaft in range(4):
+        motion = line.evaluate(angle, ("angle_error", "speed_ratio"), shafts=shaft)
+        orders = np.arange(1, 40)
+        found = line.harmonics(orders, shaft)
+        for name in ("angle_error", "speed_ratio"):
+            spectrum = 2 * np.abs(np.fft.rfft(motion[name])) / samples
+            assert getattr(found, name) == pytest.approx(spectrum[orders], abs=1e-14)
+
+
+def test_harmonics_of_a_batch() -> None:
+    line = Driveline.from_bends([[0.1], [0.5]])
+    found = line.harmonics([2, 4, 7])
+    k = np.tan([[0.05], [0.25]]) ** 2
+    assert found.speed_ratio == pytest.approx(np.hstack([2 * k, 2 * k**2, 0 * k]))
+    assert found.angle_error == pytest.approx(np.hstack([k, k**2 / 2, 0 * k]))
+
+
+@pytest.mark.parametrize(
+    ("bends", "signs", "rule"),
+    [
+        ([10, 8], [1, -1], 6.0),
+        ([20, 25, 15], [1, -1, 1], 0.0),
+        ([20, -25, 15], [1, 1, 1], None),
+    ],
+)
+def test_the_catalogue_rule(bends: list[float], signs: list[int], rule: float | None) -> None:
+    if rule is None:
+        with pytest.raises(ValueError, match="bends"):
+            Driveline.from_bends(bends, degrees=True)
+        return
+    line = Driveline.from_bends(bends, degrees=True)
+    assert math.degrees(line.catalogue_bend(signs)) == pytest.approx(rule, abs=1e-6)
+
+
+def test_the_catalogue_rule_can_miss_altogether() -> None:
+    # Crossed yokes against the middle joint: the rule says 0, the exact bend is 3.143 degrees.
+    line = Driveline.from_bends([20, 25, 15], degrees=True)
+    assert math.degrees(line.catalogue_bend([1, -1, 1])) == pytest.approx(0.0, abs=1e-6)
+    assert math.degrees(line.equivalent().bend) == pytest.approx(3.143, abs=5e-4)

@@ -476,6 +476,3 @@ def test_refusals() -> None:
         reference.mean_offset(reference.from_bends([math.radians(89.99)]))
     with pytest.raises(IndexError, match="shaft is 3"):
         reference.motion(line, 0.0, 3)
-
-
-# --- forces ----------------------------------------------------------------------------------

@@ -76,6 +76,22 @@ def test_equivalent_joint(joints: int, least: float, most: float) -> None:
             assert turn(got.max_angle_error_at, want.max_angle_error_at) <= place
 
 
+@pytest.mark.parametrize("joints", [2, 3, 4, 5])
+def test_a_chain_turns_as_its_equivalent_joint_all_the_way(joints: int) -> None:
+    """What the searches of the reference rest on, and that they found it, without the core."""
+    for _, shafts in drivelines(part(8), joints):
+        found = slow.equivalent(shafts)
+        one = reference.from_bends([found.bend])
+        c = math.prod(map(math.cos, shafts.bends))
+        offset = reference.mean_offset(shafts)
+        for angle in np.linspace(-1.0, 5.0, 60).tolist():
+            chain = reference.motion(shafts, angle, offset=offset)
+            joint = reference.motion(one, angle + found.angle_offset, offset=0.0)
+            close = 16 * joints * EPS / c**4 / found.bend
+            assert abs(chain.angle_error - joint.angle_error) <= close
+            assert abs(chain.speed_ratio - joint.speed_ratio) <= close
+
+
 @chains
 def test_q(joints: int, least: float, most: float) -> None:
     for line, shafts in drivelines(part(8), joints, least, most, seed=1):
@@ -117,6 +133,17 @@ def test_derivatives_of_q() -> None:
             np.testing.assert_allclose(got, slow.dq(laid_out, at), rtol=0.0, atol=close)
 
 
+def test_derivatives_of_q_by_points() -> None:
+    points = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.9, 0.3, 0.4], [2.9, 0.0, 0.2]]
+    got = Driveline.from_points(points, [0.4]).transmission().dq("points")
+
+    def laid_out(flat: list[float]) -> reference.Shafts:
+        return reference.from_points([flat[i : i + 3] for i in range(0, 12, 3)], [0.4])
+
+    flat = [x for point in points for x in point]
+    np.testing.assert_allclose(got.ravel(), slow.dq(laid_out, flat), rtol=0.0, atol=1e-9)
+
+
 # --- the best phases -----------------------------------------------------------------------------
 
 
@@ -155,6 +182,14 @@ def test_best_phases(joints: int, least: float, most: float, count: int) -> None
 def test_best_phases_of_many_joints_are_least_in_their_neighbourhood(joints: int) -> None:
     for line, shafts in drivelines(part(8), joints, 10.0, 45.0, seed=5):
         check_phases(line, shafts, near=True)
+
+
+@pytest.mark.parametrize("joints", [4, pytest.param(5, marks=pytest.mark.long)])
+def test_the_search_of_the_reference_finds_nothing_better_for_many_joints(joints: int) -> None:
+    for line, shafts in drivelines(part(4), joints, 10.0, 45.0, seed=6):
+        core, own = line.optimal_phases(), np.array(slow.optimal_phases(shafts))
+        off = mean_k([shafts], core, [1.0]) - mean_k([shafts], own, [1.0])
+        assert abs(off) <= 16 * joints * EPS / np.prod(np.cos(line.bends))
 
 
 @pytest.mark.parametrize(

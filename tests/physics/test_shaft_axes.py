@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cardan import ArgumentValueError, Driveline, Load, Sweep
+from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
+from cardan.reference.forces import forces
 from oracle import ExactTurn, mp
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 
@@ -66,6 +67,47 @@ def worst(line: Driveline, angle: float, load: dict[str, Any], **options: Any) -
     )
 
 
+@given(
+    st.lists(st.one_of(st.just(0.0), st.floats(1e-5, 1.5)), min_size=1, max_size=4),
+    st.lists(st.floats(-4.0, 4.0), min_size=6, max_size=6),
+    st.floats(-20.0, 20.0),
+    st.sampled_from([*LOADS]),
+    st.sampled_from([None, 0.0]),
+)
+def test_axes_of_the_vector_picture(
+    bends: list[float], between: list[float], angle: float, load: str, tolerance: float | None
+) -> None:
+    n = len(bends)
+    twists, phases = between[: n - 1], between[3 : n + 2]
+    bearings = [(0, 0.2), (0, 0.7), *((shaft, 0.4) for shaft in range(1, n + 1))]
+    lengths = [1.0] * (n + 1)
+    line = Driveline.from_bends(bends, twists, phases).with_bearings(bearings, lengths)
+    own = of_line(LOADS[load], line)
+    names = (*NAMES, "joint_force", "bearing_force")
+    got = line.evaluate(
+        angle, names, shafts=slice(None), load=Load(**own), axes="shaft", tolerance=tolerance
+    )
+    shafts = reference.from_bends(bends, twists, phases)
+    loads, turning = reference.loads(shafts, angle, **own), reference.turning_axes(shafts, angle)
+    supported = forces(shafts, loads, lengths, bearings)
+    driven = range(1, n + 1)
+    wanted = {
+        "moment": (driven, loads.moment),
+        "support_moment": (range(n + 1), loads.support_moment),
+        "joint_force": (driven, supported.joint_force),
+        "bearing_force": ([shaft for shaft, _ in bearings], supported.bearing_force),
+    }
+    # Steep joints stretch the rounding of the vectors, once in the pins and once in the loads.
+    close = 4e-14 * (1.0 + abs(angle)) / math.prod(map(math.cos, bends)) ** 2
+    for pair in (names[:2], names[2:]):
+        vectors = [vector for name in pair for vector in wanted[name][1]]
+        largest = max(map(math.hypot, *zip(*vectors, strict=True)))
+        for name in pair:
+            for found, shaft, vector in zip(got[name], *wanted[name], strict=True):
+                components = np.array(turning[shaft]) @ np.array(vector)
+                np.testing.assert_allclose(found, components, rtol=0.0, atol=close * largest)
+
+
 @pytest.mark.parametrize("load", LOADS.values(), ids=LOADS)
 @pytest.mark.parametrize("joints", [1, 2, 4])
 def test_components_are_those_along_shaft_and_pin(joints: int, load: dict[str, Any]) -> None:
@@ -97,6 +139,33 @@ def test_a_steep_joint_keeps_its_digits() -> None:
     line = Driveline.from_bends([math.radians(89.9999)])
     for angle in (0.0, 1e-7, 0.3, math.pi / 2, 3.1):
         assert worst(line, angle, {"drive_torque": 2.0}, tolerance=0) <= 2.0
+
+
+def test_the_moment_is_torque_and_bending() -> None:
+    names = ("moment", "torque", "bending_driven")
+    result = LINE.evaluate(ANGLES, names, shafts=[1, 2, 3], load=LOAD_OF_FOUR, axes="shaft")
+    x, y, z = np.moveaxis(result.moment, -1, 0)
+    # The torque is the power over the speed ratio, the moment a function of the torsion.
+    np.testing.assert_array_max_ulp(x, result.torque, 4)
+    assert not np.any(y)
+    assert np.array_equal(np.abs(z), result.bending_driven)
+    # The pin is back after a turn and reversed after half of one.
+    for turn, sign in ((2.0 * math.pi, 1.0), (math.pi, -1.0)):
+        later = LINE.evaluate(ANGLES + turn, "moment", load=LOAD_OF_FOUR, axes="shaft").moment[
+            ..., 2
+        ]
+        assert later == pytest.approx(sign * z, abs=1e-12)
+
+
+def test_lengths_are_those_in_space() -> None:
+    options: dict[str, Any] = {"shafts": slice(None), "load": LOAD_OF_FOUR}
+    space = LINE.evaluate(ANGLES, NAMES, **options)
+    shaft = LINE.evaluate(ANGLES, NAMES, **options, axes="shaft")
+    for name in NAMES:
+        lengths = np.linalg.norm(space[name], axis=-1)
+        assert np.linalg.norm(shaft[name], axis=-1) == pytest.approx(lengths, rel=1e-12)
+    one = LINE.evaluate(ANGLES, NAMES, **options, reduce="peak")
+    assert one == LINE.evaluate(ANGLES, NAMES, **options, reduce="peak", axes="shaft")
 
 
 def test_batches_sweeps_and_items() -> None:
@@ -168,6 +237,32 @@ def test_no_angle_has_no_vector() -> None:
 def test_unknown_axes_are_refused(value: Any) -> None:  # noqa: ANN401
     with pytest.raises(ArgumentValueError, match=r"axes is .*; it must be 'space' or 'shaft'"):
         LINE.evaluate(ANGLES, axes=value)
+
+
+@pytest.mark.parametrize("joints", [1, 2, 4])
+@pytest.mark.parametrize("tolerance", [None, 0.0])
+def test_forces_are_turned_to_shaft_and_pin(joints: int, tolerance: float | None) -> None:
+    """Components of the forces in space, along the exact pins."""
+    random = np.random.default_rng(joints)
+    for _ in range(8):
+        bends, between = random.uniform(0, 0.9, joints), random.uniform(-4, 4, (2, joints - 1))
+        bearings = [(0, 0.2), (0, 0.7), *((shaft, 0.4) for shaft in range(1, joints + 1))]
+        line = Driveline.from_bends(bends, *between).with_bearings(bearings, np.ones(joints + 1))
+        angle = float(random.uniform(-20, 20))
+        options: dict[str, Any] = {"load": Load(drive_torque=7.0), "tolerance": tolerance}
+        names = ("joint_force", "bearing_force")
+        space = line.evaluate(angle, names, **options)
+        turned = line.evaluate(angle, names, **options, axes="shaft")
+        frames = Frames.of(line)
+        pins = frames.pins(ExactTurn.by(angle))
+        along = [pins[0][0], *(driven for _, driven in pins)]
+        shafts = {"joint_force": range(1, joints + 1), "bearing_force": [s for s, _ in bearings]}
+        largest = max(np.linalg.norm(space[name], axis=-1).max() for name in names)
+        for name in names:
+            for force, got, shaft in zip(space[name], turned[name], shafts[name], strict=True):
+                u, pin = frames.directions[shaft], along[shaft]
+                wanted = [float(dot(force.tolist(), axis)) for axis in (u, pin, cross(u, pin))]
+                np.testing.assert_allclose(got, wanted, rtol=0, atol=8 * np.spacing(largest))
 
 
 def test_forces_with_moments_batches_and_reductions() -> None:

@@ -54,6 +54,14 @@ def test_amplitudes_are_integrals() -> None:
     assert cross == pytest.approx([order(n, lambda a: 1 / rho(a)) for n in (1, 2, 4)], abs=1e-13)
 
 
+def test_amplitudes_of_a_steep_joint_are_those_of_many_samples() -> None:
+    found = cardan.Driveline.from_bends([89.0], degrees=True).slides(cross=0.5)
+    angles = np.arange(1 << 14) * (math.tau / (1 << 14))
+    for order in (2, 4):
+        wanted = 2.0 * abs(np.mean(found.at(angles)[0] * np.exp(-1j * order * angles)))
+        assert found.amplitudes(order)[0] == pytest.approx(wanted, rel=1e-10)
+
+
 def test_offsets_add_and_chains_have_their_input_angles() -> None:
     line = cardan.Driveline.from_bends([10, 35, 20], [20, -40], [50, 10], degrees=True)
     angles = np.linspace(0.0, 6.0, 7)

@@ -19,11 +19,13 @@ from numpy.typing import NDArray
 import cardan
 import tiers
 from cardan import Driveline, Load, Sweep
+from cardan.tolerances import case
 from cardan.tolerances.box import Sizes, boxes
-from cardan.tolerances.case import all_corners, largest_in_box, zonotope_radius
+from cardan.tolerances.case import all_corners, largest_in_box, largest_of_corners, zonotope_radius
 from cardan.tolerances.chain import (
     Deviations,
     Nominal,
+    _displacement,
     amplitude,
     as_drawn,
     bound_parts,
@@ -77,6 +79,15 @@ def test_equal_joints_with_a_wrong_phase(bend: float, wrong: float, printed: flo
         # Of one corner alone the triangle inequality is an equality.
         assert found.guaranteed_deg == pytest.approx(exact, abs=1e-10)
         assert found.linear_deg == pytest.approx(exact, rel=4e-3)
+
+
+def test_equal_joints_with_one_wrong_bend() -> None:
+    line = Driveline.from_bends([10, 10], degrees=True)
+    found = line.tolerances(bends=[0.0, 0.5], degrees=True)
+    exact = math.degrees(math.acos(math.cos(math.radians(10.5)) / math.cos(math.radians(10))))
+    assert found.worst_deg == pytest.approx(exact, abs=1e-10)
+    assert found.guaranteed_deg == pytest.approx(exact, abs=1e-10)
+    assert np.degrees(found.worst_at["bends"]) == pytest.approx([0.0, 0.5])
 
 
 def test_the_example_of_the_theory_page() -> None:
@@ -373,6 +384,16 @@ def test_memory_is_eight_bytes_per_sample_and_figure(of: tuple[str, ...]) -> Non
     assert many < few + 1_000_000
 
 
+def test_memory_of_toleranced_points_is_eight_bytes_per_sample() -> None:
+    line = Driveline.from_points(TRUCK)
+    few, many = (
+        peak_beyond_the_samples(line, samples, of=("equivalent_bend",), points=1e-3)
+        for samples in (300_000, 1_500_000)
+    )
+    # The threads of the pool hold more or fewer chunks at the same time.
+    assert many < few + 1_000_000 + 0.3 * few
+
+
 @pytest.mark.parametrize("drawn_first", [False, True])
 @pytest.mark.parametrize("samples", [1, 2, 1001])
 def test_quantiles_and_the_passing_share_are_those_of_the_samples(
@@ -639,6 +660,23 @@ def disc_map(directions: Any, frames: Any) -> Any:  # noqa: ANN401
     return lambda w: (end + turn * w) / (1 + np.conj(end) * turn * w)
 
 
+def test_the_picture_of_directions_in_the_disc_is_that_of_the_core() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        spans = random.normal(size=(4, 3)) * 0.4 + np.array([2, 0, 0])
+        units = spans / np.linalg.norm(spans, axis=1, keepdims=True)
+        frames = [np.cross(u, random.normal(size=3)) for u in units]
+        frames = [frame / np.linalg.norm(frame) for frame in frames]
+        point: complex = 0.0
+        for j in (2, 1, 0):
+            # Frames are drawn at random, so what stands in one is the same in the next.
+            point = disc_map(units[j : j + 2], frames[j : j + 2])(point)
+            # A shaft whose yokes lie in one plane turns the polygon back: p = 90° - twist.
+            point = -point
+        line = Driveline.from_directions(spans, 0.0)
+        assert abs(point) == pytest.approx(float(line.equivalent().k), abs=1e-13)
+
+
 def test_the_bound_holds_where_a_side_moves_far_ends_apart() -> None:
     # A U of long legs opens by more than its base becomes longer: L grows as cosh of the legs.
     bends = [1.3, 0.1, 1.3]
@@ -648,6 +686,38 @@ def test_the_bound_holds_where_a_side_moves_far_ends_apart() -> None:
     base = math.log(math.cos(0.1) / math.cos(0.12))
     assert sides[1] - sides[0] > 1.5 * base
     assert sides[1] <= sides[2]
+
+
+@pytest.mark.long
+def test_the_lemma_of_the_bound_of_points() -> None:
+    # What moves is the far end of a polygon behind one joint; far away the turns decide.
+    random, sharpest = np.random.default_rng(8), 0.0
+    for _ in range(2000):
+        bend, far = random.uniform(0.3, 1.2), random.uniform(0.0, 9.0)
+        size = random.uniform(0.001, 0.03)
+        line = Driveline.from_points(
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1 + math.cos(bend), math.sin(bend), 0.0]]
+        )
+        _, _, (box,) = boxes(line, Sizes({"points": size}))
+        _, changes, _, turned = bound_parts(box)
+        assert box.nominal.points is not None
+        corner = box.nominal.points + size * random.choice([-1, 1], (3, 3))
+        pairs = []
+        for points in (box.nominal.points, corner):
+            spans = np.diff(points, axis=0)
+            pairs.append(spans / np.linalg.norm(spans, axis=1, keepdims=True))
+        frames = [np.array([0.0, 0, 1]), np.array([0.0, 0, 1])]
+        moved = [minimal_rotation(u, v, f) for u, v, f in zip(*pairs, frames, strict=True)]
+        w = math.tanh(far / 2) * np.exp(1j * np.linspace(0, math.tau, 40))
+        a, b = disc_map(pairs[0], frames)(w), disc_map(pairs[1], moved)(w)
+        room = (1 - np.abs(a) ** 2) * (1 - np.abs(b) ** 2)
+        distance = float(np.max(2 * np.arcsinh(np.abs(a - b) / np.sqrt(room))))
+        swing = 2 * math.asinh(math.sinh(far) * math.sin(min(turned[0], math.pi / 2)))
+        shift = 2 * math.asinh(math.sinh(changes[0] / 2) * math.cosh(far))
+        assert distance <= (shift + swing) * (1 + 1e-6)
+        sharpest = max(sharpest, distance / (shift + swing))
+    # Not so wide that it says nothing.
+    assert sharpest > 0.5
 
 
 def holonomy(pairs: Any, frames: Any) -> float:  # noqa: ANN401
@@ -733,12 +803,42 @@ def test_a_search_follows_a_ridge_and_several_starts() -> None:
     assert at == pytest.approx([-0.5, -1.0], abs=1e-3)
 
 
+def test_corners_are_followed_to_the_last() -> None:
+    def below(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Each end counts once those before it are right."""
+        right = np.cumprod(x > 0.0, axis=0)
+        return np.asarray(np.sum(right, axis=0, dtype=np.float64))
+
+    assert largest_of_corners(below, -np.ones(5))[0] == 5.0
+
+
+def test_blocks_of_outputs_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for block in (2048, 100):
+        monkeypatch.setattr(case, "_BLOCK", block)
+        asked = three().tolerances(
+            bends=0.01, of="torque_2_peak", load=Load(drive_torque=9.0), samples=250, seed=1
+        )
+        found.append(asked.sampled)
+    np.testing.assert_array_equal(*found)
+
+
 def test_a_limit_of_a_ratio_has_no_degrees() -> None:
     line = Driveline.from_bends([10.0, 9.0], degrees=True)
     of = ("non_uniformity", "max_angle_error")
     limits = {"non_uniformity": 0.01, "max_angle_error": 0.2}
     found = line.tolerances(bends=0.1, of=of, limit=limits, degrees=True, samples=10)
     assert found.limit == {"non_uniformity": 0.01, "max_angle_error": math.radians(0.2)}
+
+
+def test_a_hyperbolic_disc_reaches_farthest_towards_the_centre() -> None:
+    line = Driveline.from_bends([0.9, 0.2])
+    _, _, (box,) = boxes(line, Sizes({"bends": np.array([0.2, 0.0])}))
+    parts = bound_parts(box)
+    q, r = math.tan(0.45) ** 2, math.tanh(0.5 * parts[1][0])
+    rim = r * np.exp(1j * np.linspace(0.0, math.tau, 2001))
+    reach = np.max(np.abs((q + rim) / (1.0 + q * rim) - q))
+    assert _displacement(box.nominal, 1, *parts) == pytest.approx(reach, rel=1e-6)
 
 
 def test_large_tolerances_leave_no_bend_beyond_a_right_angle_to_first_order() -> None:

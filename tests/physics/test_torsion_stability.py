@@ -99,6 +99,65 @@ def test_the_equation_about_rigid_rotation_is_whittakers_and_hills() -> None:
     assert system.stability(middle).stable.tolist() == [False, True]
 
 
+@pytest.mark.parametrize("speed", [0.45, 0.97, 1.0, 1.02, 1.3])
+@pytest.mark.parametrize("load", [0.0, 150.0])
+def test_multipliers_do_not_depend_on_the_unknown(speed: float, load: float) -> None:
+    # The library's unknown is the angle of the shaft before the joint. Here it is that of the
+    # flywheel behind it: J p'' = T dt/dp - load with the angle t(p) before the joint, the torque
+    # T = c (a - t) + d (1 - dt/dp p') of the shaft, and the drive angle a as the variable.
+    integrate = pytest.importorskip("scipy.integrate")
+    bend, damping, drive = np.radians(20.0), 0.8, speed * NATURAL
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([bend]),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[STIFFNESS, INF],
+        dampings=[damping, 0.0],
+        load_torque=load,
+    )
+    cosine = np.cos(bend)
+
+    def before(p: float) -> tuple[float, float, float]:
+        """The angle before the joint and two derivatives: tan p = tan t / cos b."""
+        turns = np.round(p / np.pi) * np.pi
+        below = np.cos(p) ** 2 + cosine**2 * np.sin(p) ** 2
+        slope = (1.0 - cosine**2) * np.sin(2 * p)
+        return (
+            turns + np.arctan(cosine * np.tan(p - turns)),
+            cosine / below,
+            cosine * slope / below**2,
+        )
+
+    def slopes(a: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
+        p, rate = state[:2]
+        deviations = state[2:].reshape(2, 2)
+        t, first, second = before(p)
+        spring, slip = STIFFNESS * (a - t), damping * drive * (1.0 - first * rate)
+        scale = 1.0 / (INERTIA * drive**2)
+        torque = spring + slip
+        by_p = (-STIFFNESS * first - damping * drive * second * rate) * first + torque * second
+        by_rate = -damping * drive * first**2
+        changes = scale * (by_p * deviations[0] + by_rate * deviations[1])
+        return np.concatenate([[rate, scale * (torque * first - load)], deviations[1], changes])
+
+    def half_turn(start: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        full = np.concatenate([start, np.eye(2).ravel()])
+        found = integrate.solve_ivp(
+            slopes, (0.0, np.pi), full, method="DOP853", rtol=1e-12, atol=1e-13
+        )
+        end = found.y[:, -1]
+        return end[:2] - [np.pi, 0.0], end[2:].reshape(2, 2)
+
+    # At drive angle 0 the flywheel of the orbit stands where the joint puts it.
+    orbit = system.orbit(drive, 1)
+    start = np.array([orbit.angle_error[1, 1, 0], orbit.speed[1, 1, 0] / drive])
+    end, matrix = half_turn(start)
+    assert end == pytest.approx(start, abs=1e-8)
+    own: Any = np.linalg.eigvals(matrix)
+    multipliers = system.stability(drive).multipliers
+    assert multipliers.sum() == pytest.approx(own.sum(), abs=2e-7)
+    assert multipliers.prod() == pytest.approx(own.prod(), abs=2e-7)
+
+
 def test_a_flywheel_on_a_spring_behind_all_joints_vibrates_freely() -> None:
     # What deviates from the orbit obeys J y'' + (d + b) y' + c y = 0, whatever the constant load.
     damping, viscous, speeds = 1.5, 0.4, np.array([90.0, 150.0, 420.0])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import cardan
 from cardan.torsion import TorsionalMotion
@@ -105,6 +105,33 @@ def test_a_step_of_the_load_is_that_of_an_oscillator() -> None:
     assert dense.max() > 1.7 * step
 
 
+def test_a_run_up_is_that_of_the_formula_of_one_joint() -> None:
+    # theta follows atan2(sin a, cos b cos a) of the drive angle a = rate t^2/2.
+    system, rate, bend = oscillator(20.0, 0.02), 300.0, np.radians(20.0)
+    times = np.linspace(0.0, 1.0, 401)
+    found = system.transient(times, speed=lambda t: rate * t)
+    damping = float(system.dampings[1])
+
+    def slopes(t: float, state: NDArray[np.float64]) -> list[float]:
+        angle, speed = 0.5 * rate * t * t, rate * t
+        turns = np.round(angle / np.pi) * np.pi
+        driven = turns + np.arctan(np.tan(angle - turns) / np.cos(bend))
+        ratio = np.cos(bend) / (1.0 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
+        torque = 8000.0 * (driven - state[0]) + damping * (ratio * speed - state[1])
+        return [state[1], torque / 0.05]
+
+    own = integrate.solve_ivp(
+        slopes, (0.0, 1.0), [0.0, 0.0], method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12
+    )
+    assert own.success
+    angle = 0.5 * rate * times**2
+    assert found.drive_angle == pytest.approx(angle, abs=1e-9)
+    error = found.angle_error[1, 1] - (own.y[0] - angle)
+    assert np.abs(error).max() < 1e-6
+    # It passes the resonance of the second order at 200 rad/s.
+    assert 190.0 < found.drive_speed[np.abs(found.torque[0]).argmax()] < 240.0
+
+
 def energy(system: cardan.TorsionalSystem, at: TorsionalMotion, drive_inertia: float) -> Any:  # noqa: ANN401
     """Kinetic energy of all shaft ends and of the drive, and energy of the springs."""
     kinetic = 0.5 * np.tensordot(INERTIAS, at.speed**2, axes=2)
@@ -158,6 +185,15 @@ def test_a_free_drive_of_stiff_shafts_runs_as_the_rigid_driveline() -> None:
     expected = 100.0 * free.speed_ratio(found.drive_angle)
     assert np.ptp(expected) > 0.5
     assert found.drive_speed == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_heavy_drive_keeps_its_speed() -> None:
+    system = system_of()
+    times = np.linspace(0.0, 0.05, 51)
+    heavy = system.transient(times, speed=150.0, drive_inertia=1e9)
+    constant = system.transient(times, speed=150.0)
+    assert heavy.torque == pytest.approx(constant.torque, rel=1e-5, abs=1e-3)
+    assert constant.drive_speed.tolist() == 51 * [150.0]
 
 
 def test_a_stop_ends_at_rest() -> None:

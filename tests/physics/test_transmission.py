@@ -68,6 +68,20 @@ def test_motion_is_that_of_q(chain: tuple[list[float], list[float], list[float]]
 
 
 @pytest.mark.parametrize("chain", CHAINS, ids=str)
+def test_motion_is_that_of_evaluate(chain: tuple[list[float], list[float], list[float]]) -> None:
+    line = Driveline.from_bends(*chain)
+    angle = np.linspace(-7, 9, 301)
+    for shaft in range(line.n_joints + 1):
+        got = line.transmission(shaft).motion(angle)
+        want = line.evaluate(angle, Motion._fields, shafts=shaft, tolerance=0)
+        q = abs(line.transmission(shaft).q)
+        for power, name in enumerate(Motion._fields):
+            scale = q * (2 / (1 - q)) ** (power + 1)
+            close = 16 * line.n_joints * EPS * scale + 4 * EPS * np.abs(want[name])
+            assert np.all(np.abs(getattr(got, name) - want[name]) <= close), (name, shaft)
+
+
+@pytest.mark.parametrize("chain", CHAINS, ids=str)
 def test_gradients_are_differences_by_q(
     chain: tuple[list[float], list[float], list[float]],
 ) -> None:
@@ -96,6 +110,20 @@ def test_gradients_are_differences_by_q(
                 stretch = float(1 / abs(1 + q * u))
                 scale = abs(derivative) * stretch + float(4 * stretch) ** power
                 assert abs(found - float(slope)) <= 1e-12 * scale, (name, angle)
+
+
+def test_the_motion_of_joints_as_known() -> None:
+    bend = 0.5
+    motion = Driveline.from_bends([bend]).transmission().motion(0.0)
+    assert all(np.shape(x) == () for x in motion)
+    assert motion.angle_error == 0.0
+    assert motion.speed_ratio == pytest.approx(1 / math.cos(bend), rel=2 * EPS)
+    assert motion.acceleration_ratio == 0.0
+    third = -2 * math.sin(bend) ** 2 / math.cos(bend) ** 3
+    assert motion.jerk_ratio == pytest.approx(third, rel=16 * EPS)
+    assert Driveline.from_bends([bend]).transmission().q == pytest.approx(
+        -(math.tan(bend / 2) ** 2), rel=4 * EPS
+    )
 
 
 def test_the_drive_and_straight_joints_turn_with_the_drive() -> None:
