@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 import pickle
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -473,3 +476,30 @@ def test_vectors_are_planes_behind_the_scenes() -> None:
 def test_only_what_is_asked_for_is_there() -> None:
     assert dict(ONE.evaluate(GRID, ())) == {}
     assert set(ONE.evaluate(GRID, ["tilt_driven"])) == {"tilt_driven"}
+
+
+FORKING = """
+import multiprocessing
+import numpy as np
+from cardan import Driveline
+
+line = Driveline.from_bends([0.5, 0.4])
+lines = Driveline.from_bends(np.full((1100, 4), 0.2))  # enough for threads
+angle = np.linspace(0, 6, 200_000)
+want = line.evaluate(angle).angle
+lines.optimal_phases()
+
+def job(_):
+    lines.optimal_phases()
+    return np.array_equal(line.evaluate(angle).angle, want)
+
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    assert pool.map_async(job, range(4)).get(timeout=50) == [True] * 4
+"""
+
+
+@pytest.mark.xdist_group("fork")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_forked_processes_evaluate() -> None:
+    done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

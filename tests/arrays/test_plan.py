@@ -34,6 +34,12 @@ def test_a_plan_gives_what_evaluate_gives() -> None:
             assert np.array_equal(plan(angle)[name], want[name]), name
 
 
+def test_moments_of_zero_have_no_error() -> None:
+    quarters = Sweep.revolutions(1, 4)
+    got = STEEP.evaluate(quarters, "bending_driven", load=Load(drive_torque=1.0), tolerance=0)
+    assert np.all(np.abs(got.bending_driven[0, 1::2]) < 1e-15)
+
+
 def test_the_short_way_sees_layout_and_type() -> None:
     plan = STEEP.plan("speed_ratio")
     want = plan(ANGLE[:60]).speed_ratio.reshape(6, 10)
@@ -235,6 +241,17 @@ def test_the_cheapest_kernel_that_keeps_the_tolerance() -> None:
         arithmetic("fine")  # type: ignore[arg-type]
 
 
+def test_loads_follow_the_tolerance() -> None:
+    exact = CHAIN.evaluate(ANGLE, ("torque", "support_moment"), shafts=[1, 2], load=LOAD)
+    for tolerance, limit in ((0, 1e-14), (1e-9, 1e-14), (1e-6, 1e-6)):
+        got = CHAIN.evaluate(
+            ANGLE, ("torque", "support_moment"), shafts=[1, 2], load=LOAD, tolerance=tolerance
+        )
+        for name in got:
+            scale = np.abs(exact[name]).max()
+            assert np.max(np.abs(got[name] - exact[name])) < limit * scale
+
+
 @pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
 def test_straight_joints_among_steep_ones_have_no_error(tolerance: float | None) -> None:
     bends = np.where(np.arange(40) % 2, 0.0, 1.569)
@@ -270,10 +287,36 @@ def test_a_batch_is_indexed() -> None:
         batch[0, 0][0]
 
 
+def test_steep_chains_keep_their_tolerance() -> None:
+    angle = np.linspace(0.0, 2 * np.pi, 20_001)
+    for degrees in (60.0, 84.27, 89.0, 89.99):
+        line = Driveline.from_bends([0.0, math.radians(degrees)], 0.3, 0.7)
+        names = ("acceleration_ratio", "jerk_ratio")
+        exact = line.evaluate(angle, names, tolerance=0)
+        for tolerance in (1e-6, 1e-9, 1e-14):
+            got = line.evaluate(angle, names, tolerance=tolerance)
+            for name in names:
+                error = np.abs(got[name] - exact[name]).max() / np.abs(exact[name]).max()
+                assert error <= tolerance, name
+
+
 def test_bending_beside_its_zero_keeps_its_digits() -> None:
     line = Driveline.from_bends([1.57])
     got = line.evaluate(6.1e-190, "bending_driving", load=Load(drive_torque=1.0), joints=0)
     assert got.bending_driving == pytest.approx(math.tan(1.57) * 6.1e-190, rel=1e-14)
+
+
+def test_compensated_chains_have_no_negative_bend() -> None:
+    directions = [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 0]]
+    points = [[0, 0, 0], [600, 0, 0], [1900, -140, 60], [3100, -180, 0], [3500, -180, -40]]
+    string = Driveline.from_points(points)
+    string = string.with_phases(string.optimal_phases())
+    for line in (Driveline.from_directions(directions), string):
+        found = line.equivalent()
+        assert 0.0 <= found.k < 1e-15
+        assert found.bend >= 0.0
+        assert found.max_angle_error >= 0.0
+        assert found.non_uniformity >= 0.0
 
 
 @pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
@@ -304,6 +347,35 @@ def test_a_shaft_that_is_nearly_compensated_moves() -> None:
         error = Fold.of(bends, [0.0], [0.0]).angle_error(ExactTurn.by(1.0))
         assert abs(error) < 1e-16
         assert Exact.of([error]).ulps(plan([1.0]).angle_error)[0] <= 0.51
+
+
+def test_vectors_fill_arrays_that_lie_plane_by_plane() -> None:
+    line, load = Driveline.from_bends([0.3, 0.4], 0.1, 0.2), Load(drive_torque=10.0)
+    angle = np.linspace(0.0, 7.0, 1001)
+    plan = line.plan("moment", load=load)
+    planes = np.zeros((2, 3, 1001))
+    out = np.moveaxis(planes, 1, -1)
+    result = plan(angle, out={"moment": out})
+    assert result.moment is out
+    np.testing.assert_array_equal(out, plan(angle).moment)
+
+
+@pytest.mark.parametrize("length", [1, 8, 3000])
+def test_arrays_given_are_filled_as_they_are(length: int) -> None:
+    plan = Driveline.from_bends([0.3]).plan(("angle", "speed_ratio"))
+    angle = np.linspace(0.0, 7.0, length)
+    wanted = plan(angle)
+    out = {"speed_ratio": np.zeros(length), "angle": np.zeros(length)}
+    result = plan(angle, out=out)
+    for name, array in out.items():
+        assert result[name] is array
+        np.testing.assert_array_equal(array, wanted[name])
+    # In place, strided and read backwards.
+    shared = angle.copy()
+    strided = np.zeros(2 * length)[::2]
+    plan(shared[::-1], out={"angle": shared, "speed_ratio": strided})
+    np.testing.assert_array_equal(shared, wanted.angle[::-1])
+    np.testing.assert_array_equal(strided, wanted.speed_ratio[::-1])
 
 
 @pytest.mark.parametrize("tolerance", [None, 0.0])
