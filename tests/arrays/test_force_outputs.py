@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load, Plan, Sweep
-from cardan.evaluation.request import Reduction
+from cardan.evaluation.reductions import Reduction
 from refusals import refusals
 
 Doubles = NDArray[np.float64]

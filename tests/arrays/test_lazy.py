@@ -18,7 +18,7 @@ da = pytest.importorskip("dask.array")
 from cardan import Driveline, Load, Result, Sweep  # noqa: E402
 from cardan.app.scene.study import cluster  # noqa: E402
 from cardan.arrays import threads  # noqa: E402
-from cardan.evaluation.request import REDUCTIONS  # noqa: E402
+from cardan.evaluation.reductions import REDUCTIONS  # noqa: E402
 from cardan.interop.lazy import LazyDriveline  # noqa: E402
 from refusals import refusals  # noqa: E402
 

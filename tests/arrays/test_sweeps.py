@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Sweep
-from cardan.evaluation.request import REDUCTIONS, Reduction
+from cardan.evaluation.reductions import REDUCTIONS, Reduction
 from oracle import limits, mp
 from refusals import refusals
 

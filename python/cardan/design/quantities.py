@@ -24,7 +24,7 @@ from cardan.arrays.errors import nearest
 from cardan.arrays.indices import Items, item_index
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, Output
-from cardan.evaluation.request import REDUCTIONS, Reduction
+from cardan.evaluation.reductions import REDUCTIONS, Reduction
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:

@@ -20,6 +20,7 @@ from cardan.arrays import FloatArray, as_float64, common_shape, threads
 from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, check_shape, nearest
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.reductions import REDUCTIONS, Reduction
 from cardan.evaluation.request import PlanePlace, components_first, layout_of
 from cardan.evaluation.sweep import Sweep
 from cardan.geometry.parameters import checked_variables, has_lengths, parameter_shape
@@ -305,7 +306,7 @@ def _check_load(load: Load | None, by: Iterable[str]) -> None:
 
 def reduced_gradient(
     whole: Plan,
-    reduce: str,
+    reduce: Reduction,
     places: Mapping[str, PlanePlace],
     angle: ArrayLike | Sweep,
     weights: Mapping[str, ArrayLike],
@@ -324,7 +325,7 @@ def reduced_gradient(
 
 
 def reduced_derivatives(
-    whole: Plan, reduce: str, angle: ArrayLike | Sweep, by: str | Iterable[str]
+    whole: Plan, reduce: Reduction, angle: ArrayLike | Sweep, by: str | Iterable[str]
 ) -> Derivatives:
     """Return the derivatives of reduced outputs, with the arguments of ``reduced_gradient``."""
     by = by if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
@@ -347,38 +348,10 @@ def reduced_derivatives(
     return Derivatives(found)
 
 
-def _slopes(whole: Plan, reduce: str, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
+def _slopes(whole: Plan, reduce: Reduction, angle: ArrayLike | Sweep) -> dict[str, FloatArray]:
     """The derivatives of the reduced outputs by the samples, in the shape of the samples."""
     result = whole(angle)
     return {
-        name: _slope(reduce, np.asarray(result[name], np.float64), whole.places[name][2])
+        name: REDUCTIONS[reduce].slope(np.asarray(result[name], float), whole.places[name][2])
         for name in result
     }
-
-
-def _slope(reduce: str, samples: FloatArray, vector: bool) -> FloatArray:
-    axis = samples.ndim - (2 if vector else 1)
-    count = samples.shape[axis]
-    if reduce == "mean":
-        return np.full_like(samples, 1.0 / count)
-    if reduce == "rms":
-        root = np.sqrt(np.mean(samples**2, axis=axis, keepdims=True))
-        return _ratio(samples, count * root)
-    if reduce == "peak":
-        size = np.linalg.norm(samples, axis=-1) if vector else np.abs(samples)
-        at = np.argmax(size, axis=axis, keepdims=True)
-        direction = _ratio(samples, size[..., np.newaxis] if vector else size)
-        return direction * _only(at[..., np.newaxis] if vector else at, samples.shape, axis)
-    find = np.argmin if reduce == "min" else np.argmax
-    return _only(find(samples, axis=axis, keepdims=True), samples.shape, axis)
-
-
-def _only(at: NDArray[np.intp], shape: tuple[int, ...], axis: int) -> FloatArray:
-    """Return 1 at one index along an axis, and 0 elsewhere."""
-    along = np.arange(shape[axis]).reshape(-1, *(1,) * (len(shape) - axis - 1))
-    return np.where(along == at, 1.0, 0.0)
-
-
-def _ratio(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the ratio, 0 where both vanish: a magnitude has no derivative there."""
-    return np.divide(x, y, out=np.zeros(np.broadcast_shapes(x.shape, y.shape)), where=y != 0.0)

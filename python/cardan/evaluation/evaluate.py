@@ -21,7 +21,8 @@ from cardan.evaluation.harmonics import Harmonics
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
 from cardan.evaluation.plan import Plan
-from cardan.evaluation.request import AngleOf, Axes, Reduction, Request
+from cardan.evaluation.reductions import Reduction
+from cardan.evaluation.request import AngleOf, Axes, Request
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
 

@@ -19,13 +19,10 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError, nearest
 from cardan.arrays.indices import Items, is_index, item_indices
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS, checked
+from cardan.evaluation.reductions import REDUCTIONS, Reduction
 
-Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
 Axes: TypeAlias = Literal["space", "shaft"]
 AngleOf: TypeAlias = Literal["drive", "driven"]
-
-REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
-"""What rows of samples can be reduced to."""
 
 
 class Request(NamedTuple):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cardan.arrays import adapter, html_table, import_optional
 from cardan.arrays.libraries import draw
 from cardan.evaluation.outputs import OUTPUTS
+from cardan.evaluation.reductions import Reduction
 from cardan.evaluation.request import PlanePlace, view
 from cardan.evaluation.sweep import Sweep
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Labels: TypeAlias = tuple[
-    int | list[int], int | list[int], tuple[int, ...], str | tuple[str, ...] | None, str
+    int | list[int], int | list[int], tuple[int, ...], Reduction | tuple[Reduction, ...] | None, str
 ]
 """Shafts and joints evaluated, shape of the driveline's batch, reductions, unit of angles."""
 

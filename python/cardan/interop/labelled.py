@@ -16,21 +16,13 @@ from cardan.arrays.errors import ArgumentTypeError, ArgumentValueError
 from cardan.evaluation.evaluate import PlanInDegrees
 from cardan.evaluation.outputs import OUTPUTS, Output
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.reductions import REDUCTIONS
 from cardan.evaluation.result import Result
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
-
-# By the names of the CF conventions, appendix E.
-_CELL_METHODS = {
-    "min": "minimum",
-    "max": "maximum",
-    "mean": "mean",
-    "rms": "root_mean_square",
-    "peak": "maximum_absolute_value",
-}
 
 _UNITS = {"rad": ("rad", "radian", "radians", "1"), "deg": ("degree", "deg", "degrees")}
 
@@ -145,7 +137,7 @@ class _Samples(NamedTuple):
         methods = {}
         if reduce:
             if isinstance(reduce, str):
-                methods = {"cell_methods": f"{dims[-1]}: {_CELL_METHODS[reduce]}"}
+                methods = {"cell_methods": f"{dims[-1]}: {REDUCTIONS[reduce].cell_method}"}
             angle = None if runs and runs[-1] == len(shape) - 1 else angle
             dims, shape = dims[:-1], shape[:-1]
         if angle is not None:

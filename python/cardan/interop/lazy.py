@@ -21,6 +21,7 @@ from cardan.driveline import Driveline
 from cardan.evaluation.evaluate import PlanInDegrees, planned
 from cardan.evaluation.load import Load
 from cardan.evaluation.plan import Plan
+from cardan.evaluation.reductions import REDUCTIONS
 from cardan.evaluation.request import components_first, view
 from cardan.evaluation.result import Result
 from cardan.evaluation.sweep import Sweep
@@ -200,19 +201,9 @@ def _evaluated(
         planes = planes[..., 0]
     elif reduce:
         shares = np.array(lengths) / sum(lengths)
-        planes = _OF_PIECES[reduce](planes, shares).astype(plan.dtype)
+        planes = REDUCTIONS[reduce].of_pieces(planes, shares).astype(plan.dtype)
     arrays = {name: view(planes, place) for name, place in plan.places.items()}
     return Result(arrays, (*plan.labels[:2], line_shape, reduce, plan.labels[4]), angle)
-
-
-# One figure from those of the pieces of a row and their shares of it.
-_OF_PIECES: Mapping[str, Callable[[Any, NDArray[np.float64]], Any]] = {
-    "min": lambda planes, shares: planes.min(axis=-1),
-    "max": lambda planes, shares: planes.max(axis=-1),
-    "peak": lambda planes, shares: planes.max(axis=-1),
-    "mean": lambda planes, shares: (planes * shares).sum(axis=-1),
-    "rms": lambda planes, shares: np.sqrt((planes**2 * shares).sum(axis=-1)),
-}
 
 
 def _planes(

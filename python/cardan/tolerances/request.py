@@ -34,7 +34,7 @@ from cardan.design.quantities import (
 )
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
-from cardan.evaluation.request import Reduction
+from cardan.evaluation.reductions import Reduction
 from cardan.tolerances.box import JOINT_GROUPS, Sizes, boxes
 from cardan.tolerances.case import Case, Design, Quantity
 from cardan.tolerances.result import Tolerances

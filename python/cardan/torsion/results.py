@@ -22,7 +22,8 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.arrays.indices import Items
 from cardan.evaluation.load import absorbing
 from cardan.evaluation.outputs import OUTPUTS, checked
-from cardan.evaluation.request import Axes, Reduction
+from cardan.evaluation.reductions import Reduction
+from cardan.evaluation.request import Axes
 from cardan.evaluation.result import Result
 
 if TYPE_CHECKING:

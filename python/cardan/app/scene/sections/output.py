@@ -15,9 +15,7 @@ from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import LOAD
 from cardan.arrays.errors import ArgumentValueError
 from cardan.evaluation.outputs import OUTPUTS
-
-REDUCTIONS = ("peak", "min", "max", "mean", "rms")
-"""Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
+from cardan.evaluation.reductions import REDUCTIONS
 
 CLOSED_FORMS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {

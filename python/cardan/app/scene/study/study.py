@@ -25,7 +25,7 @@ from cardan.arrays.errors import ArgumentValueError
 from cardan.driveline import Driveline
 from cardan.evaluation.load import Load
 from cardan.evaluation.outputs import OUTPUTS
-from cardan.evaluation.request import Reduction
+from cardan.evaluation.reductions import Reduction
 from cardan.evaluation.sweep import Sweep
 
 if TYPE_CHECKING:
