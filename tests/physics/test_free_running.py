@@ -187,6 +187,7 @@ test_refusals = refusals(
         "inertias has shape (1,); 2 shafts": lambda: THOMA.free_running([1.0]),
         "inertias[1] is -1.0; it must be finite": lambda: THOMA.free_running([1.0, -1.0]),
         "inertias[1] is nan; it must be finite": lambda: THOMA.free_running([1.0, math.nan]),
+        "TypeError: inertias has dtype": lambda: THOMA.free_running(["a", "b"]),
         "inertias are all 0; at least one shaft": lambda: THOMA.free_running([0.0, 0.0]),
         "variation is 0.0; it": lambda: THOMA.free_running([1.0, 1.0]).drive_inertia_for(0.0),
     }

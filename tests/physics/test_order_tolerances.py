@@ -74,3 +74,10 @@ test_wrong_tolerances_are_refused = refusals(
     },
     LINE.order_tolerances,
 )
+
+test_what_one_driveline_alone_has = refusals(
+    {
+        "it must be one driveline": lambda: LINE.reshape(1).order_tolerances(0.1),
+        "probability is 1": lambda: FOUND.quantile(1.0),
+    }
+)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
 from cardan.reference.forces import forces
-from oracle import ExactTurn, mp
+from oracle import ExactTurn, mp, plan_at
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 
 NAMES = ("moment", "support_moment")
@@ -204,6 +204,13 @@ def test_reductions(line: Driveline) -> None:
     assert np.isnan(with_none.moment).all()
 
 
+def test_reductions_of_loads_that_change_with_the_angle() -> None:
+    load = Load(drive_torque=np.linspace(-1.0, 1.0, 41))
+    found = LINE.evaluate(ANGLES, "moment", load=load, axes="shaft", reduce="max")
+    samples = LINE.evaluate(ANGLES, "moment", load=load, axes="shaft")
+    assert np.array_equal(found.moment, samples.moment.max(axis=1))
+
+
 def test_arrays_to_fill_and_single_precision() -> None:
     plan = LINE.plan(("torque", "moment"), load=LOAD_OF_FOUR, axes="shaft", dtype=np.float32)
     new = plan(ANGLES)
@@ -216,6 +223,19 @@ def test_arrays_to_fill_and_single_precision() -> None:
     assert filled == new
     with pytest.raises(ArgumentValueError, match=r"out\['moment'\] has shape \(3,\)"):
         plan(ANGLES, out={"moment": np.empty(3, np.float32)})
+
+
+@pytest.mark.parametrize("shape", [(0,), (0, 3), (3, 0)])
+def test_no_angles_give_no_vectors(shape: tuple[int, ...]) -> None:
+    result = LINE.evaluate(np.empty(shape), NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=[0, 2])
+    assert result.moment.shape == (3, *shape, 3)
+    assert result.support_moment.shape == (2, *shape, 3)
+
+
+@pytest.mark.parametrize("reduce", [None, "mean"])
+def test_no_drivelines_give_no_vectors(reduce: Any) -> None:  # noqa: ANN401
+    got = BATCH[:0].evaluate(ANGLES, "moment", load=LOAD, axes="shaft", reduce=reduce)
+    assert got == BATCH[:0].evaluate(ANGLES, "moment", load=LOAD, reduce=reduce)
 
 
 def test_what_has_no_components_does_not_change() -> None:
@@ -283,6 +303,12 @@ def test_forces_with_moments_batches_and_reductions() -> None:
         np.testing.assert_array_equal(one.joint_force, whole.joint_force[1])
     text = line.plan(names, load=LOAD, axes="shaft").explain()
     assert "bearing 2: force, a sum of 6 terms, turned with the pin of shaft 1" in text
+
+
+def test_plans_of_joints_as_built_have_axes_at_rest() -> None:
+    line = LINE.with_deviations(cross=0.01)
+    with pytest.raises(ArgumentValueError, match="axes is 'shaft'; moment is known in 'space'"):
+        plan_at(line, "moment", load=LOAD_OF_FOUR, axes="shaft")
 
 
 def test_labels_and_arrays_computed_later() -> None:
