@@ -349,6 +349,11 @@ def test_a_shaft_that_is_nearly_compensated_moves() -> None:
         assert Exact.of([error]).ulps(plan([1.0]).angle_error)[0] <= 0.51
 
 
+def test_a_batch_of_none_has_nothing_to_explain() -> None:
+    with pytest.raises(ValueError, match="no driveline"):
+        Driveline.from_bends(np.zeros((0, 2))).plan("speed_ratio").explain()
+
+
 def test_vectors_fill_arrays_that_lie_plane_by_plane() -> None:
     line, load = Driveline.from_bends([0.3, 0.4], 0.1, 0.2), Load(drive_torque=10.0)
     angle = np.linspace(0.0, 7.0, 1001)

@@ -20,6 +20,7 @@ import cardan
 from cardan import BallJoint, Driveline, Load, Plan, Scene, Sweep
 from cardan.app.scene import SceneResult
 from cardan.app.scene.study.study import StudyResult
+from cardan.arrays import as_float64
 
 GRID = np.linspace(-3.0, 9.0, 60)
 LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3)
@@ -111,6 +112,13 @@ def test_other_kinds_give_plain_arrays(kind: Callable[[Any], Any]) -> None:
     got = LINE.evaluate(kind(GRID[:2]), "angle").angle
     assert type(got) is np.ndarray
     assert np.array_equal(got, LINE.evaluate(GRID[:2], "angle").angle)
+
+
+def test_a_memory_map_is_read_where_it_lies(tmp_path: Path) -> None:
+    mapped = np.memmap(tmp_path / "a", np.float64, "w+", shape=GRID.shape)
+    mapped[:] = GRID
+    assert np.array_equal(LINE.evaluate(mapped).angle, LINE.evaluate(GRID).angle)
+    assert np.shares_memory(as_float64("angle", mapped), mapped)
 
 
 def test_single_precision_in_double_precision_out() -> None:

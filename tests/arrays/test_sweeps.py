@@ -157,6 +157,7 @@ test_wrong_sweeps = refusals(
         "within 1e12 rad": lambda: Sweep(-2e12, 0, 3),
         "TypeError: start is 'a'; it must be a number": lambda: Sweep("a", 0, 3),  # type: ignore[arg-type]
         "TypeError: stop is 'b'; it must be a number": lambda: Sweep(0, "b", 3),  # type: ignore[arg-type]
+        "TypeError: turns is 1j": lambda: Sweep.revolutions(1j, 3),  # type: ignore[arg-type]
         "samples is 0; it must be at least 1": lambda: Sweep.revolutions(1, 0),
         "turns is inf of 7 samples each; … must be a whole number of at least 1": lambda: (
             Sweep.revolutions(math.inf, 7)

@@ -420,6 +420,15 @@ def test_the_largest_angle_error_is_where_it_is_said_to_be() -> None:
     assert np.isnan(Driveline.from_bends([0.0]).equivalent().max_angle_error_at)
 
 
+def test_help_begins_with_a_line_for_each_method() -> None:
+    assert Driveline.__mro__ == (Driveline, object)
+    lines = (Driveline.__doc__ or "").splitlines()
+    # Four screens of a terminal.
+    assert len(lines) <= 4 * 24
+    named = {line.split()[0] for line in lines if line.startswith("    ") and "  " in line.strip()}
+    assert {name for name in dir(Driveline) if not name.startswith("_")} <= named
+
+
 def test_batches_have_the_bits_of_single_drivelines() -> None:
     random = np.random.default_rng(9)
     count, n = 150, 4

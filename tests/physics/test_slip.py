@@ -122,6 +122,11 @@ def test_lengths_given_with_the_bearings() -> None:
     assert line.lengths().travel.tolist() == [0.0, 0.25]
 
 
+def test_the_representation_has_no_private_fields() -> None:
+    line = cardan.Driveline.from_points(axle(np.array(0.06)))
+    assert " _" not in repr(line.spline_force(1, 1.0, 0.1, 0.02))
+
+
 def test_the_end_shafts_hold_themselves() -> None:
     line = cardan.Driveline.from_points(axle(np.array(0.06)))
     first, last = (line.spline_force(shaft, -100.0, 0.1, 0.02) for shaft in (0, -1))
