@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan import Driveline, Load, Plan, Sweep
 from cardan.evaluation.reductions import Reduction
+from refusals import refusals
 
 Doubles = NDArray[np.float64]
 
@@ -113,15 +114,6 @@ def test_threads_change_nothing() -> None:
     assert one == LINE.evaluate(angle, NAMES, load=LOAD, workers=2)
 
 
-def test_sweeps_are_arrays() -> None:
-    sweep = Sweep.revolutions(2, 360)
-    got = LINE.evaluate(sweep, NAMES, load=LOAD)
-    want = LINE.evaluate(np.asarray(sweep), NAMES, load=LOAD)
-    for name in NAMES:
-        size = np.abs(want[name]).max()
-        np.testing.assert_allclose(got[name], want[name], atol=1e-13 * size)
-
-
 @pytest.mark.parametrize("angle", [ANGLE, Sweep.revolutions(3, 360)], ids=["array", "sweep"])
 def test_reductions(angle: Any) -> None:  # noqa: ANN401
     samples = BATCH[:, None].evaluate(angle, NAMES, load=LOAD)
@@ -162,16 +154,6 @@ def test_arrays_to_fill() -> None:
     np.testing.assert_array_equal(planes["bearing_force"], want.bearing_force)
     with pytest.raises(ValueError, match=r"must be \(5, 600, 3\)"):
         LINE.evaluate(ANGLE, NAMES, load=LOAD, out={"bearing_force": np.empty((4, 600, 3))})
-
-
-def test_pickles() -> None:
-    plan = LINE.plan(NAMES, load=LOAD)
-    copy = pickle.loads(pickle.dumps(plan))
-    assert copy(ANGLE) == plan(ANGLE)
-    again = pickle.loads(pickle.dumps(BATCH))
-    assert [(s, p.tolist()) for s, p in again.bearings] == [
-        (s, p.tolist()) for s, p in BATCH.bearings
-    ]
 
 
 def test_labels() -> None:
@@ -250,32 +232,34 @@ def test_bearings_of_a_reversed_driveline() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("bearings", "lengths", "error", "words"),
-    [
-        ([(1, 0.1)], None, ValueError, r"lengths are missing; only drivelines from points"),
-        ([(1, 0.1)], [1.0, 1.0], ValueError, r"lengths has shape \(2,\); 3 shafts need"),
-        ([(1, 0.1)], [1.0, 0.0, 1.0], ValueError, r"lengths\[1\] is 0.0; a length must be pos"),
-        ([(1, 0.1)], [1.0, np.inf, 1.0], ValueError, r"lengths\[1\] is inf"),
-        ([(3, 0.1)], [1.0] * 3, IndexError, r"bearings\[0, 0\] is 3; there are 3"),
-        ([(1.5, 0.1)], [1.0] * 3, TypeError, r"bearings\[0, 0\] is 1.5; it must be an integer"),
-        ([(1, 1.5)], [1.0] * 3, ValueError, r"bearings\[0, 1\] is 1.5 on shaft 1 of length 1.0"),
-        ([(1, 0.0)], [1.0] * 3, ValueError, r"must lie between the joints of its shaft"),
-        ([(0, 1.0)], [1.0] * 3, ValueError, r"must lie between the end and the joint"),
-        ([(2, 0.0)], [1.0] * 3, ValueError, r"must lie between the end and the joint"),
-        ([(1, np.nan)], [1.0] * 3, ValueError, r"bearings\[0, 1\] is nan"),
-        ([(1, "a")], [1.0] * 3, TypeError, r"bearings\[0, 1\] has dtype"),
-        ([(1, 0.1), (0, 0.2), (1, 0.1)], [1.0] * 3, ValueError, r"bearings\[2\] is in the place"),
-        ([1, 2], [1.0] * 3, TypeError, r"bearings\[0\] is 1; it must be a pair"),
-        ([(1, 2, 3)], [1.0] * 3, TypeError, r"bearings\[0\] is \(1, 2, 3\); it must be a pair"),
-        (3, [1.0] * 3, TypeError, r"bearings is 3; it must be a list of pairs"),
-        ([(1, [0.1, 0.2])], np.ones((3, 3)), ValueError, r"shapes do not broadcast: driveline"),
-    ],
+test_bad_bearings = refusals(
+    {
+        "lengths are missing; only drivelines from points": [[(1, 0.1)], None],
+        "lengths has shape (2,); 3 shafts need": [[(1, 0.1)], [1.0, 1.0]],
+        "lengths[1] is 0.0; a length must be pos": [[(1, 0.1)], [1.0, 0.0, 1.0]],
+        "lengths[1] is inf": [[(1, 0.1)], [1.0, np.inf, 1.0]],
+        "IndexError: bearings[0, 0] is 3; there are 3": [[(3, 0.1)], [1.0] * 3],
+        "TypeError: bearings[0, 0] is 1.5; it must be an integer": [[(1.5, 0.1)], [1.0] * 3],
+        "bearings[0, 1] is 1.5 on shaft 1 of length 1.0": [[(1, 1.5)], [1.0] * 3],
+        "must lie between the joints of its shaft": [[(1, 0.0)], [1.0] * 3],
+        "is 1.0 on shaft 0 of length 1.0; a bearing must lie between the end and the joint": [
+            [(0, 1.0)],
+            [1.0] * 3,
+        ],
+        "is 0.0 on shaft 2 of length 1.0; a bearing must lie between the end and the joint": [
+            [(2, 0.0)],
+            [1.0] * 3,
+        ],
+        "bearings[0, 1] is nan": [[(1, np.nan)], [1.0] * 3],
+        "TypeError: bearings[0, 1] has dtype": [[(1, "a")], [1.0] * 3],
+        "bearings[2] is in the place": [[(1, 0.1), (0, 0.2), (1, 0.1)], [1.0] * 3],
+        "TypeError: bearings[0] is 1; it must be a pair": [[1, 2], [1.0] * 3],
+        "TypeError: bearings[0] is (1, 2, 3); it must be a pair": [[(1, 2, 3)], [1.0] * 3],
+        "TypeError: bearings is 3; it must be a list of pairs": [3, [1.0] * 3],
+        "shapes do not broadcast: driveline": [[(1, [0.1, 0.2])], np.ones((3, 3))],
+    },
+    Driveline.from_bends([0.2, 0.3]).with_bearings,
 )
-def test_bad_bearings(bearings: Any, lengths: Any, error: type[Exception], words: str) -> None:  # noqa: ANN401
-    line = Driveline.from_bends([0.2, 0.3])
-    with pytest.raises(error, match=words):
-        line.with_bearings(bearings, lengths)
 
 
 def test_bearings_at_the_outer_ends_are_allowed() -> None:

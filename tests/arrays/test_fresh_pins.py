@@ -73,32 +73,6 @@ def test_another_output_changes_no_bit(line: Driveline, level: str, tier: str) -
         assert equal(alone, together, names), names
 
 
-@pytest.mark.parametrize("tier", TIERS)
-def test_any_number_of_angles_has_the_same_bits(tier: str) -> None:
-    # Strips have 64 angles, and a shorter array has none.
-    angle = np.linspace(-7.0, 9.0, 200)
-    for names in (MOTION, ["moment"]):
-        plan = plan_at(LINES["joint"], names, load=Load(drive_torque=50.0), **TIERS[tier])
-        whole = plan(angle)
-        for length in (1, 63, 64, 65, 127, 128, 150):
-            part = plan(angle[:length].copy())
-            for name in names:
-                same = whole[name][:, :length] if name == "moment" else whole[name][:length]
-                np.testing.assert_array_equal(part[name], same)
-
-
-@pytest.mark.parametrize("tier", TIERS)
-def test_a_torque_beside_a_moment_changes_no_bit(tier: str) -> None:
-    # It reads the power of each sample, which the moment alone does not need.
-    options = {"load": Load(drive_torque=50.0), **TIERS[tier]}
-    moment, torque, both = (
-        plan_at(LINES["joint"], names, shafts=0, **options)(angles())
-        for names in (["moment"], ["torque"], ["moment", "torque"])
-    )
-    assert equal(moment, both, ["moment"])
-    assert equal(torque, both, ["torque"])
-
-
 @pytest.mark.parametrize(
     ("names", "tier"),
     [

@@ -10,6 +10,7 @@ import pytest
 
 import cardan
 from cardan import Driveline, Load, Result, Sweep
+from refusals import refusals
 
 ONE = Driveline.from_bends([20, 10], 30, 40, degrees=True)
 BATCH = Driveline.from_bends(np.arange(12.0).reshape(6, 2), degrees=True)
@@ -56,22 +57,17 @@ def test_drivelines_are_concatenated() -> None:
     assert Driveline.concatenate([table, table[:, :1]], axis=-1).shape == (2, 4)
 
 
-@pytest.mark.parametrize(
-    ("lines", "axis", "error", "message"),
-    [
-        ([], 0, ValueError, "lines is empty; there must be at least one driveline"),
-        ([ONE, 3], 0, TypeError, r"lines\[1\] is 3; it must be a driveline"),
-        ([ONE, Driveline.from_bends([0.1])], 0, ValueError, r"lines\[1\] has 1 joints and lines"),
-        ([ONE, BATCH], 1, ValueError, "axis is 1; the batches have 1 axes"),
-        ([BATCH.reshape(2, 3), BATCH], 0, ValueError, r"lines\[1\] has shape \(6,\) and lines"),
-        ([BATCH.reshape(2, 3), BATCH.reshape(3, 2)], 0, ValueError, "may differ along axis 0 only"),
-    ],
+test_drivelines_that_do_not_go_together = refusals(
+    {
+        "lines is empty; there must be at least one driveline": [[], 0],
+        "TypeError: lines[1] is 3; it must be a driveline": [[ONE, 3], 0],
+        "lines[1] has 1 joints and lines": [[ONE, Driveline.from_bends([0.1])], 0],
+        "axis is 1; the batches have 1 axes": [[ONE, BATCH], 1],
+        "lines[1] has shape (6,) and lines": [[BATCH.reshape(2, 3), BATCH], 0],
+        "may differ along axis 0 only": [[BATCH.reshape(2, 3), BATCH.reshape(3, 2)], 0],
+    },
+    Driveline.concatenate,
 )
-def test_drivelines_that_do_not_go_together(
-    lines: list[Driveline], axis: int, error: type[Exception], message: str
-) -> None:
-    with pytest.raises(error, match=message):
-        Driveline.concatenate(lines, axis)
 
 
 def test_approximately_equal() -> None:

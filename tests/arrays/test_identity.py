@@ -15,6 +15,13 @@ LOADS = tuple(name for name, output in OUTPUTS.items() if output.unit == "N m")
 CROSS = tuple(name for name, output in OUTPUTS.items() if output.of_cross)
 ALL = (*MOTION, *LOADS, *CROSS)
 FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
+# Loops that find the pins of several motions themselves.
+TOGETHER = (
+    ("angle", "speed_ratio"),
+    ("angle_error", "speed_ratio"),
+    ("speed_ratio", "acceleration_ratio"),
+    ("angle", "speed_ratio", "acceleration_ratio"),
+)
 TIERS: dict[str, dict[str, Any]] = {
     "default": {},
     "tolerance=0": {"tolerance": 0.0},
@@ -25,6 +32,9 @@ TIERS: dict[str, dict[str, Any]] = {
 LINES = {
     "one joint": Driveline.from_bends([0.5]),
     "one steep joint": Driveline.from_bends([1.55]),
+    "small": Driveline.from_bends([0.01]),
+    "large": Driveline.from_bends([1.2]),
+    "steep chain": Driveline.from_bends([0.9, 0.8, 0.4], [0.3, 0.2], [0.1, 0.4]),
     "three joints": Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2]),
 }
 RANDOM = np.random.default_rng(1939)
@@ -70,7 +80,7 @@ def test_every_level(line: Driveline, tier: str, level: str) -> None:
     options = TIERS[tier]
     for angle in (ANGLES, Sweep(0.1, 4321.0, 2500), Sweep.revolutions(3, 500)):
         # One output alone takes other loops than all together.
-        for names in (ALL, *ALL):
+        for names in (ALL, *ALL, *TOGETHER):
             want = contiguous(evaluate(line, angle, names, **options))
             same(contiguous(evaluate(line, angle, names, level=level, **options)), want)
 
@@ -151,10 +161,11 @@ def test_results_beyond_the_caches(line: Driveline, level: str, tier: str) -> No
                 assert got.tobytes() == expected, name
 
 
-def test_every_length(line: Driveline) -> None:
-    whole = contiguous(evaluate(line, ANGLES))
+@pytest.mark.parametrize("tier", ["default", "float32"])
+def test_every_length(line: Driveline, tier: str) -> None:
+    whole = contiguous(evaluate(line, ANGLES, **TIERS[tier]))
     for length in [*range(68), 1023, 1024, 1025, 2047, 2049]:
-        part = contiguous(evaluate(line, ANGLES[:length]))
+        part = contiguous(evaluate(line, ANGLES[:length], **TIERS[tier]))
         for name in ALL:
             lead = whole[name].ndim - 1 - (whole[name].shape[-1] == 3)
             index = (slice(None),) * lead + (slice(length),)
@@ -197,7 +208,9 @@ def test_strided_angles(line: Driveline) -> None:
     same(contiguous(evaluate(line, spread[::-1, 1])), contiguous(evaluate(line, ANGLES)))
 
 
-def test_geometry_per_sample(line: Driveline) -> None:
+@pytest.mark.parametrize("name", ["one joint", "one steep joint", "three joints"])
+def test_geometry_per_sample(name: str) -> None:
+    line = LINES[name]
     each = Driveline.from_bends(
         np.tile(line.bends, (ANGLES.size, 1)),
         np.tile(line.twists, (ANGLES.size, 1)),
@@ -220,9 +233,9 @@ def test_geometries_by_rows() -> None:
 def test_outputs_alone_or_together(line: Driveline, tier: str) -> None:
     options = TIERS[tier]
     together = evaluate(line, ANGLES, **options)
-    for name in ALL:
-        alone = evaluate(line, ANGLES, name, **options)
-        same(contiguous(alone), contiguous(Result({name: together[name]})))
+    for names in (*((name,) for name in ALL), *TOGETHER[:3]):
+        alone = evaluate(line, ANGLES, names, **options)
+        same(contiguous(alone), contiguous(Result({name: together[name] for name in names})))
 
 
 @pytest.mark.parametrize("tier", TIERS)

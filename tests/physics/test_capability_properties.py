@@ -55,32 +55,6 @@ def test_derivatives_by_the_angle_are_the_next_ratios(line: Driveline) -> None:
 
 
 @few
-@given(lines(), st.integers(0, 99))
-def test_a_gradient_is_the_sum_of_the_derivatives(line: Driveline, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    load = Load(drive_torque=30.0, speed=20.0, inertias=np.full(line.n_joints + 1, 0.05))
-    plan = line.plan(("angle_error", "moment"), load=load)
-    values = plan(angles)
-    weights = {name: random.normal(size=array.shape) for name, array in values.items()}
-    by = ("bends", "phases", "drive_torque", "inertias")
-    slopes, gradient = plan.derivatives(angles, by), plan.gradient(angles, weights)
-    value = sum(np.sum(weights[name] * array) for name, array in values.items())
-    assert gradient.value == pytest.approx(value, rel=1e-12, abs=1e-11)
-    for variable in by:
-        terms = [
-            (weights[name][(..., *[None] * (array.ndim - weights[name].ndim))] * array)
-            for name, array in ((name, slopes[name][variable]) for name in values)
-        ]
-        whole, size = (
-            sum(of(term).sum(axis=tuple(range(weights[name].ndim))) for name, term in parts)
-            for of in (np.asarray, np.abs)
-            for parts in [list(zip(values, terms, strict=True))]
-        )
-        got = getattr(gradient, variable)
-        assert np.all(np.abs(got - whole) <= 1e-12 * size + 1e-13)
-
-
-@few
 @given(spans(), powers, powers)
 def test_forces_scale_with_torque_and_length(points: Any, torque: float, length: float) -> None:  # noqa: ANN401
     def forces(scale: float, torque: float) -> Any:  # noqa: ANN401

@@ -84,11 +84,11 @@ WAYS: dict[str, Callable[[np.random.Generator, Driveline], Driveline]] = {
 }
 
 
-@pytest.mark.parametrize("n", [2, 3, 4, 6])
+@pytest.mark.parametrize("n", [2, 3, 4, 6, 20])
 @pytest.mark.parametrize("way", WAYS)
 def test_ordinary_bends(way: str, n: int) -> None:
     rng = np.random.default_rng([n, *way.encode()])
-    for _ in range(tiers.part(40)):
+    for _ in range(tiers.part(120 // n)):
         line = WAYS[way](rng, spatial(rng, rng.uniform(0, math.radians(60), n)))
         judge(line, rng.uniform(-4, 4, 5).tolist(), loads(rng, n))
 

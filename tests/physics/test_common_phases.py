@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ import pytest
 from cardan import Driveline
 from cardan.arrays import FloatArray
 from phase_oracle import Chains, least, least_turned
+from refusals import refusals
 
 
 def mean_square(line: Driveline, phases: FloatArray, weights: FloatArray | None = None) -> float:
@@ -196,27 +196,24 @@ def test_straight_joints_and_single_joints_have_nothing_to_set() -> None:
 LINE = Driveline.from_bends(np.full((2, 3), 0.1), phases=[[0.0, 0.1], [0.0, 0.2]])
 
 
-@pytest.mark.parametrize(
-    ("kind", "arguments", "message"),
-    [
-        (ValueError, {"states": 1}, r"states is 1; the batch has shape \(2,\)"),
-        (TypeError, {"states": "a"}, "states is 'a'; it must be the number of an axis"),
-        (ValueError, {"weights": [1, 1]}, "weights needs states"),
-        (ValueError, {"states": 0, "weights": [1]}, r"weights has shape \(1,\); it must be \(2,\)"),
-        (ValueError, {"states": 0, "weights": [1, -1]}, r"weights\[1\] is -1.0; it must be finite"),
-        (ValueError, {"states": 0, "weights": [0, 0]}, "weights are all 0"),
-        (ValueError, {"states": 0, "fixed": 3}, "fixed is 3; shafts 1 to 2 have yokes at both"),
-        (TypeError, {"states": 0, "fixed": 1.5}, r"fixed is 1.5; it must list numbers of shafts"),
-        (ValueError, {"states": 0, "fixed": 2}, "fixed needs one present phase of shaft 2; it"),
-        (ValueError, {"states": 0, "teeth": 9}, "teeth needs one present phase of shaft 2; it"),
-        (ValueError, {"states": 0, "teeth": [9]}, "teeth has length 1; it must be 2, one per"),
-        (ValueError, {"states": 0, "teeth": [9, 0]}, r"teeth\[1\] is 0; a spline has at least 1"),
-        (TypeError, {"states": 0, "teeth": 1.5}, "teeth is 1.5; it must be a whole number or one"),
-    ],
+test_errors = refusals(
+    {
+        "states is 1; the batch has shape (2,)": {"states": 1},
+        "TypeError: states is 'a'; it must be the number of an axis": {"states": "a"},
+        "weights needs states": {"weights": [1, 1]},
+        "weights has shape (1,); it must be (2,)": {"states": 0, "weights": [1]},
+        "weights[1] is -1.0; it must be finite": {"states": 0, "weights": [1, -1]},
+        "weights are all 0": {"states": 0, "weights": [0, 0]},
+        "fixed is 3; shafts 1 to 2 have yokes at both": {"states": 0, "fixed": 3},
+        "TypeError: fixed is 1.5; it must list numbers of shafts": {"states": 0, "fixed": 1.5},
+        "fixed needs one present phase of shaft 2; it": {"states": 0, "fixed": 2},
+        "teeth needs one present phase of shaft 2; it": {"states": 0, "teeth": 9},
+        "teeth has length 1; it must be 2, one per": {"states": 0, "teeth": [9]},
+        "teeth[1] is 0; a spline has at least 1": {"states": 0, "teeth": [9, 0]},
+        "TypeError: teeth is 1.5; it must be a whole number or one": {"states": 0, "teeth": 1.5},
+    },
+    LINE.optimal_phases,
 )
-def test_errors(kind: type[Exception], arguments: dict[str, Any], message: str) -> None:
-    with pytest.raises(kind, match=message):
-        LINE.optimal_phases(**arguments)
 
 
 def test_no_driveline_needs_no_setting() -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from cardan import Driveline, reference
 from oracle import EPS, mp, read
+from refusals import refusals
 
 CHAINS = read("chains.json")["cases"]
 
@@ -239,14 +240,6 @@ def test_the_cost_of_sixty_four_joints_is_that_of_one() -> None:
     assert got == pytest.approx(want, rel=1e-12)
 
 
-def test_reversing_turns_every_vector_round() -> None:
-    line = Driveline.from_bends([0.3, 0.5, 0.2], [0.4, -2.0], [1.0, 0.5])
-    back = line.reversed()
-    again = Driveline.from_directions(-line.directions[::-1], line.phases[::-1])
-    for name in ("bends", "twists", "phases", "directions", "normals"):
-        assert getattr(back, name) == pytest.approx(getattr(again, name), abs=1e-14), name
-
-
 @pytest.mark.parametrize("n", [1, 2, 3, 4])
 def test_where_the_angles_of_a_reversed_driveline_count_from(n: int) -> None:
     rng = np.random.default_rng(n)
@@ -336,127 +329,82 @@ def test_drivelines_do_not_change() -> None:
         Driveline()
 
 
-@pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (lambda: Driveline.from_bends([0.1, 0.2, 1.6]), ValueError, "bends[2] is 1.6 rad; a bend"),
-        (lambda: Driveline.from_bends([[0.1], [-0.1]]), ValueError, "bends[1, 0] is -0.1 rad"),
-        (
-            lambda: Driveline.from_bends([[[0.1], [0.1], [-0.1]], [[0.1], [0.1], [0.1]]]),
-            ValueError,
-            "bends[0, 2, 0] is -0.1 rad",
+test_bad_input = refusals(
+    {
+        "bends[2] is 1.6 rad; a bend": lambda: Driveline.from_bends([0.1, 0.2, 1.6]),
+        "bends[1, 0] is -0.1 rad": lambda: Driveline.from_bends([[0.1], [-0.1]]),
+        "bends[0, 2, 0] is -0.1 rad": lambda: Driveline.from_bends(
+            [[[0.1], [0.1], [-0.1]], [[0.1], [0.1], [0.1]]]
         ),
-        (lambda: Driveline.from_bends([math.nan]), ValueError, "bends[0] is nan rad"),
-        (lambda: Driveline.from_bends([90], degrees=True), ValueError, "bends[0] is 90.0 deg"),
-        (lambda: Driveline.from_bends([]), ValueError, "it needs at least one"),
-        (lambda: Driveline.from_bends([0.1, 0.2], [1, 2]), ValueError, "twists has shape (2,)"),
-        (lambda: Driveline.from_bends([0.1] * 3, 0, [[1]]), ValueError, "phases has shape (1, 1)"),
-        (
-            lambda: Driveline.from_bends([0.1] * 3, [0, math.inf]),
-            ValueError,
-            "twists[1] is inf; it must be finite",
+        "bends[0] is nan rad": lambda: Driveline.from_bends([math.nan]),
+        "bends[0] is 90.0 deg": lambda: Driveline.from_bends([90], degrees=True),
+        "it needs at least one": lambda: Driveline.from_bends([]),
+        "twists has shape (2,)": lambda: Driveline.from_bends([0.1, 0.2], [1, 2]),
+        "phases has shape (1, 1)": lambda: Driveline.from_bends([0.1] * 3, 0, [[1]]),
+        "twists[1] is inf; it must be finite": lambda: Driveline.from_bends(
+            [0.1] * 3, [0, math.inf]
         ),
-        (
-            lambda: Driveline.from_bends([[0.1] * 2] * 2, [[0]] * 3),
-            ValueError,
-            "shapes do not broadcast: bends (2,), twists (3,), phases ()",
+        "shapes do not broadcast: bends (2,), twists (3,), phases ()": lambda: Driveline.from_bends(
+            [[0.1] * 2] * 2, [[0]] * 3
         ),
-        (lambda: Driveline.from_bends([1j]), TypeError, "bends has dtype complex128"),
-        (lambda: Driveline.from_bends(["a"]), TypeError, "bends has dtype <U1"),
-        (
-            lambda: Driveline.from_points([[0, 0, 0], [1, 0, 0], [1, 0, 0]]),
-            ValueError,
-            "points[2] is (1, 0, 0) after (1, 0, 0); two successive points must differ",
+        "TypeError: bends has dtype complex128": lambda: Driveline.from_bends([1j]),
+        "TypeError: bends has dtype <U1": lambda: Driveline.from_bends(["a"]),
+        "points[2] is (1, 0, 0) after (1, 0, 0); two successive points must differ": lambda: (
+            Driveline.from_points([[0, 0, 0], [1, 0, 0], [1, 0, 0]])
         ),
-        (
-            lambda: Driveline.from_points(np.array([[[0, 0, 0], [1, 0, math.nan], [2, 0, 0]]])),
-            ValueError,
-            "points[0, 1] is (1, 0, NaN); a point must be finite",
+        "points[0, 1] is (1, 0, NaN); a point must be finite": lambda: Driveline.from_points(
+            np.array([[[0, 0, 0], [1, 0, math.nan], [2, 0, 0]]])
         ),
-        (
-            lambda: Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [0.5, 1, 0]])),
-            ValueError,
-            "points give bends[0] = 2.03",
+        "points give bends[0] = 2.03": lambda: Driveline.from_points(
+            np.array([[0, 0, 0], [1, 0, 0], [0.5, 1, 0]])
         ),
-        (
-            lambda: Driveline.from_points([[0, 0, 0], [1, 0, 0]]),
-            ValueError,
-            "(2, 3); it must be (..., 3 or more, 3)",
+        "(2, 3); it must be (..., 3 or more, 3)": lambda: Driveline.from_points(
+            [[0, 0, 0], [1, 0, 0]]
         ),
-        (
-            lambda: Driveline.from_directions([[1, 0, 0], [0, 0, 0]]),
-            ValueError,
-            "directions[1] is (0, 0, 0); a direction must be finite and not zero",
+        "directions[1] is (0, 0, 0); a direction must be finite and not zero": lambda: (
+            Driveline.from_directions([[1, 0, 0], [0, 0, 0]])
         ),
-        (lambda: Driveline.from_directions([[1, 0], [1, 1]]), ValueError, "directions has shape"),
-        (
-            lambda: Driveline.from_slopes([0, 95], [0, 0], degrees=True),
-            ValueError,
-            "vertical[1] is 95.0; a slope must lie between -90 deg and 90 deg",
+        "directions has shape": lambda: Driveline.from_directions([[1, 0], [1, 1]]),
+        "vertical[1] is 95.0; a slope must lie between -90 deg and 90 deg": lambda: (
+            Driveline.from_slopes([0, 95], [0, 0], degrees=True)
         ),
-        (
-            lambda: Driveline.from_slopes([0, 1.5708], [0, 0]),
-            ValueError,
-            "vertical[1] is 1.5708; a slope must lie between -pi/2 rad and pi/2 rad",
+        "vertical[1] is 1.5708; a slope must lie between -pi/2 rad and pi/2 rad": lambda: (
+            Driveline.from_slopes([0, 1.5708], [0, 0])
         ),
-        (
-            lambda: Driveline.from_slopes([0, 0], [90, 0], degrees=True),
-            ValueError,
-            "horizontal[0] is 90.0; a slope must lie between -90 deg and 90 deg",
+        "horizontal[0] is 90.0; a slope must lie between -90 deg and 90 deg": lambda: (
+            Driveline.from_slopes([0, 0], [90, 0], degrees=True)
         ),
-        (
-            lambda: Driveline.from_slopes([0, 1], [0]),
-            ValueError,
-            "vertical has 2 shafts and horizontal 1; they must be the same",
+        "vertical has 2 shafts and horizontal 1; they must be the same": lambda: (
+            Driveline.from_slopes([0, 1], [0])
         ),
-        (
-            lambda: Driveline.from_slopes(np.zeros((2, 3)), np.zeros((4, 3))),
-            ValueError,
-            "shapes do not broadcast: vertical (2, 3), horizontal (4, 3)",
+        "shapes do not broadcast: vertical (2, 3), horizontal (4, 3)": lambda: (
+            Driveline.from_slopes(np.zeros((2, 3)), np.zeros((4, 3)))
         ),
-        (
-            lambda: Driveline.from_projected_bends([0, 0, 0], [0, 0, 0]),
-            ValueError,
-            "vertical has shape (3,); two joints need (..., 2)",
+        "vertical has shape (3,); two joints need (..., 2)": lambda: Driveline.from_projected_bends(
+            [0, 0, 0], [0, 0, 0]
         ),
-        (
-            lambda: Driveline.from_projected_bends([0, 0], [0, -95], degrees=True),
-            ValueError,
-            "horizontal[1] is -95.0; a projected bend must lie between -90 deg and 90 deg",
+        "horizontal[1] is -95.0; a projected bend must lie between -90 deg and 90 deg": lambda: (
+            Driveline.from_projected_bends([0, 0], [0, -95], degrees=True)
         ),
-        (
-            lambda: Driveline.from_projected_bends([1, 1], [0, 0], reference="output"),
-            ValueError,
-            "vertical adds up to 90 deg or more against the output shaft",
+        "vertical adds up to 90 deg or more against the output shaft": lambda: (
+            Driveline.from_projected_bends([1, 1], [0, 0], reference="output")
         ),
-        (
-            lambda: Driveline.from_projected_bends([0, 0], [0, 0], reference="middle"),  # type: ignore[arg-type]
-            ValueError,
-            "reference is 'middle'; it must be 'common', 'input' or 'output'",
+        "reference is 'middle'; it must be 'common', 'input' or 'output'": lambda: (
+            Driveline.from_projected_bends([0, 0], [0, 0], reference="middle")  # type: ignore[arg-type]
         ),
-        (
-            lambda: Driveline.from_bends([0.1]).harmonics([1, 0]),
-            ValueError,
-            "orders[1] is 0; an order is at least 1",
+        "orders[1] is 0; an order is at least 1": lambda: Driveline.from_bends([0.1]).harmonics(
+            [1, 0]
         ),
-        (
-            lambda: Driveline.from_bends([0.1]).harmonics(2.0),
-            TypeError,
-            "orders has dtype float64; an order is an integer",
-        ),
-        (lambda: Driveline.from_bends([0.1]).equivalent(2), IndexError, "shaft is 2; there are 2"),
-        (lambda: Driveline.from_bends([0.1]).equivalent(0.5), TypeError, "shaft is 0.5"),  # type: ignore[arg-type]
-        (
-            lambda: Driveline.from_bends([0.1] * 3).with_phases([1, 2, 3]),
-            ValueError,
-            "phases has shape (3,); 3 joints need (..., 2)",
-        ),
-    ],
+        "TypeError: orders has dtype float64; an order is an integer": lambda: Driveline.from_bends(
+            [0.1]
+        ).harmonics(2.0),
+        "IndexError: shaft is 2; there are 2": lambda: Driveline.from_bends([0.1]).equivalent(2),
+        "TypeError: shaft is 0.5": lambda: Driveline.from_bends([0.1]).equivalent(0.5),  # type: ignore[arg-type]
+        "phases has shape (3,); 3 joints need (..., 2)": lambda: Driveline.from_bends(
+            [0.1] * 3
+        ).with_phases([1, 2, 3]),
+    }
 )
-def test_bad_input(make: Any, error: type[Exception], message: str) -> None:  # noqa: ANN401
-    with pytest.raises(error) as caught:
-        make()
-    assert message in str(caught.value)
 
 
 def test_the_largest_angle_error_is_where_it_is_said_to_be() -> None:

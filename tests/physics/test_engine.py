@@ -12,7 +12,8 @@ import cardan
 from cardan import Coupling, Driveline, TorqueHarmonic, TorsionalSystem, reference
 from cardan.reference import torsion
 from cardan.torsion import SteadyState
-from engine_cases import CASES, INF, KINKED, SMOOTH, arguments_of, complexes, phases_of
+from engine_cases import CASES, INF, SMOOTH, arguments_of, complexes, phases_of
+from refusals import refusals
 
 ONE = Driveline.from_bends([20], degrees=True)
 
@@ -83,29 +84,6 @@ def test_multipliers_of_an_independent_model(number: int) -> None:
     np.testing.assert_allclose(np.poly(found.multipliers), np.poly(known), atol=2e-8)
     if case["stable"] is not None:
         assert bool(found.stable) is case["stable"]
-
-
-def test_natural_frequencies_without_the_rotation_of_all() -> None:
-    # M. I. Friswell et al., Dynamics of Rotating Machines, 2010, example 9.7.1.
-    line = Driveline.from_bends([0, 0, 0, 0])
-    own: dict[str, Any] = {
-        "inertias": [[0.0035, 0], [0.0035, 0], [0.0035, 0], [0.15, 0], [0.05, 0]],
-        "stiffnesses": [12e3, 12e3, 14e3, 10e3, INF],
-    }
-    drives: tuple[tuple[Any, list[float]], ...] = (
-        ("free", [81.2076, 141.2141, 378.9530, 536.3633]),
-        ("held", [22.6280, 83.1631, 308.1916, 518.2375]),
-    )
-    for drive, known in drives:
-        found = TorsionalSystem(line, drive=drive, **own).natural_frequencies() / (2 * np.pi)
-        np.testing.assert_allclose(found, known, atol=5e-5)
-    heavy: dict[str, Any] = {"inertias": [[211.4, 0], [8.3, 0]], "stiffnesses": [9.775e6, INF]}
-    straight = Driveline.from_bends([0])
-    pair = [
-        TorsionalSystem(straight, drive=drive, **heavy).natural_frequencies()[0]
-        for drive in ("free", "held")
-    ]
-    assert np.array(pair) / (2 * np.pi) == pytest.approx([176.0767, 172.7187], abs=5e-5)
 
 
 @pytest.mark.parametrize("number", [14, 16, 22])
@@ -368,52 +346,29 @@ def test_orbits_of_a_free_drive_keep_its_equation() -> None:
     assert float(np.mean(orbit.angle_error[0, 0])) == pytest.approx(0.0, abs=1e-10)
 
 
-def test_bearings_see_the_engine() -> None:
-    calm, rough = (
-        two(harmonics=harmonics, load_torque=30).steady(60.0)
-        for harmonics in ((), [TorqueHarmonic(0, "input", 1.5, 200)])
-    )
-    moments = [
-        float(own.evaluate(256, "bending_driven", reduce="max").bending_driven[0])
-        for own in (calm, rough)
-    ]
-    assert moments[1] > 1.5 * moments[0]
-    torque = rough.evaluate(512, "torque").torque
-    assert float(torque.max()) == pytest.approx(float(rough.torque_max[0]), rel=2e-3)
-
-
 def of_orders(*orders: float) -> dict[str, Any]:
     return {"harmonics": [TorqueHarmonic(0, "input", order, 1) for order in orders]}
 
 
-@pytest.mark.parametrize(
-    ("own", "words"),
-    [
-        ({"drive": None}, "drive is missing"),
-        (
-            {"drive_slope": -1.0},
-            "drive_slope is -1.0; it says how much the torque of the drive falls with rising "
-            "speed, so it must be 0 or more",
-        ),
-        ({"inertias": [[0, 0], [0, 0.05]]}, r"inertias\[0, 0\].*a free drive needs an inertia"),
-        (of_orders(1.3), "divisor of at least 1/8, so take 1.25 or 1.375 instead of 1.3$"),
-        (of_orders(0.1), "so take 0.125 instead of 0.1$"),
-        (of_orders(1 / 3, 1.3), r"so take 1.16\d+ or 1.33\d+ instead of 1.3$"),
-        (
-            of_orders(0.2, 3, 1.5, 0.75),
-            r"\[0.2, 3.0, 1.5, 0.75\].* so take 1.4 or 1.6 instead of 1.5$",
-        ),
-        ({"harmonics": [TorqueHarmonic(2, "input", 2, 1)]}, "acts on shaft 2; the last one is 1"),
-        ({"harmonics": [TorqueHarmonic(0, "input", 0, 1)]}, "order 0.0; it must be positive"),
-        ({"harmonics": [TorqueHarmonic(0, "input", 2, INF)]}, "not finite"),
-        ({"couplings": {1: Coupling(5000)}}, "whose stiffness must be inf"),
-        ({"couplings": {3: Coupling(5000)}}, "names shaft 3; the last one is 1"),
-        ({"loss_factors": [0.1, 0]}, "rigid shaft"),
-    ],
+test_what_cannot_be_is_refused = refusals(
+    {
+        "drive is missing": {"drive": None},
+        "drive_slope is -1.0; it says how much the torque of the drive falls with rising "
+        "speed, so it must be 0 or more": {"drive_slope": -1.0},
+        "inertias[0, 0]…a free drive needs an inertia": {"inertias": [[0, 0], [0, 0.05]]},
+        "divisor of at least 1/8, so take 1.25 or 1.375 instead of 1.3": of_orders(1.3),
+        "so take 0.125 instead of 0.1": of_orders(0.1),
+        "so take 1.16…or 1.33…instead of 1.3": of_orders(1 / 3, 1.3),
+        "[0.2, 3.0, 1.5, 0.75]… so take 1.4 or 1.6 instead of 1.5": of_orders(0.2, 3, 1.5, 0.75),
+        "acts on shaft 2; the last one is 1": {"harmonics": [TorqueHarmonic(2, "input", 2, 1)]},
+        "order 0.0; it must be positive": {"harmonics": [TorqueHarmonic(0, "input", 0, 1)]},
+        "not finite": {"harmonics": [TorqueHarmonic(0, "input", 2, INF)]},
+        "whose stiffness must be inf": {"couplings": {1: Coupling(5000)}},
+        "names shaft 3; the last one is 1": {"couplings": {3: Coupling(5000)}},
+        "rigid shaft": {"loss_factors": [0.1, 0]},
+    },
+    two,
 )
-def test_what_cannot_be_is_refused(own: dict[str, Any], words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        two(**own)
 
 
 @pytest.mark.parametrize(
@@ -460,8 +415,3 @@ def test_firing_orders() -> None:
     for wrong in ([1, 1], [1, 3, 5, 2]):
         with pytest.raises(ValueError, match="each cylinder, from 1 on, once"):
             cardan.firing_harmonics(one, wrong)
-
-
-def test_kinked_cases_are_known() -> None:
-    assert set(KINKED) | set(SMOOTH) == set(CASES)
-    assert len(CASES) == 20

@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, Sweep
+from cardan import Driveline, Load, Sweep, reference
+from cardan.reference import forces as twin
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces, solved, system
 from oracle import LIMIT_TABLE, Doubles, Exact, ExactTurn, mp, read
@@ -66,11 +67,17 @@ def test_every_arrangement(counts: tuple[int, ...]) -> None:
     n = len(counts) - 1
     rng = np.random.default_rng(counts)
     line, bearings = mounted(rng, driveline(rng, n), counts)
-    ways, load = list(assignments(n, counts)), Load(**load_of(rng, n))
+    ways, given = list(assignments(n, counts)), load_of(rng, n)
+    load = Load(**given)
+    shafts = reference.from_directions(line.directions.tolist(), line.phases.tolist())
+    lengths = line._geometry.lengths.tolist()
+    at = [reference.loads(shafts, angle, **given) for angle in ANGLES.tolist()]
     names = ("moment", "joint_force", "bearing_force")[: 3 if bearings else 2]
     if len(ways) != 1:
         with pytest.raises(ValueError, match=r'outputs\[1\] is "joint_force"; .*(shaft|joint) \d'):
             line.evaluate(ANGLES, names, load=load)
+        with pytest.raises(ValueError, match=r"bearings leave shaft \d with|are 3 on shaft"):
+            twin.forces(shafts, at[0], lengths, bearings)
         return
     if max(counts) > 2:
         with pytest.raises(ValueError, match=r'"bearing_force"; shaft \d has 3 bearings'):
@@ -88,9 +95,13 @@ def test_every_arrangement(counts: tuple[int, ...]) -> None:
         )
         size = max(np.abs(of_joints).max(), np.abs(of_bearings).max(initial=0.0))
         np.testing.assert_allclose(got.joint_force[:, sample], of_joints, atol=1e-12 * size)
-        if "bearing_force" in got:
-            found = got.bearing_force[:, sample]
-            np.testing.assert_allclose(found, of_bearings, atol=1e-12 * size)
+        if max(counts) > 2:
+            continue
+        own = twin.forces(shafts, at[sample], lengths, bearings)
+        np.testing.assert_allclose(own.joint_force, of_joints, atol=1e-10 * size)
+        if bearings:
+            np.testing.assert_allclose(got.bearing_force[:, sample], of_bearings, atol=1e-12 * size)
+            np.testing.assert_allclose(own.bearing_force, of_bearings, atol=1e-10 * size)
 
 
 def bearings_on(bearings: list[tuple[int, float]], shaft: int) -> list[tuple[int, float]]:
@@ -273,3 +284,13 @@ def test_the_worst_forces_keep_their_limits(case: dict[str, Any]) -> None:
     )
     at = line.evaluate(case["angle"], name, load=Load(**case["load"]), tolerance=0)
     assert np.max(np.abs(over_the_turn[name])) > 3.0 * np.max(np.abs(at[name]))
+
+
+def test_what_statics_does_not_determine_of_the_reference() -> None:
+    shafts = reference.from_bends([0.3, 0.4])
+    loads = reference.loads(shafts, 0.3, drive_torque=1.0)
+    bearings = [(0, 0.1), (0, 0.2), (2, 0.1), (2, 0.2)]
+    with pytest.raises(ValueError, match="are 3 on shaft 0; forces are determinate with two"):
+        twin.forces(shafts, loads, [1.0, 1.0, 1.0], [*bearings, (0, 0.3)])
+    with pytest.raises(ValueError, match="lengths has 2 values; there are 3 shafts"):
+        twin.forces(shafts, loads, [1.0, 1.0], bearings)

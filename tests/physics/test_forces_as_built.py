@@ -223,8 +223,6 @@ def test_nan_stays_with_its_sample() -> None:
         assert np.array_equal(found[name][:, 0], found[name][:, 2])
 
 
-# --- derivatives -------------------------------------------------------------------------------
-
 SHAFTS = (0, 3, 1, 0, 3)
 GIVEN: dict[str, Doubles] = {
     "bends": np.array([0.3, 0.2, 0.4]),
@@ -294,6 +292,9 @@ def test_gradients_are_weighted_sums_of_derivatives() -> None:
         wanted = sum(np.tensordot(weights[name], each[name][kind], 3) for name in FORCES)
         size = np.abs(wanted).max()
         np.testing.assert_allclose(getattr(found, kind), wanted, rtol=0, atol=1e-12 * size)
+
+
+# --- derivatives -------------------------------------------------------------------------------
 
 
 def test_derivatives_by_deviations_of_ideal_joints_are_the_change_to_first_order() -> None:

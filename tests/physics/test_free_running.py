@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Callable
 from typing import Any
 
 import mpmath
@@ -13,6 +12,7 @@ import pytest
 
 import cardan
 from cardan import reference
+from refusals import refusals
 
 THOMA = cardan.Driveline.from_bends([8.5], degrees=True)
 
@@ -144,10 +144,6 @@ def test_a_drive_without_inertia_varies_as_the_flywheel_would() -> None:
     assert free.speed_ratio(angles) == pytest.approx(1.0 / ratio, rel=1e-14)
 
 
-def test_the_representation_has_no_private_fields() -> None:
-    assert " _" not in repr(THOMA.free_running([10.0, 1.0]))
-
-
 def test_a_drive_alone_and_a_straight_joint_run_steadily() -> None:
     assert THOMA.free_running([1.0, 0.0]).variation == 0.0
     straight = cardan.Driveline.from_bends([0.0]).free_running([1.0, 1.0])
@@ -185,25 +181,17 @@ def test_everything_broadcasts() -> None:
     assert varied[-1] == many[-1].free_running([1.0, 1.0]).variation
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: THOMA.free_running(1.0), r"inertias has shape \(\); 2 shafts need \(\.\.\., 2\)"),
-        (lambda: THOMA.free_running([1.0]), r"inertias has shape \(1,\); 2 shafts"),
-        (lambda: THOMA.free_running([1.0, -1.0]), r"inertias\[1\] is -1.0; it must be finite"),
-        (lambda: THOMA.free_running([1.0, math.nan]), r"inertias\[1\] is nan; it must be finite"),
-        (lambda: THOMA.free_running([0.0, 0.0]), "inertias are all 0; at least one shaft"),
-        (lambda: THOMA.free_running([1.0, 1.0]).drive_inertia_for(0.0), "variation is 0.0; it"),
-    ],
+test_refusals = refusals(
+    {
+        "inertias has shape (); 2 shafts need (..., 2)": lambda: THOMA.free_running(1.0),
+        "inertias has shape (1,); 2 shafts": lambda: THOMA.free_running([1.0]),
+        "inertias[1] is -1.0; it must be finite": lambda: THOMA.free_running([1.0, -1.0]),
+        "inertias[1] is nan; it must be finite": lambda: THOMA.free_running([1.0, math.nan]),
+        "TypeError: inertias has dtype": lambda: THOMA.free_running(["a", "b"]),
+        "inertias are all 0; at least one shaft": lambda: THOMA.free_running([0.0, 0.0]),
+        "variation is 0.0; it": lambda: THOMA.free_running([1.0, 1.0]).drive_inertia_for(0.0),
+    }
 )
-def test_refusals(call: Callable[[], Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
-def test_what_is_not_a_number() -> None:
-    with pytest.raises(TypeError, match="inertias has dtype"):
-        THOMA.free_running(["a", "b"])
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-160, 1e200, 1e307])

@@ -86,15 +86,15 @@ def test_joints_that_support_a_shaft_slide_on_it(name: str) -> None:
     assert replace(system, sliding=None).slides == tuple(CASES[name]["sliding"])
 
 
-# --- tubes -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("shear", [None, 0.5224])
 def test_modes_of_a_pinned_tube(shear: float | None) -> None:
     tube, length = replace(TUBE, shear_coefficient=shear), 1.6
     found = between_machines(tube, length, step=0.1).natural_frequencies(6)
     wanted = [pinned(tube, length, mode) for mode in (1, 1, 2, 2, 3, 3)]
     assert found == pytest.approx(wanted, rel=3e-9)
+
+
+# --- tubes -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("shear", [None, 0.5224])

@@ -13,7 +13,6 @@ from cardan import Driveline, Load
 EPS = 2.0**-52
 TURN = np.linspace(0, 2 * math.pi, 512, endpoint=False)
 MOTION = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-LOADED = ("speed_ratio", "torque", "moment", "support_moment")
 
 
 @st.composite
@@ -141,91 +140,6 @@ def test_two_equal_joints_in_phase_cancel(bend: float, twist: float) -> None:
     assert float(line.equivalent().k) <= 4 * EPS / math.cos(bend)
     got = line.evaluate(TURN, MOTION)
     assert np.max(np.abs(got.angle_error)) <= 8 * EPS / math.cos(bend)
-
-
-@given(lines(4), st.integers(0, 3), st.floats(-4, 4), st.floats(-4, 4))
-def test_a_straight_joint_splits_a_shaft_unnoticed(
-    line: Driveline, at: int, twist: float, phase: float
-) -> None:
-    at = min(at, line.n_joints - 1)
-    if line.n_joints < 2:
-        return
-    at = max(at, 1)
-    # p = delta - tau + 90 degrees of the two halves must add up to that of the whole.
-    bends = np.insert(line.bends, at, 0.0)
-    twists = np.insert(line.twists, at - 1, twist)
-    twists[at] = line.twists[at - 1] - twist
-    phases = np.insert(line.phases, at - 1, phase)
-    phases[at] = line.phases[at - 1] - phase - math.pi / 2
-    split = Driveline.from_bends(bends, twists, phases)
-    got, want = split.evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
-    for name in MOTION:
-        assert np.max(np.abs(got[name] - want[name])) < 4 * unit_of(line, name), name
-
-
-@given(lines(), st.integers(0, 4))
-def test_half_a_turn_of_a_yoke_changes_nothing(line: Driveline, shaft: int) -> None:
-    if line.n_joints < 2:
-        return
-    phases = np.array(line.phases)
-    phases[shaft % phases.size] += math.pi
-    got, want = line.with_phases(phases).evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
-    for name in MOTION:
-        assert np.max(np.abs(got[name] - want[name])) < 4 * unit_of(line, name), name
-
-
-@given(lines(), st.integers(0, 2**32 - 1))
-def test_rigid_motion_and_scale_change_nothing(line: Driveline, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    rotation, _ = np.linalg.qr(random.normal(size=(3, 3)))
-    rotation *= np.linalg.det(rotation)
-    spans = line.directions * random.uniform(0.5, 2, (line.n_joints + 1, 1))
-    points = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)])
-    first = Driveline.from_points(points, line.phases)
-    second = Driveline.from_points(1e3 * points @ rotation.T + [5, -7, 2], line.phases)
-    # A nearly straight joint has a plane only as well as its coordinates have digits.
-    bent = line.bends[line.bends > 0]
-    plane = 1e-13 / float(bent.min()) if bent.size else 0.0
-    got, want = second.evaluate(TURN, MOTION), first.evaluate(TURN, MOTION)
-    for name in MOTION:
-        close = (plane + 4 * unit_of(line, name)) / float(np.prod(np.cos(line.bends))) ** 4
-        assert np.max(np.abs(got[name] - want[name])) < close, name
-
-
-@given(lines(), st.booleans(), st.integers(0, 2**32 - 1))
-def test_balance_of_power_and_moments(line: Driveline, drive: bool, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    inertias = random.uniform(0, 1, line.n_joints + 1)
-    torque, speed, acceleration = random.uniform(-5, 5, 3)
-    load = Load(
-        **{"drive_torque" if drive else "output_torque": torque},
-        speed=speed,
-        acceleration=acceleration,
-        inertias=inertias,
-    )
-    got = line.evaluate(TURN, (*LOADED, "acceleration_ratio"), shafts=slice(None), load=load)
-    ratio, moment = got.speed_ratio, got.moment
-    turning = speed**2 * got.acceleration_ratio + acceleration * ratio
-    leaving = got.torque - inertias[:, np.newaxis] * turning
-    scale = unit(line) * (np.max(np.abs(moment)) + np.max(np.abs(got.torque)) + 1)
-    for j in range(line.n_joints):
-        u, v = line.directions[j], line.directions[j + 1]
-        # Power passes a joint undiminished.
-        passed = leaving[j] * ratio[j] - got.torque[j + 1] * ratio[j + 1]
-        assert np.max(np.abs(passed)) < scale * np.max(ratio)
-        # The moment's parts along the shafts are the torsions on both sides.
-        assert np.max(np.abs(moment[j] @ u - leaving[j])) < scale
-        assert np.max(np.abs(moment[j] @ v - got.torque[j + 1])) < scale
-    # Bearings hold what the joints leave across each shaft.
-    zero = np.zeros_like(moment[0])
-    for i, u in enumerate(line.directions):
-        before = moment[i - 1] if i > 0 else zero
-        behind = moment[i] if i < line.n_joints else zero
-        net = before - behind
-        across = net - (net @ u)[:, np.newaxis] * u
-        assert np.max(np.abs(got.support_moment[i] + across)) < scale
-    end = got.torque[0] if drive else leaving[-1]
-    assert np.max(np.abs(end - torque)) < scale
 
 
 @given(lines(), st.floats(-5, 5))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import pickle
-import re
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cardan import ArgumentValueError, Driveline
+from cardan import Driveline
+from refusals import refusals
 
 LINE = Driveline.from_bends([0.2, 0.35], [0.4], [1.0])
 HALVES = np.array([[0.003, 0.001, 0.002], [0.002, 0.001, 0.002]])
@@ -65,25 +64,20 @@ def test_order_2_has_that_of_the_drawing() -> None:
     assert np.array_equal(none.shares, np.zeros((2, 3)))
 
 
-def test_results_are_pickled() -> None:
-    again = pickle.loads(pickle.dumps(FOUND))
-    assert (again.worst, again.rms) == (FOUND.worst, FOUND.rms)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"cross": -0.1}, "cross is -0.1"),
-        ({"cross": 0.1, "order": 0}, "order is 0; it must be at least 1"),
-        ({"cross": 0.1, "distribution": "flat"}, "distribution is 'flat'"),
-        ({"cross": 1.5}, "cannot turn"),
-        ({"driven_yoke": [0.1] * 3}, "driven_yoke has shape (3,)"),
-    ],
+test_wrong_tolerances_are_refused = refusals(
+    {
+        "cross is -0.1": {"cross": -0.1},
+        "order is 0; it must be at least 1": {"cross": 0.1, "order": 0},
+        "distribution is 'flat'": {"cross": 0.1, "distribution": "flat"},
+        "cannot turn": {"cross": 1.5},
+        "driven_yoke has shape (3,)": {"driven_yoke": [0.1] * 3},
+    },
+    LINE.order_tolerances,
 )
-def test_wrong_tolerances_are_refused(arguments: dict[str, Any], message: str) -> None:
-    with pytest.raises(ArgumentValueError, match=re.escape(message)):
-        LINE.order_tolerances(**arguments)
-    with pytest.raises(ArgumentValueError, match="it must be one driveline"):
-        LINE.reshape(1).order_tolerances(0.1)
-    with pytest.raises(ArgumentValueError, match="probability is 1"):
-        FOUND.quantile(1.0)
+
+test_what_one_driveline_alone_has = refusals(
+    {
+        "it must be one driveline": lambda: LINE.reshape(1).order_tolerances(0.1),
+        "probability is 1": lambda: FOUND.quantile(1.0),
+    }
+)

@@ -53,15 +53,6 @@ def test_the_least_bend_that_the_polygon_allows(bends: list[float], seed: int) -
         assert best.k == pytest.approx(least, abs=unit)
 
 
-@given(st.lists(st.floats(0.05, 1.0), min_size=2, max_size=5), st.integers(0, 2**32 - 1))
-def test_no_phases_do_better(bends: list[float], seed: int) -> None:
-    random = np.random.default_rng(seed)
-    n = len(bends)
-    line = Driveline.from_bends(bends, *random.uniform(-4, 4, (2, n - 1)))
-    others = line.with_phases(random.uniform(-4, 4, (200, n - 1)))
-    assert phased(line).equivalent().k <= np.min(others.equivalent().k) + 1e-13
-
-
 @given(st.lists(st.floats(0.05, 1.0), min_size=2, max_size=3), st.integers(0, 2**32 - 1))
 def test_no_smaller_turn_does_as_well(bends: list[float], seed: int) -> None:
     # Up to three joints the candidates are few: each yoke modulo 180 degrees, and the mirror image.
@@ -232,14 +223,6 @@ def test_harmonics_of_a_batch() -> None:
     k = np.tan([[0.05], [0.25]]) ** 2
     assert found.speed_ratio == pytest.approx(np.hstack([2 * k, 2 * k**2, 0 * k]))
     assert found.angle_error == pytest.approx(np.hstack([k, k**2 / 2, 0 * k]))
-
-
-def test_orders_that_are_none() -> None:
-    line = Driveline.from_bends([0.1])
-    with pytest.raises(ValueError, match=r"orders\[1\] is 0; an order is at least 1"):
-        line.harmonics([2, 0])
-    with pytest.raises(TypeError, match="orders has dtype float64; an order is an integer"):
-        line.harmonics([2.5])
 
 
 @pytest.mark.parametrize(

@@ -305,11 +305,6 @@ def test_forces_with_moments_batches_and_reductions() -> None:
     assert "bearing 2: force, a sum of 6 terms, turned with the pin of shaft 1" in text
 
 
-def test_a_load_is_needed() -> None:
-    with pytest.raises(ArgumentValueError, match="which needs a load"):
-        LINE.plan("moment", axes="shaft")
-
-
 def test_plans_of_joints_as_built_have_axes_at_rest() -> None:
     line = LINE.with_deviations(cross=0.01)
     with pytest.raises(ArgumentValueError, match="axes is 'shaft'; moment is known in 'space'"):

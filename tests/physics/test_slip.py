@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 
 import cardan
+from refusals import refusals
 
 HEIGHTS = np.linspace(-0.12, 0.08, 41)
 
@@ -22,6 +21,9 @@ def axle(height: np.ndarray) -> np.ndarray:
     points[..., 3, :] = 1.8, 0.05, 0.1
     points[..., 2:, 1] += height[..., np.newaxis]
     return points
+
+
+AXLES = cardan.Driveline.from_points(axle(HEIGHTS))
 
 
 def test_lengths_over_a_batch() -> None:
@@ -143,27 +145,19 @@ def test_everything_broadcasts() -> None:
     assert bends.spline_force(1, 1.0, 0.1, 0.1).upstream_axial == pytest.approx(math.cos(0.2))
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda line: cardan.Driveline.from_bends([0.1]).lengths(),
-            "others get them with with_bearings",
+test_refusals = refusals(
+    {
+        "others get them with with_bearings": lambda: cardan.Driveline.from_bends([0.1]).lengths(),
+        "friction is -0.1; it must be finite": lambda: AXLES.spline_force(1, 1.0, -0.1, 0.02),
+        "radius is 0.0; it must be positive": lambda: AXLES.spline_force(1, 1.0, 0.1, 0.0),
+        "engaged is -1.0; it must be": lambda: AXLES.lengths().engagement(1, -1.0, 1.0),
+        "length is 0.0; it must be": lambda: AXLES.lengths().engagement(1, 1.0, 0.0),
+        "an empty batch has no shortest": lambda: AXLES[:0].lengths().travel,
+        "shapes do not broadcast: driveline (41,), torque (2,)": lambda: AXLES.spline_force(
+            1, [1.0, 2.0], 0.1, 0.02
         ),
-        (lambda line: line.spline_force(1, 1.0, -0.1, 0.02), "friction is -0.1; it must be finite"),
-        (lambda line: line.spline_force(1, 1.0, 0.1, 0.0), "radius is 0.0; it must be positive"),
-        (lambda line: line.lengths().engagement(1, -1.0, 1.0), "engaged is -1.0; it must be"),
-        (lambda line: line.lengths().engagement(1, 1.0, 0.0), "length is 0.0; it must be"),
-        (lambda line: line[:0].lengths().travel, "an empty batch has no shortest"),
-        (
-            lambda line: line.spline_force(1, [1.0, 2.0], 0.1, 0.02),
-            r"shapes do not broadcast: driveline \(41,\), torque \(2,\)",
-        ),
-    ],
+    }
 )
-def test_refusals(call: Callable[[cardan.Driveline], Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call(cardan.Driveline.from_points(axle(HEIGHTS)))
 
 
 def test_shafts_that_do_not_exist() -> None:

@@ -31,6 +31,7 @@ from cardan.tolerances.chain import (
     bound_parts,
 )
 from oracle import Fold
+from refusals import refusals
 
 TRUCK = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03], [2.8, -0.3, 0.04]])
 BEND_FIGURES = ("equivalent_bend", "non_uniformity", "max_angle_error", "torsional_excitation")
@@ -956,39 +957,25 @@ def test_states_on_another_axis_with_speeds_and_loads() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (
-            lambda: three().tolerances(bends=0.01, states=0),
-            ValueError,
-            "states is given, but the driveline has no batch axis",
+test_states_are_checked = refusals(
+    {
+        "states is given, but the driveline has no batch axis": lambda: three().tolerances(
+            bends=0.01, states=0
         ),
-        (
-            lambda: heights().tolerances(phases=0.01, states=1),
-            IndexError,
-            "states is 1; there are 1, counted from 0",
+        "IndexError: states is 1; there are 1, counted from 0": lambda: heights().tolerances(
+            phases=0.01, states=1
         ),
-        (
-            lambda: heights().tolerances(phases=[[0.01], [0.02], [0.01]] * np.ones(2), states=0),
-            ValueError,
-            "states have different tolerances; they are positions of one driveline",
+        "states have different tolerances; they are positions of one driveline": lambda: (
+            heights().tolerances(phases=[[0.01], [0.02], [0.01]] * np.ones(2), states=0)
         ),
-        (
-            lambda: heights().tolerances(phases=0.01, of="torsional_excitation", speed=[1.0, 2.0]),
-            ValueError,
-            "do not broadcast",
+        "do not broadcast": lambda: heights().tolerances(
+            phases=0.01, of="torsional_excitation", speed=[1.0, 2.0]
         ),
-        (
-            lambda: heights().tolerances(phases=0.01, states=0).in_state(3),
-            IndexError,
-            "state is 3; there are 3, counted from 0",
+        "IndexError: state is 3; there are 3, counted from 0": lambda: (
+            heights().tolerances(phases=0.01, states=0).in_state(3)
         ),
-    ],
+    }
 )
-def test_states_are_checked(make: Any, error: Any, message: str) -> None:  # noqa: ANN401
-    with pytest.raises(error, match=re.escape(message)):
-        make()
 
 
 def test_the_inertia_excitation_is_the_larger_of_both() -> None:
@@ -1147,56 +1134,48 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
     assert found.unit("bearing_force") == "N"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (
-            {},
-            "tolerances are missing; give at least one of bends, twists, phases, points, "
-            "driving_yoke, cross, driven_yoke and teeth",
-        ),
-        ({"bends": -0.1}, "bends is -0.1; a tolerance must be finite and not negative"),
-        ({"bends": [0.1, np.nan, 0.1]}, "bends[1] is nan; a tolerance must be finite"),
-        ({"bends": [0.1, 0.1]}, "bends has shape (2,); it must be one number or (..., 3)"),
-        ({"phases": [0.1] * 3}, "phases has shape (3,); it must be one number or (..., 2)"),
-        ({"bends": "much"}, "bends has dtype <U4; it must hold real numbers"),
-        ({"bends": 1.5}, "bends permit a bend of 95.9437 deg at joint 0; every bend must stay"),
-        (
-            {"bends": 0.75, "distribution": "normal"},
-            "bends permit a bend of 95.9437 deg at joint 0 at six standard deviations; every",
-        ),
-        ({"points": 1e-3}, "points have tolerances, but the driveline was not made from points"),
-        ({"bends": 0.1, "distribution": "flat"}, "distribution is 'flat'; it must be 'uniform'"),
-        ({"teeth": 2.5}, "teeth is 2.5; it must be a whole number, at least 1"),
-        ({"teeth": [16, 0]}, "teeth[1] is 0.0; it must be a whole number, at least 1"),
-        ({"teeth": [16] * 3}, "teeth has shape (3,); it must be one number or (..., 2)"),
-        ({"bends": 0.1, "of": "bend"}, "of[0] is 'bend'; "),
-        ({"bends": 0.1, "of": ()}, "of is empty; name at least one figure"),
-        ({"bends": 0.1, "of": ["torque", "torque"]}, "of[1] is 'torque' again; name each figure"),
-        ({"bends": 0.1, "of": [3]}, "of[0] is 3; a figure is asked for by its name"),
-        ({"bends": 0.1, "of": "torsional_excitation"}, "speed is missing; 'torsional_excitation'"),
-        (
-            {"bends": 0.1, "of": "torque", "reduce": "min"},
-            "reduce is 'min'; it must be 'peak',",
-        ),
-        ({"bends": 0.1, "limit": 0.0}, "limit['equivalent_bend'] is 0.0; it must be a positive"),
-        ({"bends": 0.1, "limit": {"torque": 3.0}}, "limit names 'torque'; "),
-        (
-            {"bends": 0.1, "of": ["torque", "angle_error"], "limit": 3.0},
-            "limit is 3.0; with several figures it must be a mapping by their names",
-        ),
-        ({"bends": 0.1, "speed": np.inf}, "speed is inf; it must be finite, in rad/s"),
-        ({"bends": 0.1, "samples": 0}, "samples is 0; it must be at least 1"),
-        ({"bends": 0.1, "samples": 10.0}, "samples is 10.0; it must be an integer"),
-        ({"bends": 0.1, "seed": -1}, "seed is -1; it must be at least 0"),
-        ({"bends": 0.1, "seed": "x"}, "seed is 'x'; it must be an integer"),
-        ({"bends": 0.1, "shaft": 0}, "shaft is 0; the drive shaft turns without errors"),
-        ({"bends": 0.1, "shaft": 4}, "shaft is 4; there are 4, counted from 0"),
-    ],
+test_what_is_refused = refusals(
+    {
+        "tolerances are missing; give at least one of bends, twists, phases, points, "
+        "driving_yoke, cross, driven_yoke and teeth": {},
+        "bends is -0.1; a tolerance must be finite and not negative": {"bends": -0.1},
+        "bends[1] is nan; a tolerance must be finite": {"bends": [0.1, np.nan, 0.1]},
+        "bends has shape (2,); it must be one number or (..., 3)": {"bends": [0.1, 0.1]},
+        "phases has shape (3,); it must be one number or (..., 2)": {"phases": [0.1] * 3},
+        "TypeError: bends has dtype <U4; it must hold real numbers": {"bends": "much"},
+        "bends permit a bend of 95.9437 deg at joint 0; every bend must stay": {"bends": 1.5},
+        "bends permit a bend of 95.9437 deg at joint 0 at six standard deviations; every": {
+            "bends": 0.75,
+            "distribution": "normal",
+        },
+        "points have tolerances, but the driveline was not made from points": {"points": 1e-3},
+        "distribution is 'flat'; it must be 'uniform'": {"bends": 0.1, "distribution": "flat"},
+        "teeth is 2.5; it must be a whole number, at least 1": {"teeth": 2.5},
+        "teeth[1] is 0.0; it must be a whole number, at least 1": {"teeth": [16, 0]},
+        "teeth has shape (3,); it must be one number or (..., 2)": {"teeth": [16] * 3},
+        "of[0] is 'bend'; ": {"bends": 0.1, "of": "bend"},
+        "of is empty; name at least one figure": {"bends": 0.1, "of": ()},
+        "of[1] is 'torque' again; name each figure": {"bends": 0.1, "of": ["torque", "torque"]},
+        "TypeError: of[0] is 3; a figure is asked for by its name": {"bends": 0.1, "of": [3]},
+        "speed is missing; 'torsional_excitation'": {"bends": 0.1, "of": "torsional_excitation"},
+        "reduce is 'min'; it must be 'peak',": {"bends": 0.1, "of": "torque", "reduce": "min"},
+        "limit['equivalent_bend'] is 0.0; it must be a positive": {"bends": 0.1, "limit": 0.0},
+        "limit names 'torque'; ": {"bends": 0.1, "limit": {"torque": 3.0}},
+        "TypeError: limit is 3.0; with several figures it must be a mapping by their names": {
+            "bends": 0.1,
+            "of": ["torque", "angle_error"],
+            "limit": 3.0,
+        },
+        "speed is inf; it must be finite, in rad/s": {"bends": 0.1, "speed": np.inf},
+        "samples is 0; it must be at least 1": {"bends": 0.1, "samples": 0},
+        "TypeError: samples is 10.0; it must be an integer": {"bends": 0.1, "samples": 10.0},
+        "seed is -1; it must be at least 0": {"bends": 0.1, "seed": -1},
+        "TypeError: seed is 'x'; it must be an integer": {"bends": 0.1, "seed": "x"},
+        "shaft is 0; the drive shaft turns without errors": {"bends": 0.1, "shaft": 0},
+        "IndexError: shaft is 4; there are 4, counted from 0": {"bends": 0.1, "shaft": 4},
+    },
+    three().tolerances,
 )
-def test_what_is_refused(arguments: dict[str, Any], said: str) -> None:
-    with pytest.raises((ValueError, TypeError, IndexError), match=re.escape(said)):
-        three().tolerances(**arguments)
 
 
 def test_what_is_refused_of_points() -> None:

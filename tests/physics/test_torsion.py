@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
@@ -13,6 +11,7 @@ import cardan
 from cardan import reference
 from cardan.reference import torsion
 from oracle import read
+from refusals import refusals
 
 CASES: list[dict[str, Any]] = read("torsion.json")["cases"]
 NAMES = [f"{case['case']} at {case['speed']:.4g}" for case in CASES]
@@ -286,14 +285,6 @@ def test_rigid_shafts_and_joints_fold_to_one_joint(before: bool) -> None:
         assert mine == pytest.approx(theirs, rel=1e-8, abs=1e-8 * np.abs(theirs).max())
 
 
-def test_many_speeds_are_the_same_on_one_thread() -> None:
-    system = system_of(CASES[12])
-    speeds = np.linspace(30.0, 700.0, 150)
-    first, second = system.steady(speeds), system.steady(speeds, workers=1)
-    assert first.torque_max.tolist() == second.torque_max.tolist()
-    assert first.found.all()
-
-
 def test_an_empty_batch_has_empty_results() -> None:
     system = system_of(CASES[12])
     assert system.steady(np.zeros((0,))).torque_orders.shape == (2, 0, 2)
@@ -317,12 +308,6 @@ def test_speeds_without_an_orbit_are_named() -> None:
     assert stability.stable.tolist() == [True, *5 * [False]]
 
 
-def test_pickles() -> None:
-    system = system_of(CASES[12])
-    again = pickle.loads(pickle.dumps(system))
-    assert again.steady(100.0).torque_max.tolist() == system.steady(100.0).torque_max.tolist()
-
-
 LINE = cardan.Driveline.from_bends([0.2, 0.1])
 GOOD: dict[str, Any] = {
     "inertias": np.full((3, 2), 0.1),
@@ -331,43 +316,31 @@ GOOD: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"inertias": [0.1, -0.1, 0.1]}, r"inertias\[1\] is -0\.1; it must be finite and not"),
-        (
-            {"inertias": [0.1, 0.1]},
-            r"inertias has shape \(2,\); it needs one per shaft, ",
-        ),
-        (
-            {"inertias": [[0.1, 0.1], [0.1, 0.0], [0.0, 0.0]]},
-            r"inertias\[1, 1\] is 0\.0, and so is every inertia that is rigidly connected",
-        ),
-        (
-            {"stiffnesses": [INF, 0.0, INF]},
-            r"stiffnesses\[1\] is 0\.0; a stiffness must be",
-        ),
-        ({"stiffnesses": [INF, np.nan, INF]}, r"stiffnesses\[1\] is nan; a stiffness must be"),
-        ({"stiffnesses": INF}, r"stiffnesses are all infinite; at least one shaft must be"),
-        (
-            {"stiffnesses": [[INF, 4000.0, INF], [INF, 4000.0, 5000.0]]},
-            r"stiffnesses\[1, 2\] is 5000\.0; the same shafts must be compliant",
-        ),
-        ({"stiffnesses": [4000.0, 1.0]}, r"stiffnesses has shape \(2,\); 3 shafts need"),
-        ({"dampings": [0.0, -1.0, 0.0]}, r"dampings\[1\] is -1\.0; it must be finite and not neg"),
-        ({"damping_ratios": [0.0, INF, 0.0]}, r"damping_ratios\[1\] is inf; it must be finite"),
-        ({"dampings": 1.0, "damping_ratios": 0.1}, "dampings and damping_ratios are both given"),
-        (
-            {"damping_ratios": np.full((2, 3), 0.1)},
-            r"damping_ratios has the batch \(2,\), the system \(\)",
-        ),
-        ({"load_torque": [1.0, np.nan]}, r"load_torque\[1\] is nan; it must be finite"),
-        ({"load_damping": -0.5}, r"load_damping is -0\.5; it must be finite and not negative"),
-    ],
+test_wrong_systems_are_refused = refusals(
+    {
+        "inertias[1] is -0.1; it must be finite and not": {"inertias": [0.1, -0.1, 0.1]},
+        "inertias has shape (2,); it needs one per shaft, ": {"inertias": [0.1, 0.1]},
+        "inertias[1, 1] is 0.0, and so is every inertia that is rigidly connected": {
+            "inertias": [[0.1, 0.1], [0.1, 0.0], [0.0, 0.0]]
+        },
+        "stiffnesses[1] is 0.0; a stiffness must be": {"stiffnesses": [INF, 0.0, INF]},
+        "stiffnesses[1] is nan; a stiffness must be": {"stiffnesses": [INF, np.nan, INF]},
+        "stiffnesses are all infinite; at least one shaft must be": {"stiffnesses": INF},
+        "stiffnesses[1, 2] is 5000.0; the same shafts must be compliant": {
+            "stiffnesses": [[INF, 4000.0, INF], [INF, 4000.0, 5000.0]]
+        },
+        "stiffnesses has shape (2,); 3 shafts need": {"stiffnesses": [4000.0, 1.0]},
+        "dampings[1] is -1.0; it must be finite and not neg": {"dampings": [0.0, -1.0, 0.0]},
+        "damping_ratios[1] is inf; it must be finite": {"damping_ratios": [0.0, INF, 0.0]},
+        "dampings and damping_ratios are both given": {"dampings": 1.0, "damping_ratios": 0.1},
+        "damping_ratios has the batch (2,), the system ()": {
+            "damping_ratios": np.full((2, 3), 0.1)
+        },
+        "load_torque[1] is nan; it must be finite": {"load_torque": [1.0, np.nan]},
+        "load_damping is -0.5; it must be finite and not negative": {"load_damping": -0.5},
+    },
+    lambda **wrong: cardan.TorsionalSystem(LINE, **(GOOD | wrong)),
 )
-def test_wrong_systems_are_refused(wrong: dict[str, Any], message: str) -> None:
-    with pytest.raises(cardan.ArgumentValueError, match=message):
-        cardan.TorsionalSystem(LINE, **(GOOD | wrong))
 
 
 def test_the_batch_of_a_missing_inertia_is_named() -> None:
@@ -377,33 +350,22 @@ def test_the_batch_of_a_missing_inertia_is_named() -> None:
         cardan.TorsionalSystem(LINE, **(GOOD | {"inertias": inertias}))
 
 
-@pytest.mark.parametrize(
-    ("call", "kind", "message"),
-    [
-        (
-            lambda s: s.steady(100.0, orders=[2, 0]),
-            ValueError,
-            r"orders\[1\] is 0\.0; an order must",
+SYSTEM = cardan.TorsionalSystem(LINE, **GOOD)
+
+test_wrong_calls_are_refused = refusals(
+    {
+        "orders[1] is 0.0; an order must": lambda: SYSTEM.steady(100.0, orders=[2, 0]),
+        "TypeError: speed has dtype": lambda: SYSTEM.steady("fast"),
+        "tolerance is 0.0; it must be from": lambda: SYSTEM.steady(100.0, tolerance=0.0),
+        "samples is 0; it must be at least 1": lambda: SYSTEM.orbit(100.0, 0),
+        "TypeError: samples is 2.0; it must be an integer": lambda: SYSTEM.orbit(100.0, 2.0),  # type: ignore[arg-type]
+        "workers is 0": lambda: SYSTEM.stability(100.0, workers=0),
+        "workers is 0; it must be positive": lambda: SYSTEM.steady(100.0, workers=0),
+        "TypeError: line is 3; it must be a drivel": lambda: cardan.TorsionalSystem(
+            cast("Any", 3), **GOOD
         ),
-        (lambda s: s.steady("fast"), TypeError, "speed has dtype"),
-        (lambda s: s.steady(100.0, tolerance=0.0), ValueError, "tolerance is 0.0; it must be from"),
-        (lambda s: s.orbit(100.0, 0), ValueError, "samples is 0; it must be at least 1"),
-        (lambda s: s.orbit(100.0, 2.0), TypeError, "samples is 2.0; it must be an integer"),
-        (lambda s: s.stability(100.0, workers=0), ValueError, "workers is 0"),
-        (lambda s: s.steady(100.0, workers=0), ValueError, "workers is 0"),
-        (
-            lambda _: cardan.TorsionalSystem(cast("Any", 3), **GOOD),
-            TypeError,
-            "line is 3; it must be a drivel",
-        ),
-    ],
+    }
 )
-def test_wrong_calls_are_refused(
-    call: Callable[[object], object], kind: type[Exception], message: str
-) -> None:
-    system = cardan.TorsionalSystem(LINE, **GOOD)
-    with pytest.raises(kind, match=message):
-        call(system)
 
 
 def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
