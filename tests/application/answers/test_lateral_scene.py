@@ -501,3 +501,12 @@ def test_twice_the_stiffness_moves_the_resonance_itself() -> None:
     assert stiff.resonance == pytest.approx(own.peak_speed, rel=2e-3)
     assert stiff.peak == pytest.approx(own.peak, rel=1e-3)
     assert stiff.moved == pytest.approx(own.moved, rel=1e-3)
+
+
+def test_vibration_is_that_at_steady_speeds() -> None:
+    """An acceleration changes other answers, and the scene is told so."""
+    text = changed(TEXT, ("[load]", "[load]\nacceleration_rad_s2 = 40"))
+    assert said(text) == said(TEXT)
+    (remark,) = Answer(Scene.parse(text))["remarks"]
+    assert remark.about == "[load]"
+    assert remark.remark == "lateral vibration is that at steady speeds, without acceleration"

@@ -29,10 +29,10 @@ _SMALLEST = 1e-3
 """A length in m below which no pin, tube or spline is wide, and no bearing far from an end."""
 
 _FASTEST = 20_000.0
-
-# Rad, by which nothing that yields under a torque turns so little that it is worth its section.
-_STIFF = 1e-3
 """A speed in rpm that no universal joint reaches."""
+
+_STIFF = 1e-3
+"""An angle in rad; what yields less under a torque is not worth its section."""
 
 _LEAST_BEND = 0.5
 """Bend in degrees; if all bends are smaller, they are probably in radians."""
@@ -51,7 +51,7 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     scene = answer.scene
     found = (
         *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
-        *(_small, _speeds, _states, _torques, _units),
+        *(_small, _speeds, _states, _torques, _units, _steady),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -68,6 +68,11 @@ def heading(_: tuple[Remark, ...]) -> str:
 
 
 # --- inputs --------------------------------------------------------------------------------------
+
+
+def _steady(scene: Scene) -> Iterator[Remark]:
+    if scene.accelerates and scene.lateral is not None and not scene.lateral.rigid_bearings:
+        yield Remark("[load]", "lateral vibration is that at steady speeds, without acceleration")
 
 
 def _commas(scene: Scene) -> Iterator[Remark]:

@@ -33,6 +33,7 @@ from cardan.app.answers.rows import (
 from cardan.app.answers.torsion.figures import SpeedRange
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
+from cardan.evaluation.load import Load
 
 _THOMA = "D. Thoma, 1920: impulses of bending of the second and fourth order"
 # A bearing or a middle that moves this share of the most moving one moves with a shape.
@@ -230,7 +231,10 @@ def find(answer: Answer) -> LateralFigures | None:
         return None
     each = [scene.in_state(i) for i in range(scene.states.count)] if scene.states else [scene]
     why = forces_unknown(scene)
-    found = [Vibration(case, one.line, None if why else one.load_case) for one in each]
+    loads = [None if why else one.load_case for one in each]
+    if not case.rigid_bearings:
+        loads = [load and _at_steady_speed(load) for load in loads]
+    found = [Vibration(case, one.line, load) for one, load in zip(each, loads, strict=True)]
     worst = 0 if why else int(np.argmax([_size(one) for one in found]))
     one = found[worst]
     state = scene.states.names[worst] if scene.states and len(found) > 1 else ""
@@ -351,6 +355,12 @@ def _resonance(found: Vibration, met: Met) -> Resonance:
         *met.band,
         known=met.is_known,
     )
+
+
+def _at_steady_speed(load: Load) -> Load:
+    """Return a load without its acceleration."""
+    torque: Any = {f"{load.end}_torque": load.torque}
+    return Load(speed=load.speed, inertias=load.inertias, **torque)
 
 
 def _margin(scene: Scene, found: Sequence[Vibration]) -> Judged:

@@ -75,7 +75,7 @@ def _meant(key: str, value: Any) -> str:  # noqa: ANN401 - whatever the file has
     """Say how to limit a quantity that follows from the equivalent bend."""
     name = key.removesuffix("_deg")
     quantity = MOTION_QUANTITIES.get(name)
-    if quantity is None or quantity.limit != "equivalent_bend_deg":
+    if name == "equivalent_bend" or quantity is None or quantity.limit != "equivalent_bend_deg":
         return ""
     other = f'[tolerances] of = "{name}" and limit'
     factor = math.pi / 180.0 if quantity.unit == "rad" else 1.0
