@@ -293,7 +293,8 @@ def loads_of(line: Driveline, load: Load) -> dict[str, Any]:
 def torques_of(ratios: list[Any], load: Load) -> list[Any]:
     """Return the torque of each shaft: the power into it, which the inertias take, by its speed."""
     assert load.inertias is not None
-    orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES)
+    # Before NumPy 2 an array of doubles times a long double has doubles.
+    orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES).astype(np.longdouble)
     steps = 2 * PI * (np.outer(orders, np.arange(SAMPLES)) % SAMPLES) / SAMPLES
     waves = np.exp(1j * steps)
     derivative = ((np.conj(waves.T) * (1j * orders)) @ waves).real / SAMPLES

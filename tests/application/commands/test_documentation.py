@@ -208,9 +208,11 @@ SHOWN = dict(
     ],
     ids=lambda path: path.stem,
 )
-def test_script(script: Path, tmp_path: Path) -> None:
+def test_script(script: Path, tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    # Warnings are errors as they are in the tests.
+    warnings = [f"-W{each}" for each in pytestconfig.getini("filterwarnings")]
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(script)], cwd=tmp_path, capture_output=True, text=True
+        [sys.executable, *warnings, str(script)], cwd=tmp_path, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout == SHOWN.get(script.stem, done.stdout)

@@ -126,7 +126,7 @@ class _Sketch:
         """Choose the view and the scale, and give the axes one scale both ways."""
         view = View.of(line.directions)
         size = _yoke_size(np.linalg.norm(np.diff(places, axis=0), axis=-1))
-        figure = axes.get_figure(root=True)
+        figure = axes.get_figure()
         assert figure is not None
         extent = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
         box = 72.0 * extent.width, 72.0 * extent.height
