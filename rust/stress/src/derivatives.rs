@@ -159,7 +159,10 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut DerivativeErrors) 
     let columns = each.len() / (OUTPUTS.len() * ANGLES);
     let chain = ExactChain::of(bends, twists, phases);
     let (gap, k, total) = (chain.gap(), chain.k, chain.total.min(1.0));
-    let h = 2_f64.powi(gap.min(1.0).log2().floor() as i32 - 14);
+    // A result changes its course over a change of `q` by the gap, and `q` over a change by the distance
+    // of the steepest bend from 90°.
+    let steepest = bends.iter().fold(1.0, |least, bend| f64::min(least, bend.cos()));
+    let h = 2_f64.powi((gap.min(1.0) * steepest).log2().floor() as i32 - 14);
     let mut by = vec![DerivativeBy::Angle];
     for _ in 0..PARAMETERS {
         by.push(DerivativeBy::Chain(ChainParameter::Bend(random.below(n))));
@@ -227,9 +230,21 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut DerivativeErrors) 
 mod tests {
     use super::*;
 
+    /// A chain over whose change of the phase by 1e-3 everything changes.
+    fn steep() -> DerivativeErrors {
+        let line = ChainAngles {
+            bends: vec![1.564_841_350_242_924_4, 1.569_033_678_683_677],
+            twists: vec![-0.110_842_716_663_128_1],
+            phases: vec![3.035_154_007_055_259],
+        };
+        let mut found = run(7, 0).remove(0);
+        judge(&line, &mut Random::new(29), &mut found);
+        found
+    }
+
     #[test]
     fn derivatives_are_within_their_limits() {
-        for found in run(7, 400) {
+        for found in run(7, 400).into_iter().chain([steep()]) {
             for ((off, place), row) in found.off.iter().zip(&found.place).zip(rows()) {
                 for ((off, place), limit) in off.iter().zip(place).zip(row.limits) {
                     assert!(*off > 0.0 && *off <= limit, "{off} of {limit}: {place}");
