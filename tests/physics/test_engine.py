@@ -329,9 +329,12 @@ def test_a_loss_factor_against_the_twin() -> None:
         far = found.torque_orders - known.orders(known.motion.torque, orders)
         assert np.max(np.abs(far)) < 1e-8 * size
         assert float(found.drive_torque_mean) == pytest.approx(known.drive_torque_mean, rel=1e-9)
-        # The orbit has the same torques.
+        # The orbit has the same torques, those of the loss factor included.
         torque = fast.orbit(speed, 512).torque
         assert torque.max(axis=-1) == pytest.approx(found.torque_max, rel=1e-3)
+        places = [round(fast.period_turns * order) for order in orders]
+        sampled = (np.fft.rfft(torque) / 256)[:, places]
+        assert np.max(np.abs(sampled - found.torque_orders)) < 1e-8 * size
 
 
 def test_orbits_of_a_free_drive_keep_its_equation() -> None:
