@@ -472,3 +472,61 @@ fn directions_may_be_subnormal() {
     let line = Geometry::from_directions(&spans, &[]).unwrap();
     assert!((line.bends[0] - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
 }
+
+#[test]
+fn joints_as_built_have_no_single_precision_and_are_computed_in_double() {
+    let request = Request {
+        largest_bends: &[0.3],
+        outputs: &[Output::Angle, Output::AccelerationRatio],
+        shafts: &[1],
+        joints: &[],
+        load: None,
+        inertias: &[],
+        bearings: None,
+        as_built: true,
+        axes: Axes::Space,
+    };
+    let plan = Plan::new(&request).unwrap();
+    let line = Geometry::from_bends(&[0.3], &[], &[]).unwrap();
+    let flat = |vectors: &[Vector]| -> Vec<f64> {
+        vectors.iter().flat_map(|v| v.iter().copied()).collect()
+    };
+    let (directions, normals) = (flat(&line.directions), flat(&line.normals));
+    let lines = Drivelines {
+        bends: &line.bends,
+        directions: &directions,
+        normals: &normals,
+        deviations: &[1e-3, 0.0, 0.0],
+        ..Drivelines::default()
+    };
+    let angles = [0.1, 0.9, 2.0];
+    let samples = Samples {
+        shape: &[3],
+        lines,
+        line_strides: &[0],
+        angle: Angles::Array(Source { data: &angles, strides: &[1] }),
+        load: None,
+    };
+    let run = |precision| {
+        let folded = plan.fold(&lines, precision).unwrap();
+        [None, Some(&folded)].map(|folded| {
+            let mut planes = [[f64::NAN; 3]; 2];
+            let mut views = planes.each_mut().map(<[f64; 3]>::as_mut_slice);
+            let views = Planes::Double(&mut views);
+            plan.run(&samples, folded, precision, views, Execution::default()).unwrap();
+            planes
+        })
+    };
+    let [first, second] = run(Precision::Double);
+    assert_eq!(first, second);
+    assert!(first.iter().flatten().all(|x| x.is_finite()));
+    assert_eq!(run(Precision::Single), [first, first]);
+    let peaks = |precision| {
+        let mut planes = [[f64::NAN]; 2];
+        let mut views = planes.each_mut().map(<[f64; 1]>::as_mut_slice);
+        let execution = Execution::default();
+        plan.reduce(&samples, None, precision, Reduction::Max, &mut views, execution).unwrap();
+        planes
+    };
+    assert_eq!(peaks(Precision::Single), peaks(Precision::Double));
+}

@@ -521,6 +521,11 @@ def test_page_explains_what_rows_do_not_and_nothing_else(tmp_path: Path, answere
     of_rows = judged(label for text in texts for label in labels_of_rows(text))
     for name in ("truck-shaft", "steering-column", "suspension", "run_up", "ball_joint"):
         of_rows |= labels_of_report(answered(scene_of(f"{name}.toml")).page)
+    supported = tmp_path / "supported.toml"
+    text = scene_of("shudder.toml").read_text("utf-8")
+    two = "stiffness_N_per_mm = [300, 250]\naxis = [0, 1, 0]\ndamping_Ns_per_m = 100"
+    supported.write_text(text.replace("stiffness_N_per_mm = 300", two), encoding="utf-8")
+    of_rows |= labels_of_report(answered(supported).page)
     assert len(of_rows) > 100
     others = judged(label for text in texts for label in printed_labels(text))
     # Published limits are listed by the names that scenes give them.

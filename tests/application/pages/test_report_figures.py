@@ -359,7 +359,7 @@ def test_inputs_have_what_makes_bearings_elastic() -> None:
     assert found
     assert [*found.head][2:] == [
         *("Position from its upstream end [mm]", "Stiffness [N/mm]"),
-        *("Axis", "Loss factor", "Damping [N s/m]"),
+        *("First direction", "Loss factor", "Damping [N s/m]"),
     ]
     assert [*found.rows] == [
         ("bearing 0", "2", "60", "rigid", "", "", ""),

@@ -68,7 +68,7 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
         "Bearing": [f"bearing {number}" for number in range(line.n_bearings)],
         "Shaft": [f"{shaft}" for shaft, _ in line.bearings],
         with_unit("Position from its upstream end", "mm"): [
-            _span(_factor("mm") * position, "given") for _, position in line.bearings
+            _span(_factor("mm") * position, shown_unit("mm")) for _, position in line.bearings
         ],
         **_supports(scene),
     }
@@ -84,7 +84,7 @@ def inputs(scene: Scene) -> dict[str, Table | None]:
 
 _SUPPORT = {
     "stiffness": ("Stiffness", "N_per_mm"),
-    "axis": ("Axis", ""),
+    "axis": ("First direction", ""),
     "loss_factor": ("Loss factor", ""),
     "damping": ("Damping", "Ns_per_m"),
 }

@@ -212,15 +212,20 @@ impl Plan {
         let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
         let double = Precision::DOUBLE_ERROR * Precision::STEEPEST;
         let tolerance = tolerance.unwrap_or(if single { Precision::SINGLE_ERROR } else { double });
-        // Joints as built have no loops in single precision, which would save little of their time.
-        let has_single = cfg!(feature = "single") && !self.is_as_built();
-        if has_single && tolerance >= Precision::SINGLE_ERROR * stretch {
-            Precision::Single
+        if tolerance >= Precision::SINGLE_ERROR * stretch {
+            self.computed_in(Precision::Single)
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
             Precision::Double
         } else {
             Precision::DoubleDouble
         }
+    }
+
+    /// The arithmetic in which the plan is computed if this one is asked for. Joints as built have no
+    /// loops in single precision, which would save little of their time.
+    pub(crate) fn computed_in(&self, asked: Precision) -> Precision {
+        let has_single = cfg!(feature = "single") && !self.is_as_built();
+        if asked == Precision::Single && !has_single { Precision::Double } else { asked }
     }
 
     /// Whether its drivelines have deviations. Builds without these leave out all that they need.

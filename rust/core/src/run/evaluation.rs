@@ -34,7 +34,7 @@ impl Plan {
         self.check_lines(&samples.lines)?;
         let table = Table::new(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
-        match (precision, planes) {
+        match (self.computed_in(precision), planes) {
             #[cfg(feature = "single")]
             (Precision::Single, Planes::Single(planes)) => run.fill::<f32, f32>(planes),
             #[cfg(feature = "single")]
@@ -48,7 +48,6 @@ impl Plan {
             (Precision::DoubleDouble, Planes::Double(planes)) => {
                 run.fill::<DoubleDouble, f64>(planes)
             }
-            // Double precision does the work of single precision where this is left out.
             (_, Planes::Double(planes)) => run.fill::<f64, f64>(planes),
         }
     }
@@ -70,7 +69,7 @@ impl Plan {
         self.check_lines(&samples.lines)?;
         let table = Table::by_rows(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
-        match precision {
+        match self.computed_in(precision) {
             #[cfg(feature = "single")]
             Precision::Single => run.reduce::<f32>(reduction, planes),
             Precision::DoubleDouble => run.reduce::<DoubleDouble>(reduction, planes),

@@ -64,6 +64,7 @@ impl Plan {
         if samples.shape.contains(&0) {
             return Err(Error::new("samples", &[], "are none; there is nothing to explain"));
         }
+        let call = Call { precision: self.computed_in(call.precision), ..call };
         let (joints, loaded) = (self.joint_count, self.load.is_some());
         let table = match call.reduction {
             Some(_) => Table::by_rows(joints, loaded, samples)?,

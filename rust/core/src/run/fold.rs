@@ -71,7 +71,7 @@ impl Plan {
     /// Arrays whose lengths do not fit together, or no driveline.
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
         self.check_lines(lines)?;
-        Ok(FoldedDriveline(match precision {
+        Ok(FoldedDriveline(match self.computed_in(precision) {
             #[cfg(feature = "single")]
             Precision::Single => FoldedAs::Single(fold_first(self, lines)),
             Precision::DoubleDouble => FoldedAs::DoubleDouble(fold_first(self, lines)),

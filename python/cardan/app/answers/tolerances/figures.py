@@ -260,7 +260,8 @@ def shares_of(found: Tolerances, name: str) -> list[Share]:
         each = values.sum(axis=-1) if group == "points" else values
         for number, share in enumerate(each.tolist(), 1 if group in ("twists", "phases") else 0):
             made.append(Share(f"{about}{of} {number}", name, group, of, number, share))
-    return sorted(made, key=lambda share: -share.share)
+    # What differs by rounding alone keeps its order.
+    return sorted(made, key=lambda share: -round(share.share, 9))
 
 
 def words(found: ToleranceFigures, *, radians: bool = False) -> str:
