@@ -340,7 +340,7 @@ def test_inputs_of_shafts_and_bearings(tmp_path: Path) -> None:
     lengths = np.linalg.norm(np.diff(POINTS, axis=0), axis=-1)
     assert columns["Length [mm]"] == tuple(f"{length:.1f}" for length in lengths)
     assert columns["Inertia [kg m²]"] == tuple(f"{inertia:g}" for inertia in INERTIAS)
-    assert found["Bearings"][1:] == [["bearing 0", "2", "60"]]
+    assert found["Bearings"][1:] == [["bearing 0", "2", "60.0"]]
     drive = dict(found["Load and drive"][1:])
     assert drive["Acceleration of the drive"] == "40.00 rad/s²"
     assert drive["Drive angles"] == "0 to 360 deg, 721 samples"
@@ -362,9 +362,9 @@ def test_inputs_have_what_makes_bearings_elastic() -> None:
         *("First direction", "Loss factor", "Damping [N s/m]"),
     ]
     assert [*found.rows] == [
-        ("bearing 0", "2", "60", "rigid", "", "", ""),
-        ("bearing 1", "1", "400", "300, 500", "0, 1, 0", "0.12", "40"),
-        ("bearing 2", "1", "500", "800", "", "", ""),
+        ("bearing 0", "2", "60.0", "rigid", "", "", ""),
+        ("bearing 1", "1", "400.0", "300, 500", "0, 1, 0", "0.12", "40"),
+        ("bearing 2", "1", "500.0", "800", "", "", ""),
     ]
 
 
