@@ -531,7 +531,9 @@ def test_every_figure_of_an_answer_can_be_explained() -> None:
 def test_explain_names_the_keys_that_there_are() -> None:
     refused = run("explain", example("slip.toml"), "spline.travels")
     assert refused.exit_code == 2
-    assert "KEY is 'spline.travels'; the answer to this scene has spline.shaft, " in refused.stderr
+    assert "KEY is 'spline.travels'; did you mean spline.travel or " in refused.stderr
+    refused = run("explain", example("slip.toml"), "zzz")
+    assert "KEY is 'zzz'; the keys of this answer begin with " in refused.stderr
 
 
 # The scenes of the other machines are examples, which `new` copies.

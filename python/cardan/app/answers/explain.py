@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
@@ -52,10 +53,12 @@ def _entry_of(answer: Answer, key: str) -> tuple[Part, Entry]:
             if entry.path == key:
                 return part, entry
             known.append(entry.path)
-    begins = [path for path in known if path.startswith(key.partition(".")[0])]
-    raise ArgumentValueError(
-        "key", f"is {key!r}; the answer to this scene has {', '.join(begins or known)}"
-    )
+    close = difflib.get_close_matches(key, dict.fromkeys(known), n=4)
+    if close:
+        raise ArgumentValueError("key", f"is {key!r}; did you mean {' or '.join(close)}?")
+    parts = dict.fromkeys(path.partition(".")[0] for path in known)
+    problem = f"is {key!r}; the keys of this answer begin with {', '.join(parts)}"
+    raise ArgumentValueError("key", problem)
 
 
 def _inputs(part: Part, path: Path) -> Iterator[tuple[str, str]]:

@@ -107,7 +107,8 @@ def remedies(
             Vibration(each.case.stiffened(number, stiffer), change(each.line), each.load)
             for each in (every if is_layout else [one])
         ]
-        speed = met.speed if is_layout else _own(after[0], bearing)
+        highest = met.speed * math.sqrt(max(1.0, stiffer))
+        speed = met.speed if is_layout else _own(after[0], bearing, highest)
         peaks = [_peak(each, speed) for each in after]
         worst = int(np.argmax([np.max(peak.forces) for peak in peaks]))
         statics, peak = after[worst].statics, peaks[worst]
@@ -149,12 +150,17 @@ def _peak(found: Vibration, wanted: float) -> _Peak:
     return _at(found, frequencies[nearest : nearest + 1])
 
 
-def _own(found: Vibration, bearing: int) -> float:
-    """Return the speed of the largest order 2, at equal damping, of shapes a bearing holds."""
+def _own(found: Vibration, bearing: int, highest: float) -> float:
+    """Where order 2 is largest, at equal damping, of the shapes that a bearing holds.
+
+    Twice the stiffness raises no natural frequency by more than the root of 2 (Lord Rayleigh,
+    1877), so what lies above the ``highest`` speed is another resonance.
+    """
     met = [each for each in found.met if each.order == _ORDER]
+    speeds = np.array([each.speed for each in met])
     shares = np.array([each.group.shares[bearing] for each in met])
-    speeds = np.array([each.speed for each in met])[shares >= _HELD * np.max(shares)]
-    return _at(found.damped(_NOMINAL), speeds).speed
+    shares[speeds > (1.0 + _ROUNDING) * highest] = 0.0
+    return _at(found.damped(_NOMINAL), speeds[shares >= _HELD * np.max(shares)]).speed
 
 
 def _at(found: Vibration, frequencies: FloatArray) -> _Peak:
