@@ -13,6 +13,7 @@ from cardan import ArgumentValueError
 from cardan.app.answers.answer import Answer
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.language.errors import StudyPointError
+from cardan.app.scene.language.units import RPM
 from cardan.app.scene.study.cluster import connect, write_study
 from cardan.arrays import FloatArray
 
@@ -233,6 +234,21 @@ def remarks(text: str) -> dict[str, str]:
 
 def test_ordinary_scenes_have_none() -> None:
     assert remarks(RIGHT + TUBES) == {}
+
+
+def test_a_margin_at_speeds_beyond_the_load_is_remarked_on() -> None:
+    tubes = TUBES + "shafts = [1]\nleast_margin = 1.5\n"
+    text = f"{RIGHT}[load]\nspeed_rpm = 2000\n{tubes}[lateral]\n"
+    (tube,) = Answer(Scene.parse(RIGHT + tubes))["tubes"]
+    highest = tube.critical.value / RPM
+    for margin, said in (
+        (1.6, ""),
+        (1.4, "the margin of the tube of shaft 1 is judged at 2000 rpm"),
+    ):
+        speeds = f"speed_rpm = {{from = 300, to = {highest / margin}, steps = 10}}\n"
+        found = remarks(text + speeds).get("[tubes]", "")
+        assert found.startswith(said)
+        assert ("up to which [lateral] looks, it is 1.40, below 1.5" in found) == bool(said)
 
 
 @pytest.mark.parametrize(

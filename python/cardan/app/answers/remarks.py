@@ -51,7 +51,7 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     scene = answer.scene
     found = (
         *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
-        *(_small, _speeds, _states, _torques, _units, _steady),
+        *(_small, _speeds, _states, _torques, _units, _steady, _beyond_the_speed),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -229,6 +229,26 @@ def _tubes(scene: Scene) -> Iterator[Remark]:
             "[tubes] outer_diameter_mm",
             f"a shaft is {given(outer, 'm')} wide; the key takes millimetres",
         )
+
+
+def _beyond_the_speed(scene: Scene) -> Iterator[Remark]:
+    """Tubes are judged at the speed of the load; vibration is often looked for beyond it."""
+    tubes, speed = scene.tubes, abs(scene.speed)
+    if tubes is None or tubes.least_margin is None or not speed or scene.layout is None:
+        return
+    criticals = tubes.critical_speed(scene.drivelines()).reshape(-1, len(tubes.shafts))
+    for name in ("torsion", "lateral"):
+        case = getattr(scene, name)
+        end = speed if case is None else float(case.speed[-1])
+        for shaft, critical in zip(tubes.shafts, np.min(criticals, axis=0).tolist(), strict=True):
+            if critical < tubes.least_margin * end and critical >= tubes.least_margin * speed:
+                margin = quantity(critical / end, "", digits="margin")
+                yield Remark(
+                    "[tubes]",
+                    f"the margin of the tube of shaft {shaft} is judged at "
+                    f"{quantity(speed, 'rpm')}; at {quantity(end, 'rpm')}, up to which [{name}] "
+                    f"looks, it is {margin}, below {given(tubes.least_margin, '')}",
+                )
 
 
 def _states(scene: Scene) -> Iterator[Remark]:

@@ -457,7 +457,8 @@ def _over_speeds(
         first = min(bands, key=lambda met: met.speed)
         why = (
             f"the damping of the resonance of order {first.order} at "
-            f"{quantity(first.speed, 'rpm')} is too small or not known; a speed range without "
+            f"{quantity(first.speed, 'rpm')} is too small or not known (loss_factor in "
+            "[[bearing]], tube_loss_factor in [lateral]); a speed range without "
             f"{' to '.join(quantity(end, 'rpm') for end in first.band)} can be judged"
         )
         return replace(judged, why=why)
