@@ -536,4 +536,4 @@ def test_a_page_has_bearings(tmp_path: Path) -> None:
     assert ">Bearings<" in report(tmp_path)
     table = inputs(Scene.parse(TEXT))["bearings"]
     assert table is not None
-    assert table.rows[2] == ("bearing 2", "1", "1050")
+    assert table.rows[2] == ("bearing 2", "1", "1050.0")

@@ -34,6 +34,9 @@ _FASTEST = 20_000.0
 _STIFF = 1e-3
 """An angle in rad; what yields less under a torque is not worth its section."""
 
+_FURTHER = 1.2
+"""Vibration is looked for a little beyond the speeds of a machine; further, they are its speeds."""
+
 _LEAST_BEND = 0.5
 """Bend in degrees; if all bends are smaller, they are probably in radians."""
 
@@ -239,15 +242,16 @@ def _beyond_the_speed(scene: Scene) -> Iterator[Remark]:
     criticals = tubes.critical_speed(scene.drivelines()).reshape(-1, len(tubes.shafts))
     for name in ("torsion", "lateral"):
         case = getattr(scene, name)
-        end = speed if case is None else float(case.speed[-1])
+        end = 0.0 if case is None else float(case.speed[-1])
         for shaft, critical in zip(tubes.shafts, np.min(criticals, axis=0).tolist(), strict=True):
-            if critical < tubes.least_margin * end and critical >= tubes.least_margin * speed:
+            least = tubes.least_margin
+            if end > _FURTHER * speed and least * speed <= critical < least * end:
                 margin = quantity(critical / end, "", digits="margin")
                 yield Remark(
                     "[tubes]",
                     f"the margin of the tube of shaft {shaft} is judged at "
                     f"{quantity(speed, 'rpm')}; at {quantity(end, 'rpm')}, up to which [{name}] "
-                    f"looks, it is {margin}, below {given(tubes.least_margin, '')}",
+                    f"looks, it is {margin}, below {given(least, '')}",
                 )
 
 
