@@ -252,7 +252,7 @@ def _table(caption: str, columns: _Columns) -> Table:
 
 
 def catalogue(scene: Scene, yokes: YokeFigures | None) -> Table | None:
-    """Return the exact equivalent bend beside that of the catalogues' root rule.
+    """Compare the exact equivalent bend with the root rule of the catalogues.
 
     For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
     finds, if the scene has any.

@@ -18,7 +18,7 @@ use crate::dynamics::newton::{EquationRow, Equations};
 use crate::dynamics::orbit::{Failure, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::pool::Pool;
-use crate::dynamics::search::{Driven, Found, OrbitGoal, Search};
+use crate::dynamics::search::{DriveMotion, Found, OrbitGoal, Search};
 use crate::dynamics::side_by_side::RunsSideBySide;
 use crate::dynamics::system::{Spring, TorsionalSystem};
 use crate::number::elementary::norm;
@@ -90,7 +90,7 @@ impl TorsionalSystem {
         let near = OrbitGoal { tolerance: START, order: 0.0, stability: false };
         let viscous = self.viscous();
         let start = pool.run(vec![Search::at(&viscous, speed, near)]).remove(0)?.orbit;
-        let mut balance = Balance::new(self, speed, &start);
+        let mut balance = HarmonicBalance::new(self, speed, &start);
         let top = self.highest_order().max(4.0) + 2.0;
         let mut coarse = (0.5 * top * self.half_turns as f64).ceil() as usize;
         while coarse <= COARSE * self.mesh() {
@@ -111,7 +111,7 @@ impl TorsionalSystem {
 }
 
 /// The equations of one run on meshes of many sizes, and the latest orbit.
-struct Balance<'a> {
+struct HarmonicBalance<'a> {
     system: &'a TorsionalSystem,
     runs: RunsSideBySide,
     /// The amplitudes of the unknowns: mean first, then order by order, `(unknowns, orders + 1)`.
@@ -137,12 +137,12 @@ struct Rows {
 struct Solved {
     mesh: Mesh,
     matrix: LU<f64, Dyn, Dyn>,
-    mean: Vec<Mean>,
+    mean: Vec<MeanDerivatives>,
 }
 
 /// The means of an equation's derivatives, as of an [`EquationRow`].
 #[derive(Clone, Copy, Default)]
-struct Mean {
+struct MeanDerivatives {
     acceleration: f64,
     slope: [f64; 3],
     angle: [f64; 3],
@@ -224,7 +224,7 @@ fn hilbert(n: f64) -> Complex<f64> {
     if n > 0.0 { I } else { Complex::default() }
 }
 
-impl<'a> Balance<'a> {
+impl<'a> HarmonicBalance<'a> {
     fn new(system: &'a TorsionalSystem, speed: f64, start: &Orbit) -> Self {
         let mut runs = RunsSideBySide::default();
         runs.load(&[(system, speed)]);
@@ -458,7 +458,7 @@ impl<'a> Balance<'a> {
     fn of_mean(&self, solved: &Solved, order: usize) -> DMatrix<Complex<f64>> {
         let (m, n) = (solved.mean.len(), self.base() * order as f64);
         let mut matrix = DMatrix::<Complex<f64>>::zeros(m, m);
-        for (u, Mean { acceleration, slope, angle }) in solved.mean.iter().enumerate() {
+        for (u, MeanDerivatives { acceleration, slope, angle }) in solved.mean.iter().enumerate() {
             matrix[(u, u)] -= n * n * acceleration;
             for (c, w) in neighbours(u, m) {
                 matrix[(u, w)] += Complex::new(angle[c], n * slope[c]);
@@ -489,7 +489,7 @@ impl<'a> Balance<'a> {
             let rates: Vec<_> = rates.map(|(n, x)| I * base * n as f64 * x).collect();
             series(&rates)
         });
-        let drive = Driven { torque: losses, slope, torque_slope: None };
+        let drive = DriveMotion { torque: losses, slope, torque_slope: None };
         let torques = torques.iter().map(|own| series(own)).collect();
         Found { orbit, contraction: 0.0, torques, drive, extremes: None }
     }
@@ -497,8 +497,8 @@ impl<'a> Balance<'a> {
 
 impl Rows {
     /// The coefficients of the mean system.
-    fn mean(&self) -> Vec<Mean> {
-        let mut mean = vec![Mean::default(); self.residuals.len()];
+    fn mean(&self) -> Vec<MeanDerivatives> {
+        let mut mean = vec![MeanDerivatives::default(); self.residuals.len()];
         let part = 1.0 / self.linear.len() as f64;
         for rows in &self.linear {
             for (row, mean) in rows.iter().zip(&mut mean) {

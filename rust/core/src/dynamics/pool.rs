@@ -11,7 +11,7 @@ use crate::dynamics::lanes::{LANES, Lanes, Pack, ZERO, all, make_room};
 use crate::dynamics::newton::{Along, Newton, NewtonStep};
 use crate::dynamics::orbit::{Failure, Orbit, Quadrature};
 use crate::dynamics::periodic::{FourierSeries, SeriesSideBySide, multiple, roots_of_unity};
-use crate::dynamics::search::{Driven, Found, Need, Search, State};
+use crate::dynamics::search::{DriveMotion, Found, Need, Search, State};
 use crate::dynamics::side_by_side::{RunsSideBySide, sines};
 use crate::dynamics::system::TorsionalSystem;
 use crate::mechanics::phasing::is_set;
@@ -109,7 +109,7 @@ impl<'a> Pool<'a> {
                 let half_turns = search.system.half_turns;
                 let compliant = search.system.compliant();
                 let free = search.system.is_free();
-                let drive = Driven {
+                let drive = DriveMotion {
                     torque: losses[l],
                     slope: free.then(|| self.series.of(half_turns, compliant, l)),
                     torque_slope: None,

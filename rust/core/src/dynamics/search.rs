@@ -69,7 +69,7 @@ pub(super) struct Found {
     pub(super) contraction: f64,
     /// The torques of the compliant shafts in N m, of an orbit that has its accuracy.
     pub(super) torques: Vec<FourierSeries>,
-    pub(super) drive: Driven,
+    pub(super) drive: DriveMotion,
     /// The least and the largest torques of the compliant shafts and slopes of a free drive, where
     /// kinks make their series converge slowly.
     pub(super) extremes: Option<Vec<[f64; 2]>>,
@@ -77,7 +77,7 @@ pub(super) struct Found {
 
 /// Motion of the drive.
 #[derive(Debug, Default)]
-pub(super) struct Driven {
+pub(super) struct DriveMotion {
     /// Its mean torque in N m.
     pub(super) torque: f64,
     /// The slope of the angle error of a free drive.
@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
         if self.orbit.states.iter().any(|x| x.abs() > FARTHEST) {
             return self.abandon(Failure::NotFound);
         }
-        let Some(goal) = self.goal else { return self.end(vec![], Driven::default()) };
+        let Some(goal) = self.goal else { return self.end(vec![], DriveMotion::default()) };
         let Some(coarse) = &self.coarse else { return self.halve() };
         let fine = &self.orbit;
         let largest = |map: &[f64]| map.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -303,7 +303,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes the torques at the ends of the intervals, which must resolve their own harmonics.
-    pub(super) fn take_torques(&mut self, torques: Vec<FourierSeries>, drive: Driven) {
+    pub(super) fn take_torques(&mut self, torques: Vec<FourierSeries>, drive: DriveMotion) {
         let tolerance = self.goal.map_or(COARSE, |goal| goal.tolerance);
         let resolved = self.system.springs.iter().zip(&torques).all(|(spring, series)| {
             let permitted = tolerance * series.largest();
@@ -329,7 +329,7 @@ impl<'a> Search<'a> {
         self.coarse.as_ref().unwrap_or(&self.orbit)
     }
 
-    fn end(&mut self, torques: Vec<FourierSeries>, drive: Driven) {
+    fn end(&mut self, torques: Vec<FourierSeries>, drive: DriveMotion) {
         let orbit = std::mem::take(&mut self.orbit);
         let contraction = self.contraction.unwrap_or_default();
         self.state = State::Ended(Box::new(Ok(Found {

@@ -17,7 +17,7 @@ use crate::dynamics::newton::{EquationRow, Equations};
 use crate::dynamics::orbit::{Failure, Orbit, Quadrature};
 use crate::dynamics::periodic::FourierSeries;
 use crate::dynamics::pool::Pool;
-use crate::dynamics::search::{Driven, Found, OrbitGoal, Search};
+use crate::dynamics::search::{DriveMotion, Found, OrbitGoal, Search};
 use crate::dynamics::side_by_side::RunsSideBySide;
 use crate::dynamics::system::TorsionalSystem;
 use crate::number::elementary::turn;
@@ -81,7 +81,7 @@ struct Exit {
 /// Results along an orbit: sums over the period of all torques and of the slope of a free
 /// drive, their least and their largest values, and the losses.
 #[derive(Debug, Default)]
-struct Gathered {
+struct OrbitSums {
     means: Vec<f64>,
     orders: Vec<Vec<Complex<f64>>>,
     extremes: Vec<[f64; 2]>,
@@ -184,7 +184,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         &mut self,
         from: &Start,
         intervals: usize,
-        mut gathered: Option<&mut Gathered>,
+        mut gathered: Option<&mut OrbitSums>,
     ) -> Option<Orbit> {
         let (m, half_turns) = (self.system.unknowns(), self.system.half_turns);
         let mut orbit = Orbit::at_rest(m, intervals, half_turns);
@@ -232,7 +232,7 @@ impl<'f, 'p> Flow<'f, 'p> {
 
     /// Passes the interval that was followed: its map, its part of the phase condition, what is
     /// gathered. Its end is the next start.
-    fn pass(&mut self, start: f64, width: f64, gathered: Option<&mut Gathered>) -> Option<()> {
+    fn pass(&mut self, start: f64, width: f64, gathered: Option<&mut OrbitSums>) -> Option<()> {
         let before = self.pool.newton.product.clone();
         self.advance(width);
         let end = self.pool.newton.state.clone();
@@ -437,7 +437,7 @@ impl<'f, 'p> Flow<'f, 'p> {
     }
 
     /// Gathers what an interval adds.
-    fn gather(&mut self, start: f64, width: f64, gathered: &mut Gathered) -> Option<()> {
+    fn gather(&mut self, start: f64, width: f64, gathered: &mut OrbitSums) -> Option<()> {
         let base = 2.0 / self.system.half_turns as f64;
         let mut seen = vec![self.signals(start, width, 0.0)];
         for (node, weight) in COLLOCATION.nodes.iter().zip(COLLOCATION.end_speed) {
@@ -650,7 +650,7 @@ impl<'f, 'p> Flow<'f, 'p> {
         let (m, free) = (self.system.unknowns(), self.system.is_free());
         let half_turns = self.system.half_turns;
         let signals = self.system.compliant() + usize::from(free);
-        let mut gathered = Gathered {
+        let mut gathered = OrbitSums {
             means: vec![0.0; signals],
             orders: vec![vec![Complex::default(); intervals / 2 - 1]; signals],
             extremes: vec![[f64::INFINITY, f64::NEG_INFINITY]; signals],
@@ -658,7 +658,7 @@ impl<'f, 'p> Flow<'f, 'p> {
             quadrature: Quadrature::default(),
         };
         let mut orbit = self.period(from, intervals, Some(&mut gathered))?;
-        let Gathered { means, orders, extremes, losses, quadrature } = gathered;
+        let OrbitSums { means, orders, extremes, losses, quadrature } = gathered;
         orbit.quadrature = Some(Box::new(quadrature));
         let scale = 1.0 / (PI * half_turns as f64);
         let mut series = means.iter().zip(orders).map(|(mean, sums)| FourierSeries {
@@ -680,7 +680,7 @@ impl<'f, 'p> Flow<'f, 'p> {
             self.set_speed(speed);
             torque_slope = Some(0.5 * (changes[0] - changes[1]) / (ASIDE * speed));
         }
-        let drive = Driven { torque: scale * losses, slope, torque_slope };
+        let drive = DriveMotion { torque: scale * losses, slope, torque_slope };
         Some(Found { orbit, contraction: 0.0, torques, drive, extremes: Some(extremes) })
     }
 }

@@ -390,8 +390,8 @@ impl RunsSideBySide {
         self.motions[piece].ratio[0]
     }
 
-    /// Mean power that the drive must give for the slopes at hand: the power of its own slope, of
-    /// the dampings and of the load over its speed. Torques that depend on angles do no work.
+    /// Adds the power that dampings and load take at these slopes, relative to the drive's speed.
+    /// Torques that depend on angles do no work over a turn.
     #[inline(always)]
     pub(super) fn add_losses(&self, lanes: Lanes, v: &[Pack], sum: &mut Pack) {
         let ratio = self.motions[self.pieces.len() - 1].ratio;

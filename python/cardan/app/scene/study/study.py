@@ -261,10 +261,11 @@ def _one_row(key: str, value: ArrayLike) -> FloatArray:
 class Study:
     """Axes that a scene varies, and the figures it wants of each driveline.
 
-    The axes make a grid or, with names, vary together from state to state. Layout and load have the
-    values of their keys as they stand in the file. The drive angles to reduce over are in rad.
-    Without shafts it is of the last one, without its number in the names. All drivelines have the
-    deviations, ``(n, 3)`` in rad; closed forms are those of ideal joints.
+    The axes make a grid or, with names, vary together from state to state. ``layout`` and
+    ``load`` hold the values that the file states. ``angle`` holds the drive angles of the
+    reductions in rad. Without ``shafts`` a study concerns the last shaft, and its columns have no
+    shaft number. All drivelines share ``deviations``, ``(n, 3)`` in rad; closed forms are those
+    of ideal joints.
     """
 
     axes: tuple[Axis, ...]

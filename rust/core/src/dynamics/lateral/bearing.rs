@@ -2,8 +2,8 @@
 
 use nalgebra::Complex;
 
-use crate::dynamics::lateral::equations::Rate;
-use crate::dynamics::lateral::system::{check_axis, check_each};
+use crate::dynamics::lateral::check::{check_axis, check_each};
+use crate::dynamics::lateral::rate::Rate;
 use crate::mechanics::geometry::Vector;
 
 /// A bearing with the dynamic stiffness `k (1 + i η sign ω) + iωc` in two directions across a shaft.

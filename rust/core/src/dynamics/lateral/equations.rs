@@ -11,6 +11,7 @@ use nalgebra::{Complex, Vector2};
 
 use crate::dynamics::lateral::band::Band;
 use crate::dynamics::lateral::bearing::ElasticBearing;
+use crate::dynamics::lateral::rate::Rate;
 use crate::dynamics::lateral::span::{Section, Stiffness, Transfer};
 use crate::dynamics::lateral::system::{BendingShaft, LateralShaft, LateralSystem, pair_across};
 use crate::mechanics::geometry::Vector;
@@ -38,52 +39,6 @@ const CLOSE: [f64; 2] = [2e-6, 2e-4];
 /// Where shapes are sought, a mass gets no node if it is closer to another one than this share of the
 /// shaft's length: so close to a fixed end it hardly changes the resonances of a piece.
 const BESIDE: f64 = 0.02;
-
-/// A vibration at an order of the drive's rotation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rate {
-    /// `ω` in rad/s.
-    pub(super) omega: f64,
-    /// `Ω` in rad/s.
-    pub(super) speed: f64,
-    /// Whether bearings lose energy.
-    pub(super) damped: bool,
-    /// Whether shafts that bend do so as well.
-    pub(super) lossy: bool,
-}
-
-impl Rate {
-    /// Rate of an order of the drive's rotation at a speed in rad/s.
-    pub(super) fn of_order(order: f64, speed: f64) -> Self {
-        Self { omega: order * speed, speed, damped: true, lossy: order >= 2.0 }
-    }
-
-    /// At rest and without damping.
-    pub(super) fn at_rest(omega: f64) -> Self {
-        Self { omega, speed: 0.0, damped: false, lossy: false }
-    }
-
-    /// Coefficient of the slope by moments of inertia across and along the axis.
-    fn rotary(self, across: f64, along: f64, turn: f64) -> f64 {
-        across * self.omega * self.omega - turn * along * self.omega * self.speed
-    }
-
-    /// The sign of `ω`, 0 for none.
-    pub(super) fn sign(self) -> f64 {
-        if self.omega == 0.0 { 0.0 } else { self.omega.signum() }
-    }
-
-    fn section(self, own: &BendingShaft, turn: f64) -> Section {
-        let loss = if self.lossy { own.loss_factor * self.sign() } else { 0.0 };
-        let softened = Complex::new(1.0, loss).inv();
-        Section {
-            shear: softened / own.shear_stiffness,
-            bending: softened / own.stiffness,
-            mass: own.mass * self.omega * self.omega,
-            rotary: self.rotary(own.rotary_inertia, 2.0 * own.rotary_inertia, turn),
-        }
-    }
-}
 
 /// A place that belongs to a node: the node, and its distance from it.
 #[derive(Clone, Copy, Debug)]
@@ -558,11 +513,23 @@ impl BandEquations {
     }
 }
 
+/// Compliances and inertias of a shaft that bends, at a rate.
+fn section(own: &BendingShaft, at: Rate, turn: f64) -> Section {
+    let loss = if at.lossy { own.loss_factor * at.sign() } else { 0.0 };
+    let softened = Complex::new(1.0, loss).inv();
+    Section {
+        shear: softened / own.shear_stiffness,
+        bending: softened / own.stiffness,
+        mass: own.mass * at.omega * at.omega,
+        rotary: at.rotary(own.rotary_inertia, 2.0 * own.rotary_inertia, turn),
+    }
+}
+
 /// The largest wavenumber in 1/m of a shaft, 0 of one that does not bend.
 fn wavenumber(kind: &LateralShaft, omega: f64, speed: f64) -> f64 {
     let LateralShaft::Bending(own) = kind else { return 0.0 };
     let at = Rate { omega, speed, damped: false, lossy: false };
-    TURNS.map(|turn| at.section(own, turn).wavenumber()).into_iter().fold(0.0, f64::max)
+    TURNS.map(|turn| section(own, at, turn).wavenumber()).into_iter().fold(0.0, f64::max)
 }
 
 impl LateralSystem {
@@ -590,7 +557,7 @@ impl Nodes<'_> {
         let LateralShaft::Bending(own) = &self.system.shafts[piece.shaft] else {
             unreachable!("only shafts that bend have pieces")
         };
-        let section = at.section(own, turn);
+        let section = section(own, at, turn);
         let mut found = None::<Transfer>;
         let mut position = piece.from;
         let and = |found: Option<Transfer>, next| Some(found.map_or(next, |own| own.and(&next)));

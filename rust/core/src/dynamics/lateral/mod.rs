@@ -3,10 +3,12 @@
 
 mod band;
 mod bearing;
+mod check;
 mod described;
 mod equations;
 mod largest;
 mod modes;
+mod rate;
 mod response;
 mod span;
 mod system;

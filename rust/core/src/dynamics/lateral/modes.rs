@@ -9,7 +9,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
-use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes};
+use crate::dynamics::lateral::rate::Rate;
 use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, RigidShaft};
 use crate::error::{Error, Result};
 

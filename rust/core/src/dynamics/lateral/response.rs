@@ -2,7 +2,8 @@
 
 use nalgebra::Complex;
 
-use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes};
+use crate::dynamics::lateral::rate::Rate;
 use crate::dynamics::lateral::system::LateralSystem;
 use crate::error::{Error, Result};
 use crate::mechanics::phasing::is_set;

@@ -2,7 +2,8 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use crate::dynamics::lateral::equations::{BandEquations, Nodes, Rate};
+use crate::dynamics::lateral::equations::{BandEquations, Nodes};
+use crate::dynamics::lateral::rate::Rate;
 use crate::dynamics::lateral::system::{LateralShaft, LateralSystem, pair_across};
 use crate::error::{Error, Result};
 use crate::mechanics::geometry::Vector;
