@@ -25,6 +25,7 @@ from cardan.app.command import commands
 from cardan.app.report import write_report
 from cardan.app.scene import Scene, load_scene
 from cardan.design.check import Check
+from cardan.driveline import Driveline
 from example_scenes import Answers, each_example, example
 from scene_values import as_toml
 
@@ -456,12 +457,90 @@ def test_a_turn_of_a_yoke_is_a_move(tmp_path: Path) -> None:
         (move,) = (move for move in data["moves"] if move["variable"] == "phase")
         assert move["verdict"] == "within"
         assert abs(move["turn_deg"]) <= turn + 1e-9
-        (said,) = re.findall(r"shaft 1 by (?:\d+ teeth \()?([\d.]+)°", data["advice"][0])
+        (said,) = re.findall(r"shaft 1 by (?:\d+ teeth \()?([\d.]+)°", " ".join(data["advice"]))
         assert float(said) == pytest.approx(abs(move["turn_deg"]), abs=0.1)
         for size in (abs(move["turn_deg"]), float(said)):
             turned = np.copysign(size, move["turn_deg"])
             after = {"driveline": driveline | {"phases_deg": 30 + turned}}
             assert checked(after, tmp_path / "a.toml")["verdict"] == "within"
+
+
+YOKES_OFF: dict[str, Any] = {
+    "points_mm": [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]],
+    "phases_deg": [30, -25],
+}
+
+
+def test_yokes_that_help_are_named(tmp_path: Path) -> None:
+    """Points that move less far come first, and a turn of one yoke is among what is said."""
+    data = checked({"driveline": YOKES_OFF}, tmp_path / "a.toml")
+    advice = data["advice"]
+    said = re.match(
+        r"The best setting of the yokes, as 'cardan phase' shows it, leaves an equivalent bend of "
+        r"(\S+)° in place of (\S+)°, within the limit of 3°\.",
+        advice[0],
+    )
+    assert said
+    line = Driveline.from_points(YOKES_OFF["points_mm"], np.radians([30, -25]))
+    best = line.with_phases(line.optimal_phases())
+    for text, each in ((said[1], best), (said[2], line)):
+        assert float(text) == pytest.approx(float(each.equivalent().bend_deg), abs=0.005)
+    assert sum(each.startswith("Turn the output-side yoke of shaft") for each in advice) == 1
+    assert len(advice) == 6
+    apart = {"points_mm": [[0, 0, 0], [600, 0, -270], [900, 60, -560], [1020, 60, -640]]}
+    limits = {"equivalent_bend_deg": 15}
+    scene = {"driveline": apart | {"phases_deg": 6}, "limits": limits}
+    assert checked(scene, tmp_path / "a.toml")["advice"][-1].endswith(
+        "leaves an equivalent bend of 16.98° in place of 17.48°, still beyond the limit of 15°."
+    )
+
+
+SHUDDER = """
+[driveline]
+points_mm = [[0, 0, 0], [280, -18, 0], [1480, -105, 0], [3000, -360, 0], [3280, -385, 0]]
+[load]
+drive_torque_Nm = 1100
+speed_rpm = 700
+[[bearing]]
+shaft = 1
+from_end_mm = 110
+stiffness_N_per_mm = 220
+{loss}
+[tubes]
+outer_diameter_mm = 76
+wall_mm = 2.2
+[lateral]
+speed_rpm = {{from = 300, to = 2600, steps = 231}}
+[limits]
+bearing_force_N = {force}
+equivalent_bend_deg = {bend}
+"""
+
+
+@pytest.mark.parametrize(
+    ("loss", "force", "bend", "first", "left"),
+    [
+        ("loss_factor = 0.1", 300, 3, True, " (beyond its limit: see "),
+        ("", 300, 3, True, " (not judged: see "),
+        # The bend is the worse of the two.
+        ("loss_factor = 0.1", 380, 2.7, False, " (beyond its limit: see "),
+        ("loss_factor = 0.1", 500, 3, None, "."),
+    ],
+)
+def test_the_worst_exceedance_is_advised_on_first(
+    tmp_path: Path, loss: str, force: float, bend: float, first: bool | None, left: str
+) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(SHUDDER.format(loss=loss, force=force, bend=bend))
+    advice = json.loads(scripts.run("check", path, "--json").stdout)["advice"]
+    ends = ["this ends the shudder and leaves" in each for each in advice]
+    assert (sum(ends), ends[0]) == ((0, False) if first is None else (1, first))
+    if first is False:
+        assert ends[-1]
+    # What the changes leave out is said once.
+    (untried,) = (each for each in advice if "ot tried" in each)
+    assert untried.startswith("Not tried with these changes: ")
+    assert f"largest dynamic force of bearing 0{left}" in untried
 
 
 def test_recorded_runs_have_no_moves() -> None:

@@ -184,7 +184,10 @@ def test_ranges_of_bends_end_where_the_best_setting_reaches_the_limit(
 def test_bends_that_differ(tmp_path: Path) -> None:
     path = scene(tmp_path, "bends_deg = [14, 9]\ntwists_deg = [180]")
     words = " ".join(phase(path).split())
-    assert "The bends differ (14° and 9°); no phase can fix that: the best setting leaves 10.768°"
+    assert (
+        "The bends differ (14° and 9°), so no setting of the yokes is enough: the present one is "
+        "the best and leaves 10.77°. To come within the limit of 3°, give joint 0"
+    ) in words
     said = re.search(
         r"give joint 0 a bend of (.+?)° to (.+?)°, or joint 1 a bend of (.+?)° to (.+?)°; then",
         words,
@@ -203,9 +206,20 @@ def test_bends_that_differ(tmp_path: Path) -> None:
     assert json.loads(phase(path, "--json"))["cause"] == "bends"
 
 
+def test_a_turn_that_is_not_enough_says_what_remains(tmp_path: Path) -> None:
+    path = scene(tmp_path, "bends_deg = [14, 9]\ntwists_deg = [180]\nphases_deg = [20]")
+    words = " ".join(phase(path).split())
+    assert "shaft 1: in one plane; turn it 20.0° counter-clockwise" in words
+    line = Driveline.from_bends([14, 9], 180, 20, degrees=True)
+    found = re.search(r"no setting of the yokes is enough: the best one leaves (\S+)° in ", words)
+    assert found
+    assert float(found[1]) == pytest.approx(bend_deg(line, line.optimal_phases()), abs=0.005)
+    assert f"in place of {bend_deg(line):.2f}°. To come within" in words
+
+
 def test_of_more_joints_the_largest_is_to_be_changed(tmp_path: Path) -> None:
     words = " ".join(phase(scene(tmp_path, "bends_deg = [4, 20, 6]")).split())
-    assert "Joint 1 is bent by 20°, more than the other joints can cancel; no phase" in words
+    assert "Joint 1 is bent by 20°, more than the other joints can cancel, so no setting" in words
     said = re.search(r"give joint 1 a bend of (.+?)° to (.+?)°; then", words)
     assert said is not None
     for bend in said.groups():
@@ -398,6 +412,52 @@ def test_a_check_advises_what_the_teeth_allow(tmp_path: Path) -> None:
     said = scripts.run("check", path).output
     assert "No teeth of the splines bring it within the limit of 3°" in said
     assert "Turn the output-side yoke" not in said
+
+
+WIDE_ANGLE = """\
+[driveline]
+double_joint_deg = 50
+joint_distance_mm = 80
+synchronous_deg = 35
+single_bend_deg = 10
+{rest}
+"""
+
+
+@pytest.mark.parametrize(
+    "rest", ["", "teeth = [1, 16]", "[states]\ndouble_joint_deg = [5, 35, 60]\nweights = [8, 2, 1]"]
+)
+def test_the_best_pivot_has_its_value(rest: str) -> None:
+    """No other pivot leaves less, each with its own best setting of the yokes."""
+
+    def least(synchronous: float) -> float:
+        text = WIDE_ANGLE.format(rest=rest).replace("= 35", f"= {synchronous}", 1)
+        found = scene_advice(Scene.parse(text))
+        assert found
+        return found.settable_deg
+
+    (said,) = remedies_of(WIDE_ANGLE.format(rest=rest))
+    synchronous, left = float(said[1]), float(said[2])
+    assert least(synchronous) == pytest.approx(left, abs=0.005)
+    assert all(left < least(other) + 0.005 for other in np.arange(0.0, 80.0, 2.5))
+    alone = WIDE_ANGLE.format(rest="").replace("single_bend_deg = 10\n", "")
+    (said,) = remedies_of(alone)
+    assert (said[1], said[2], said[3]) == ("50", "0", None)
+
+
+def remedies_of(text: str) -> list[re.Match[str]]:
+    """The pivots that a scene would have."""
+    found = scene_advice(Scene.parse(text))
+    assert found
+    pattern = r"a synchronous_deg of (\S+)° leaves (?:at most )?(\S+)°( with the yokes set anew)?\."
+    return [*re.finditer(pattern, " ".join(remedies(found)))]
+
+
+def test_a_pivot_that_the_states_set_has_no_value() -> None:
+    rest = "[states]\nsynchronous_deg = [20, 25]"
+    found = scene_advice(Scene.parse(WIDE_ANGLE.format(rest=rest)))
+    assert found
+    assert "double joint: change synchronous_deg in the states." in " ".join(remedies(found))
 
 
 DOUBLE = """\

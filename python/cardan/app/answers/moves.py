@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -25,9 +25,11 @@ from cardan.design.quantities import MOTION_QUANTITIES
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-# The parts that a machine has, and their figures that it does not: its heat is that of each step,
-# its tubes have no half of a critical speed.
-_TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
+TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
+"""The parts of an answer that a machine has."""
+
+# Their figures that it does not have: its heat is that of each step, its tubes have no half of a
+# critical speed.
 _UNTRIED = ("heat", "of_sizes", "half")
 
 # How much further than needed a shaft is tilted to find what is certain, over what the gauge hides.
@@ -60,6 +62,8 @@ class Move:
     verdict: str = word("verdict then")
     left: str | None = word("what is then worst")
     untried: str = word("not tried", "what else has a limit, which this search leaves out")
+    # The same with what each of them is now, unless it is within its limit.
+    left_out: str = field(kw_only=True)
 
 
 def find(answer: Answer) -> tuple[Move, ...]:
@@ -69,22 +73,33 @@ def find(answer: Answer) -> tuple[Move, ...]:
         return ()
     scene = answer.scene
     found = machine.suggest(**search(scene))
-    untried = dict.fromkeys(
-        each.name
+    untried = {
+        each.name: each
         for each in answer.judged
-        if each.value.limit is not None
-        and (each.part.name not in _TRIED or each.entry.path.rpartition(".")[2] in _UNTRIED)
-        and not _is_implied(each, scene)
-    )
+        if each.value.limit is not None and not is_tried(each) and not _is_implied(each, scene)
+    }
+    left_out = ", ".join(map(_as_it_is, untried.values()))
     held = held_in(scene)
     moves: Iterator[Move] = (
-        _move(change, scene, ", ".join(untried))
+        _move(change, scene, ", ".join(untried), left_out)
         for change in found
         if (change.variable, change.item) not in held
     )
     if scene.is_measured:
         moves = _in_workshop(moves, machine, scene)
     return tuple(moves)
+
+
+def is_tried(each: JudgedFigure) -> bool:
+    """Whether the search knows a figure, so that its changes keep the limit of it."""
+    return each.part.name in TRIED and each.entry.path.rpartition(".")[2] not in _UNTRIED
+
+
+def _as_it_is(each: JudgedFigure) -> str:
+    """A figure that the search leaves out, with its verdict and where the answer says more."""
+    words = {"beyond": "beyond its limit", "tolerable": "above its limit"}
+    now = (words | {"not judged": "not judged"}).get(each.value.verdict)
+    return f'{each.name} ({now}: see "{each.part.title}")' if now else each.name
 
 
 def _is_implied(each: JudgedFigure, scene: Scene) -> bool:
@@ -187,7 +202,7 @@ def _certain_tilt(scene: Scene, shaft: int, least: float) -> float | None:
     return None
 
 
-def _move(change: Change, scene: Scene, untried: str) -> Move:
+def _move(change: Change, scene: Scene, untried: str, left_out: str) -> Move:
     by, teeth = change.change, 0
     if change.variable == "phase" and scene.teeth:
         teeth = round(abs(by) / math.tau * scene.teeth[change.item - 1])
@@ -208,6 +223,7 @@ def _move(change: Change, scene: Scene, untried: str) -> Move:
         if change.worst is None or change.verdict == "within"
         else change.worst.kind.name.replace("_", " "),
         untried,
+        left_out=left_out,
     )
 
 
@@ -223,17 +239,21 @@ _MOST = 5
 
 
 def sentences(found: Iterable[Move]) -> Iterator[str]:
-    """Say each of the smallest changes and what it leaves."""
-    shown = [*found][:_MOST]
+    """Say each of the smallest changes, one of a yoke among them, and what they leave."""
+    moves = [*found]
+    shown = moves[:_MOST]
+    turns = [move for move in moves if move.turn is not None]
+    if turns and turns[0] not in shown:
+        shown[-1] = turns[0]
     for move in shown:
-        then = "everything is then within its limits"
-        if move.untried:
-            then = f"everything tried is then within its limits (not tried: {move.untried})"
+        then = f"everything {'tried ' if move.untried else ''}is then within its limits"
         if move.certain is not None:
             then += f", and with {quantity(abs(move.certain), 'deg')} whatever the gauge may hide"
         if move.verdict != "within":
             then = f"this helps most; the {move.left} is then still {move.verdict}"
         yield f"{_change(move)}: {then}."
+    if left_out := next((move.left_out for move in shown if move.verdict == "within"), ""):
+        yield f"Not tried with {'this change' if len(shown) == 1 else 'these changes'}: {left_out}."
     edges = [move for move in shown if move.verdict == "within" and move.certain is None]
     if gauge := next((move.gauge for move in edges if move.gauge), None):
         yield (

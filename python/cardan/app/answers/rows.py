@@ -251,6 +251,19 @@ class Judged:
             bound = self.maximum
         return self.value - bound if self.sense == "most" else bound - self.value
 
+    @property
+    def share_of_limit(self) -> float:
+        """How many times its limit the value is, or the inverse of what must not be less.
+
+        Infinity where it is not judged although there is a limit.
+        """
+        if self.verdict == "not judged" or self.limit is None or self.value is None:
+            return math.inf
+        above, below = abs(self.value), abs(self.limit)
+        if self.sense == "least":
+            above, below = below, above
+        return above / below if below else math.inf
+
 
 @dataclass(frozen=True)
 class NotFound:

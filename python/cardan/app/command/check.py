@@ -7,13 +7,14 @@ from pathlib import Path
 import click
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.lateral.text import lateral_remedies
 from cardan.app.answers.life.text import life_remedies
 from cardan.app.answers.limits import check_text
-from cardan.app.answers.moves import several_at_once
+from cardan.app.answers.moves import TRIED, several_at_once
 from cardan.app.answers.schema import check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
-from cardan.app.answers.yokes.text import remedies
+from cardan.app.answers.yokes.text import improvement, keeps_limit, remedies
 from cardan.app.command import options, terminal
 from cardan.app.scene import load_scene
 from cardan.app.scene.scene import Scene
@@ -54,7 +55,10 @@ def check(scene: Path, output: options.Output) -> int:
 
 
 def _advice(answer: Answer) -> list[str]:
-    """Return the changes that bring a driveline within its limits, a sentence each."""
+    """Return the changes that bring a driveline within its limits, a sentence each.
+
+    Those that concern the worst exceedance come first.
+    """
     if not isinstance(answer.of, Scene) or answer.verdict == "within":
         return []
     moves, advised, life = answer["moves"], scene_advice(answer.scene), answer["life"]
@@ -63,4 +67,21 @@ def _advice(answer: Answer) -> list[str]:
     if not any(move.verdict == "within" for move in moves):
         several = several_at_once(answer)
         sentences = [*(remedies(advised) if advised else []), *sentences, *several]
-    return [*sentences, *(life_remedies(life) if life else [])]
+    elif advised and (better := improvement(advised)):
+        sentences.insert(0 if keeps_limit(advised) else len(sentences), better)
+    sentences += life_remedies(life) if life else []
+    shudder = lateral_remedies(answer["lateral"]) if answer["lateral"] else []
+    is_worst = _exceedance(answer, "lateral") > _exceedance(answer, *TRIED)
+    return [*shudder, *sentences] if is_worst else [*sentences, *shudder]
+
+
+def _exceedance(answer: Answer, *parts: str) -> float:
+    """How many times its limit the worst figure of some parts is; infinity if it is not known."""
+    return max(
+        (
+            each.value.share_of_limit
+            for each in answer.judged
+            if each.part.name in parts and each.value.limit is not None
+        ),
+        default=0.0,
+    )

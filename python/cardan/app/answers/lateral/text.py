@@ -20,6 +20,13 @@ def brief(found: LateralFigures) -> str:
     return "\n".join(["Lateral vibration", *bullets(_said(found))])
 
 
+def lateral_remedies(found: LateralFigures) -> list[str]:
+    """Say which layout brings the bearings nearer to their limits, if these are not kept."""
+    values = [value for each in found.bearings for value in (each.largest, each.displacement)]
+    open_ = [each for each in values if each.limit is not None and each.verdict != "within"]
+    return [f"{capital(said)}." for said in _layout(found)] if open_ else []
+
+
 def sentences(found: LateralFigures) -> Iterator[str]:
     """Say what shakes the shafts, where, what helps, and what can be trusted."""
     yield from (f"{capital(said)}." for said in _said(found))
@@ -197,6 +204,12 @@ def _verdicts(found: LateralFigures) -> Iterator[str]:
 
 def _help(found: LateralFigures) -> Iterator[str]:
     """Say what each change leaves at the bearing."""
+    yield from _layout(found)
+    yield from _stiffness(found)
+
+
+def _layout(found: LateralFigures) -> Iterator[str]:
+    """Say which change of the layout helps most."""
     layouts = [each for each in found.remedies if each.stiffness == 1.0]
     ends = [each for each in layouts if each.left <= _ENDS]
     in_all = " in all states" if found.state else ""
@@ -214,6 +227,10 @@ def _help(found: LateralFigures) -> Iterator[str]:
             f"{best.change}: this leaves {quantity(best.left, 'percent')} of order 2 at "
             f"bearing {best.bearing}{in_all}, the least of what was tried"
         )
+
+
+def _stiffness(found: LateralFigures) -> Iterator[str]:
+    """Say what half and twice the stiffness of a bearing do."""
     soft, stiff = (
         next((each for each in found.remedies if each.stiffness == factor), None)
         for factor in (0.5, 2.0)

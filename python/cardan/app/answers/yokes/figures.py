@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from cardan.app.answers.rows import (
     word,
 )
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.driveline import SYNCHRONOUS
 from cardan.app.scene.study.states import States
 from cardan.arrays import FloatArray
 from cardan.design.limits import MAX_EQUIVALENT_BEND
@@ -34,6 +35,9 @@ from cardan.motion.workshop import VIEW, turn
 
 SHOWN = 0.005
 """Less than this, in degrees, is nothing to turn."""
+
+# A synchronous bend in degrees lies below it.
+_MOST_SYNCHRONOUS = 120.0
 
 # Of a phase: no yoke is set more exactly.
 _MOST_DECIMALS = 4
@@ -132,6 +136,13 @@ class RootRules:
     on_teeth: RootRule | None = optional(parts("on teeth"))
 
 
+class Pivot(NamedTuple):
+    """A place of the pivot of a double joint, with the yokes behind it set for it."""
+
+    equivalent_bend_deg: float  # over states the largest
+    synchronous_deg: float
+
+
 @dataclass(frozen=True)
 class Advice:
     """Effect of setting the yokes, and the cause of the rest; angles are in degrees."""
@@ -152,6 +163,8 @@ class Advice:
     decimals: int = field(kw_only=True)
     # Whether joints 0 and 1 are a centred double joint.
     is_double: bool = field(kw_only=True)
+    # Of a double joint whose pivot no state sets.
+    pivot: Pivot | None = field(kw_only=True)
 
     @property
     def settable_deg(self) -> float:
@@ -194,7 +207,7 @@ def yoke_settings(scene: Scene) -> YokeFigures:
             "none of them sets the yokes"
         )
     settings = _settings(line, states, scene.teeth, is_double=scene.is_double)
-    found = _advice(line, limit_of(scene), settings, states, scene.teeth, is_double=scene.is_double)
+    found = _of_scene(scene, settings)
     lines = {key: _of_states(line, states, phases) for key, phases in settings.items()}
     # On splines, what can be set.
     set_lines = lines.get("on_teeth", lines["best"])
@@ -222,8 +235,7 @@ def scene_advice(scene: Scene) -> Advice | None:
         return None
     if not states and scene.study is not None and scene.study.axes:
         return None
-    settings = _settings(line, states, scene.teeth, is_double=scene.is_double)
-    return _advice(line, limit_of(scene), settings, states, scene.teeth, is_double=scene.is_double)
+    return _of_scene(scene, _settings(line, states, scene.teeth, is_double=scene.is_double))
 
 
 def advice(line: Driveline, limit: float = MAX_EQUIVALENT_BEND) -> Advice:
@@ -250,15 +262,17 @@ def _settings(
     line: Driveline, states: States | None, teeth: Sequence[int], *, is_double: bool = False
 ) -> dict[str, FloatArray]:
     """The phases of each setting in rad; of states the setting serves all."""
-    lines, common = line, dict[str, Any]()
-    if states:
-        lines, common = states.drivelines(), {"states": 0, "weights": states.weights}
-    if is_double:
-        common["fixed"] = [1]
+    lines, common = states.drivelines() if states else line, _common(states, is_double=is_double)
     settings = {"present": line.phases, "best": lines.optimal_phases(**common)}
     if teeth:
         settings["on_teeth"] = lines.optimal_phases(**common, teeth=teeth)
     return settings
+
+
+def _common(states: States | None, *, is_double: bool) -> dict[str, Any]:
+    """Return what the best setting serves, and the yokes that it leaves as they are."""
+    common: dict[str, Any] = {"states": 0, "weights": states.weights} if states else {}
+    return common | ({"fixed": [1]} if is_double else {})
 
 
 def _of_states(line: Driveline, states: States | None, phases: FloatArray) -> Driveline:
@@ -271,6 +285,43 @@ def _by_setting(of: type[_T], values: Mapping[str, Any], missing: Any = None) ->
     return of(*(values.get(key, missing) for key in ("present", "best", "on_teeth")))
 
 
+def _of_scene(scene: Scene, settings: Mapping[str, FloatArray]) -> Advice:
+    return _advice(
+        scene.line,
+        limit_of(scene),
+        settings,
+        scene.states,
+        scene.teeth,
+        is_double=scene.is_double,
+        pivot=_best_pivot(scene) if scene.is_double else None,
+    )
+
+
+def _best_pivot(scene: Scene) -> Pivot | None:
+    """Search the synchronous bend to a tenth of a degree; ``None`` where a state sets it."""
+    states, found = scene.states, list[Pivot]()
+    if states and any(axis.name == SYNCHRONOUS for axis in states.axes):
+        return None
+    common = _common(states, is_double=True) | ({"teeth": scene.teeth} if scene.teeth else {})
+    for step in (1.0, 0.1):
+        tried = np.arange(0.0, _MOST_SYNCHRONOUS, step)
+        if found:
+            # Sharp minima lie beside the least of the coarse steps, and not of one alone.
+            near = np.array([each.synchronous_deg for each in sorted(found)[:4]])
+            tried = tried[np.abs(tried[:, np.newaxis] - near).min(axis=1) < 1.0]
+        for synchronous in tried.round(1).tolist():
+            try:
+                lines = scene.drivelines({SYNCHRONOUS: synchronous})
+            except ValueError:
+                # The pivot would lie beyond a joint.
+                continue
+            # A batch of one driveline has its best setting too.
+            phases = lines.optimal_phases(**({"states": 0} | common))
+            bends = map(equivalent_bend_deg, lines.with_phases(phases))
+            found.append(Pivot(max(bends), synchronous))
+    return min(found, default=None)
+
+
 def _advice(
     line: Driveline,
     limit: float,
@@ -279,6 +330,7 @@ def _advice(
     teeth: Sequence[int],
     *,
     is_double: bool = False,
+    pivot: Pivot | None = None,
 ) -> Advice:
     # To and from radians, 3 would become 3.0000000000000004.
     limit_deg = round(float(np.degrees(limit)), 12)
@@ -312,6 +364,7 @@ def _advice(
         tuple(_setting(line, i, settings["on_teeth"][i], count) for i, count in enumerate(teeth)),
         decimals=_decimals(line, states, settings["best"], limit_deg),
         is_double=is_double,
+        pivot=pivot,
     )
 
 

@@ -22,7 +22,6 @@ _ARRANGEMENTS = {
 }
 
 _NEARER = "Bring the bends of the joints nearer to each other in that state."
-_DOUBLE = "The place of the pivot sets both bends of the double joint: synchronous_deg."
 
 BEST_OF_STATES = (
     "The best setting has the least weighted mean over the states; single states may be worse than "
@@ -232,8 +231,26 @@ def remedies(found: Advice) -> list[str]:
         ]
     if found.cause == "phases":
         return [f"{_turns(found)}; that leaves {settable}."]
-    left = f": the best setting leaves {best}" if found.shafts else ""
-    return [f"{_too_different(found)}{left}.", _DOUBLE if found.is_double else _changes(found)]
+    return [_too_different(found), _of_pivot(found) if found.is_double else _changes(found)]
+
+
+def improvement(found: Advice) -> str:
+    """Say what the best setting makes of a driveline beyond its limit; "" if it makes no better."""
+    present, left = (
+        bend_text(found, bend) for bend in (found.equivalent_bend_deg.present, found.settable_deg)
+    )
+    if found.cause == "none" or found.settable_deg >= found.equivalent_bend_deg.present:
+        return ""
+    verdict = "within" if keeps_limit(found) else "still beyond"
+    return (
+        f"The best setting of the yokes, as 'cardan phase' shows it, leaves an equivalent bend of "
+        f"{left} in place of {present}, {verdict} the limit of {_limit(found)}."
+    )
+
+
+def keeps_limit(found: Advice) -> bool:
+    """Whether the best setting that can be made is within the limit of the equivalent bend."""
+    return found.settable_deg <= found.limit_deg
 
 
 def _turns(found: Advice) -> str:
@@ -271,25 +288,42 @@ def _states_remedies(found: Advice) -> list[str]:
         return ["A single joint cannot cancel its own unevenness; add a second joint."]
     return [
         f"Even the best common setting of the yokes leaves {_at_most(found)}, beyond the "
-        f"limit of {_limit(found)}. {_DOUBLE if found.is_double else _NEARER} "
+        f"limit of {_limit(found)}. {_of_pivot(found) if found.is_double else _NEARER} "
         "More weight of that state favours it at the cost of the others."
     ]
 
 
 def _too_different(found: Advice) -> str:
+    """Say why the bends do not cancel, and what the best setting leaves of them."""
     bent = _bent(found)
     if not found.shafts:
-        return "A single joint cannot cancel its own unevenness"
-    if len(bent) == 1:
-        return "One bend alone cannot cancel; no phase can fix that"
-    if len(bent) == 2:
-        bends = " and ".join(f"{_bend(joint)}" for joint in bent)
-        return f"The bends differ ({bends}); no phase can fix that"
+        return "A single joint cannot cancel its own unevenness."
     largest = _largest(found)
-    return (
-        f"Joint {largest.joint} is bent by {_bend(largest)}, more than the other "
-        "joints can cancel; no phase can fix that"
+    why = (
+        f"Joint {largest.joint} is bent by {_bend(largest)}, more than the other joints can cancel"
     )
+    if len(bent) == 1:
+        why = "One bend alone cannot cancel"
+    elif len(bent) == 2:
+        why = f"The bends differ ({' and '.join(map(_bend, bent))})"
+    bends = found.equivalent_bend_deg
+    present, best = bend_text(found, bends.present), bend_text(found, bends.best)
+    left = f"the best one leaves {best} in place of {present}"
+    if present == best:
+        left = f"the present one is the best and leaves {best}"
+    return f"{why}, so no setting of the yokes is enough: {left}."
+
+
+def _of_pivot(found: Advice) -> str:
+    """Say where the pivot of a double joint leaves the least."""
+    sets = "The place of the pivot sets both bends of the double joint:"
+    if found.pivot is None:
+        return f"{sets} change synchronous_deg in the states."
+    value = in_unit([number_text(found.pivot.synchronous_deg, "given")], "deg")
+    left = bend_text(found, found.pivot.equivalent_bend_deg)
+    most = "at most " if found.states else ""
+    then = " with the yokes set anew" if len(found.shafts) > 1 else ""
+    return f"{sets} a synchronous_deg of {value} leaves {most}{left}{then}."
 
 
 def _changes(found: Advice) -> str:

@@ -31,6 +31,12 @@ LENGTHS_NEEDED = "points_mm or points_m, or lengths_mm or lengths_m, in [driveli
 DOUBLE_JOINT = "double_joint_deg"
 """The key of a centred double joint."""
 
+SYNCHRONOUS = "synchronous_deg"
+"""The key for the place of its pivot."""
+
+SINGLE_PHASE = "single_phase_deg"
+"""The key of the yokes of the shaft between a double joint and a single one."""
+
 READINGS, OFFSETS, GAUGE = "readings_deg", "offsets_mm", "gauge_deg"
 """The keys of what an inclinometer and a tape measure show, and of what the former may hide."""
 
@@ -76,8 +82,8 @@ class Form:
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
-_SINGLE = ("single_bend_deg", "single_twist_deg", "single_phase_deg")
-_DOUBLE_JOINT = (DOUBLE_JOINT, "joint_distance_mm", "synchronous_deg")
+_SINGLE = ("single_bend_deg", "single_twist_deg", SINGLE_PHASE)
+_DOUBLE_JOINT = (DOUBLE_JOINT, "joint_distance_mm", SYNCHRONOUS)
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
 
@@ -453,7 +459,7 @@ DRIVELINE: Section[Described] = Section(
             "of a double joint: distance of its joint centres",
             "length",
         ),
-        "synchronous_deg": Key(
+        SYNCHRONOUS: Key(
             rules.numbers(rules.Number(0, 120, below=True, unit="deg"), 1),
             "of a double joint: total bend at which both joints have the same bend; 0 where the "
             "pivot lies in the middle between them",
@@ -474,7 +480,7 @@ DRIVELINE: Section[Described] = Section(
             "of that joint: angle from the plane of the double joint to its own; default 0",
             "twist",
         ),
-        "single_phase_deg": Key(
+        SINGLE_PHASE: Key(
             rules.numbers(None, 1),
             "of the shaft between double and single joint, as phases_deg; default 0",
             "phase",
