@@ -279,6 +279,7 @@ def advice_on(path: Path) -> list[str]:
 
 
 COLUMN = "points_mm = [[0, 0, 0], [480, 20, -230], [700, -60, -430], [830, -75, -560]]"
+WIDE_ANGLE = "double_joint_deg = 50\njoint_distance_mm = 80\nsingle_bend_deg = 10\n"
 BOTH_BENDS = "projected_bends_vertical_deg = [1, 12]\nprojected_bends_horizontal_deg = [9, 3]"
 
 
@@ -303,6 +304,12 @@ BOTH_BENDS = "projected_bends_vertical_deg = [1, 12]\nprojected_bends_horizontal
         ("bends_deg = [12]", "", ""),
         ("readings_deg = [0, 12, 3]", "", ""),
         ("double_joint_deg = 40\njoint_distance_mm = 90\nsynchronous_deg = 12", "", ""),
+        (f"{WIDE_ANGLE}synchronous_deg = 35", "", "synchronous_deg single_phase_deg"),
+        (
+            f"{WIDE_ANGLE}synchronous_deg = 35",
+            "[states]\nsynchronous_deg = [35, 36]\nsingle_phase_deg = [0, 1]",
+            "synchronous_deg single_phase_deg",
+        ),
         (COLUMN, "[study]\nphases_deg = [0, 3]", ""),
     ],
 )
@@ -324,6 +331,26 @@ def test_a_check_has_the_section_that_changes_several_at_once(
         own = [variable.axis.key for variable in found.variables]
         assert own[: len(paths.split())] == paths.split()
         assert len(own) < 9
+
+
+@pytest.mark.parametrize(
+    ("vary", "said"),
+    [
+        ("synchronous_deg = [-35, 30]", r"increase the synchronous bend of the double joint by "),
+        ("single_bend_deg = [-5, 10]", r"reduce the bend of the single joint by 5°"),
+        ("single_twist_deg = [-90, 90]", r"(increase|reduce) the twist of the single joint by "),
+        ("double_joint_deg = [-20, 20]", r"reduce the total bend of the double joint by "),
+        ('single_phase_deg = "free"', r"turn the output-side yoke of shaft 2 by 90"),
+    ],
+)
+def test_keys_of_a_double_joint_can_change(tmp_path: Path, vary: str, said: str) -> None:
+    text = f"[driveline]\n{WIDE_ANGLE}synchronous_deg = 35\nsingle_phase_deg = 0\n"
+    text += f"single_twist_deg = 0\n[optimise]\nvary.{vary}\n"
+    result = run(tmp_path, text)
+    assert result.exit_code == 0, result.output
+    assert re.search(rf"^- {said}", result.stdout, re.MULTILINE)
+    # As it was, it is 15.45°.
+    assert largest_bend(Scene.load(tmp_path / "a.optimised.toml")) < 13.0
 
 
 def test_what_several_changes_are_to_make_least(tmp_path: Path) -> None:

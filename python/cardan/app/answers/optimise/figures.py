@@ -24,6 +24,7 @@ from cardan.app.answers.rows import UNITS, NotFound, figure, flag, item, key_of,
 from cardan.app.scene.language.errors import SceneError
 from cardan.app.scene.language.units import shown_unit, size_of
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.driveline import DOUBLE_JOINT, SINGLE_PHASE, SYNCHRONOUS
 from cardan.app.scene.study.optimisation import Optimisation, Variable
 from cardan.arrays import FloatArray
 from cardan.design.quantities import label
@@ -236,6 +237,15 @@ _QUANTITIES = {
     for plane in ("vertical", "horizontal")
 }
 
+# Keys of a double joint, whose lists have one entry.
+_OF_DOUBLE = {
+    DOUBLE_JOINT: "the total bend of the double joint",
+    SYNCHRONOUS: "the synchronous bend of the double joint",
+    "single_bend_deg": "the bend of the single joint",
+    "single_twist_deg": "the twist of the single joint",
+    SINGLE_PHASE: "the output-side yoke of shaft 2",
+}
+
 
 def words(found: Optimised, *, radians: bool = False) -> str:
     """Say what to change, what that brings in each state, and what limits it, 79 wide."""
@@ -348,6 +358,8 @@ def _what(variable: Variable) -> str:
         if variable.last_entry in numbers:
             names[-1] = "the driven end"
         return listed(names)
+    if axis.name in _OF_DOUBLE:
+        return _OF_DOUBLE[axis.name]
     offset = 1 if axis.name in ("phases_deg", "twists_deg") else 0
     item = "joint" if "bends" in axis.name else "shaft"
     is_one = len(numbers) == 1

@@ -25,7 +25,12 @@ from cardan.app.scene.language.rules import (
 from cardan.app.scene.language.section import Key, Reading, Section
 from cardan.app.scene.language.units import us_keys
 from cardan.app.scene.sections.bearing import POSITIONS
-from cardan.app.scene.sections.driveline import DRIVELINE
+from cardan.app.scene.sections.driveline import (
+    DOUBLE_JOINT,
+    DRIVELINE,
+    SINGLE_PHASE,
+    SYNCHRONOUS,
+)
 from cardan.app.scene.study.axes import ENTRIES
 from cardan.design.quantities import MOTION_QUANTITIES
 
@@ -34,6 +39,8 @@ if TYPE_CHECKING:
 
 FREE = "free"
 """The range of a phase that may take any value."""
+
+_OF_DOUBLE = (DOUBLE_JOINT, SYNCHRONOUS, "single_bend_deg", "single_twist_deg")
 
 _RANGE = ListOf(Number(), "two numbers, least and largest change", count=2)
 
@@ -74,8 +81,8 @@ class Vary(Rule):
             if not re.fullmatch(_PATH, path):
                 raise own.error(
                     "is no path of a key of [driveline] or of a [[bearing]], as points_mm.2.y, "
-                    "phases_deg.0, bends_deg.0-1 or bearing.0.position_mm; [study] compares values "
-                    "of other keys"
+                    "phases_deg.0, bends_deg.0-1, synchronous_deg or bearing.0.position_mm; "
+                    "[study] compares values of other keys"
                 )
             found[path] = self._range(own, path, given)
         return found
@@ -83,7 +90,7 @@ class Vary(Rule):
     @staticmethod
     def _range(where: Location, path: str, given: object) -> tuple[float, float] | None:
         if given == FREE:
-            if not path.startswith(_PHASES):
+            if not path.startswith((_PHASES, SINGLE_PHASE)):
                 raise where.error("is 'free'; only phases may be, others need [least, largest]")
             return None
         if not isinstance(given, list):
@@ -114,6 +121,8 @@ class Vary(Rule):
                 f"^{_PHASES}$": {"anyOf": [phase, tables(by_place, phase)]},
                 rf"^{_LISTS}\.{ENTRIES}$": ends,
                 f"^{_LISTS}$": {"anyOf": [ends, tables(by_place, ends)]},
+                f"^({'|'.join(_OF_DOUBLE)})$": ends,
+                f"^{SINGLE_PHASE}$": phase,
                 f"^{_OF_BEARING}$": ends,
                 rf"^bearing\.{_BEARING}$": tables(f"^{_POSITION}$", ends),
                 "^bearing$": tables(f"^{_BEARING}$", tables(f"^{_POSITION}$", ends)),
@@ -124,7 +133,12 @@ class Vary(Rule):
 
 _BEARING, _POSITION = "[0-9]{1,9}", _either(*POSITIONS)
 _OF_BEARING = rf"bearing\.{_BEARING}\.{_POSITION}"
-_PATH = rf"{_OF_BEARING}|{_VECTORS}\.{ENTRIES}\.[xyz]|({_PHASES}|{_LISTS})(\.{ENTRIES})?"
+_PATH = "|".join(
+    (
+        *(_OF_BEARING, rf"{_VECTORS}\.{ENTRIES}\.[xyz]", rf"({_PHASES}|{_LISTS})(\.{ENTRIES})?"),
+        *(*_OF_DOUBLE, SINGLE_PHASE),
+    )
+)
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -17,7 +17,12 @@ from cardan.app.scene.language.quantities import kept_quantity
 from cardan.app.scene.language.section import Reading
 from cardan.app.scene.language.units import si_key, size_of, split
 from cardan.app.scene.sections.bearing import BEARING
-from cardan.app.scene.sections.driveline import DRIVELINE, make_driveline
+from cardan.app.scene.sections.driveline import (
+    DRIVELINE,
+    SINGLE_PHASE,
+    SYNCHRONOUS,
+    make_driveline,
+)
 from cardan.app.scene.sections.load import largest_speed
 from cardan.app.scene.sections.study import STATES, STUDY
 from cardan.app.scene.study.axes import BEARING_AXES, Axis, axes_of
@@ -76,7 +81,7 @@ class Variable:
     @property
     def is_phase(self) -> bool:
         """Whether it is a phase, which repeats after half a turn."""
-        return self.axis.name == "phases_deg"
+        return self.axis.name in ("phases_deg", SINGLE_PHASE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +313,7 @@ def proposed(
 
 
 # Changes that are tried: a share of the length of the driveline or of a unit vector, and degrees.
-_REACH, _TILT = 0.05, 3.0
+_REACH, _TILT, _MORE_SYNCHRONOUS = 0.05, 3.0, 30.0
 _LISTS = ("bends", "slopes", "projected_bends")
 
 
@@ -337,8 +342,12 @@ def _candidates(
             for place in range(ends, len(values) - ends):  # of shafts those between two joints
                 low = max(-_TILT, -float(values[place])) if si.startswith("bends") else -_TILT
                 yield f"{key}.{place}", (low, _TILT)
+        elif si == SYNCHRONOUS:
+            yield si, (-float(values[0]), _MORE_SYNCHRONOUS)
     for place in range(len(own.get("phases_deg", ()))):
         yield f"phases_deg.{place}", None
+    if SINGLE_PHASE in own:
+        yield SINGLE_PHASE, None
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
@@ -366,6 +375,8 @@ def _variable(
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
     base = float(np.ravel(values[axis.where])[0]) / axis.size
     counts = set(teeth[axis.place or slice(None)]) if axis.name == "phases_deg" else set()
+    if axis.name == SINGLE_PHASE:
+        counts = set(teeth[-1:])
     if len(counts) > 1:
         raise Location("vary", (axis.key,)).error(
             "turns yokes on splines of different teeth together; vary one phase at a time"
