@@ -480,3 +480,15 @@ def test_only_the_yokes_behind_a_double_joint_are_set() -> None:
     set_line = Scene.parse(f"{DOUBLE}single_bend_deg = 6\n{line}\n").line
     assert set_line.equivalent().bend < behind.line.equivalent().bend
     assert ("phase", 1) in held_in(behind)
+
+
+def test_a_yoke_that_is_off_counts_from_its_best_phase(tmp_path: Path) -> None:
+    driveline = "bends_deg = [14, 9]\ntwists_deg = [120]"
+    *_, counted, line = phase(scene(tmp_path, driveline)).splitlines()
+    assert counted.endswith("a yoke 6° off has the best value plus or minus 6.")
+    best = float(line.partition("[")[2].rstrip("]"))
+    for off in (6.0, -6.0):
+        found = phase(scene(tmp_path, f"{driveline}\nphases_deg = {best + off}"))
+        assert "; turn it 6.0° " in " ".join(found.split())
+    found = phase(scene(tmp_path, f"{driveline}\nphases_deg = 6"))
+    assert "; turn it 6.0° " not in " ".join(found.split())

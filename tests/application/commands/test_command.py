@@ -431,6 +431,8 @@ def test_phase_in_workshop_words() -> None:
         of 3°.
         With the best setting the driveline passes the check.
 
+        phases_deg counts clockwise from yokes in one plane, not from the best setting:
+        a yoke 6° off has the best value plus or minus 6.
         In the scene: phases_deg = [-70.8728]
         """)
 
@@ -595,8 +597,8 @@ def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> 
     failed(
         run("new", "jiont", "c.toml"),
         "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'multi-joint', "
-        "'readings', 'recorded', 'ball-joint', 'truck-shaft', 'steering-column', 'pto-shaft', "
-        "'mill-spindle', 'test-rig', 'ship-shaft'.",
+        "'wide-angle', 'readings', 'recorded', 'ball-joint', 'truck-shaft', 'steering-column', "
+        "'pto-shaft', 'mill-spindle', 'test-rig', 'ship-shaft'.",
     )
     assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
         "a.toml": "mine",

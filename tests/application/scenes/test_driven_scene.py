@@ -19,6 +19,7 @@ from cardan.app.files.columns import write_columns
 from cardan.app.plots import plot_scene
 from cardan.app.report.results import inputs
 from cardan.app.scene import Scene, SceneError
+from cardan.app.scene.starters import STARTERS
 from cardan.app.scene.study.curves import columns
 
 TEXT = """
@@ -208,3 +209,21 @@ single_phase_deg = 90
     assert np.all(lines.bends[:3, 0, 2] == 0.0)
     with pytest.raises(SceneError, match="single_twist_deg needs single_bend_deg"):
         Scene.parse(text.replace("single_bend_deg = 12\n", ""))
+
+
+def test_the_wide_angle_scene_has_the_angles_of_its_turns() -> None:
+    """A baler 60 mm higher and 1000 mm behind the pin turns with its shaft about the pin."""
+    scene = cardan.Scene.parse(STARTERS["wide-angle"].text.replace("{name}", "a"))
+    turns = np.radians([0.0, 20.0, 35.0, 50.0])
+    states = scene.states
+    assert states
+    for state, turn in enumerate(turns):
+        along = np.array([np.cos(turn), 0.0, np.sin(turn)])
+        joint = 1000.0 * along + [0.0, 60.0, 0.0]
+        drawn = cardan.Driveline.from_points([[-150, 0, 0], [0, 0, 0], joint, joint + 300 * along])
+        line = states.driveline(state)
+        total = np.degrees(line.bends[0] + line.bends[1])
+        assert total == pytest.approx(np.degrees(drawn.bends[0]), abs=0.01)
+        assert np.degrees(line.bends[2]) == pytest.approx(np.degrees(drawn.bends[1]), abs=0.01)
+        twist = np.degrees(line.twists[-1] - drawn.twists[0])
+        assert (twist + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.06)

@@ -125,6 +125,48 @@ output_torque_Nm = 4000
 """
             + _FILES,
         ),
+        "wide-angle": Starter(
+            "a wide-angle PTO shaft: a double joint and a single one",
+            """\
+# A wide-angle PTO shaft (homokinetic, CV), as of a baler or a mower: a double joint centred by a
+# pivot over the hitch pin of the tractor, a single joint at the implement.
+# "cardan check {name}.toml" says how evenly it runs in each turn, and "cardan optimise {name}.toml"
+# which pivot would suit.
+#
+# The implement's input shaft lies 60 mm higher, and the joint centres are 1000 mm apart: the single
+# joint is bent by atan(60/1000) in every turn, the double joint by what the turn asks.
+
+title = "Wide-angle PTO shaft"
+
+[driveline]
+double_joint_deg = 3.43        # total bend of the wide-angle joint, here straight ahead
+joint_distance_mm = 80         # from one of its two crosses to the other
+synchronous_deg = 40           # total bend at which both have the same bend, from the maker
+single_bend_deg = 3.43         # of the joint at the implement
+single_twist_deg = 180         # from the plane of the double joint to its own
+single_phase_deg = 0           # yokes of the shaft between them in one plane
+
+[load]
+speed_rpm = 540
+output_torque_Nm = 500
+
+[states]                       # how far the tractor turns
+names = ["straight", "turn 20 deg", "turn 35 deg", "turn 50 deg"]
+weights = [8, 3, 2, 1]
+double_joint_deg = [3.43, 20.28, 35.15, 50.09]
+single_twist_deg = [180, 99.3, 94.9, 92.9]
+
+[limits]                       # put your own in their place
+equivalent_bend_deg = [6, 8]
+source = "our own trials"
+
+[optimise]
+vary = {synchronous_deg = [-30, 40], single_phase_deg = "free"}
+
+[output]
+"""
+            + _FILES,
+        ),
         "readings": Starter(
             "what an inclinometer shows on each shaft",
             """\

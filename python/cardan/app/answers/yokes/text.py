@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from cardan.app.answers.printed import in_unit, listed, number_text, plain_text, quantity, turn_text
 from cardan.app.answers.yokes.figures import SHOWN, Advice, BendRange, ShaftSetting, YokeFigures
+from cardan.app.scene.sections.driveline import SINGLE_PHASE
 from cardan.design.wrapping import fill
 from cardan.motion.workshop import ARROW, SAME_YOKE, VIEW
 
@@ -52,7 +53,7 @@ def yoke_text(title: str, found: YokeFigures) -> str:
             f"{tried} the driveline {passes}{':' if found.above_limits else '.'}",
             *(f"- {words}" for words in found.above_limits),
         ],
-        [f"In the scene: {text}"] if (text := phases_text(found)) else [],
+        [_counted(found), f"In the scene: {text}"] if (text := phases_text(found)) else [],
     ]
     return "\n\n".join("\n".join(map(_wrapped, part)) for part in paragraphs if part)
 
@@ -73,8 +74,16 @@ def phases_text(found: Advice) -> str:
     """
     phases = [f"{round(shaft.phase_deg, 4) + 0.0:.7g}" for shaft in found.set_shafts]
     if found.is_double:
-        return f"single_phase_deg = {phases[1]}" if len(phases) > 1 else ""
+        return f"{SINGLE_PHASE} = {phases[1]}" if len(phases) > 1 else ""
     return f"phases_deg = [{', '.join(phases)}]"
+
+
+def _counted(found: Advice) -> str:
+    key = SINGLE_PHASE if found.is_double else "phases_deg"
+    return (
+        f"{key} counts clockwise from yokes in one plane, not from the best setting: a yoke 6° off "
+        "has the best value plus or minus 6."
+    )
 
 
 def yoke_lines(found: Advice) -> list[str]:

@@ -488,7 +488,9 @@ DRIVELINE: Section[Described] = Section(
         "phases_deg": Key(
             rules.numbers(),
             "angle from the input-side to the output-side yoke of each intermediate shaft, "
-            "clockwise looking from the drive towards the output; default 0",
+            "clockwise looking from the drive towards the output; 0 has both in one plane, and a "
+            'yoke 6 deg off has its best phase, as "cardan phase" finds it, plus or minus 6; '
+            "default 0",
             "phases",
             entry=("phase", "shaft", 1),
         ),
