@@ -99,6 +99,12 @@ def test_how_a_reading_is_written(text: str, degrees: float) -> None:
         ("lengths_mm = [350,", "lengths_m = [350,", "lengths_m is in m; with readings_deg give le"),
         ("1507, 300]", "1507]", "lengths_mm has length 3; it needs 4, one per shaft"),
         ("gauge_deg = 0.25", "gauge_deg = 0", "gauge_deg is 0 deg; the accuracy of a gauge must"),
+        (
+            "gauge_deg",
+            "feet_apart_mm = [9]\ngauge_deg",
+            "feet_apart_mm has length 1; it needs 2",
+        ),
+        ("gauge_deg", "feet_apart_mm = 0\ngauge_deg", "feet_apart_mm is 0; it must lie in [0.001"),
         ("offsets_mm", "bends_deg = [1]\noffsets_mm", "bends_deg and readings_deg are both given"),
     ],
 )
@@ -255,6 +261,45 @@ def test_a_shim_has_its_thickness(units: str, length: str, per: float) -> None:
     assert float(found[2]) == pytest.approx(per * math.tan(math.radians(float(found[1]))), rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("key", "apart", "factor"),
+    [
+        ("feet_apart_mm = [600, 120]", 600.0, 1.0),
+        ("feet_apart_mm = 250", 250.0, 1.0),
+        ("feet_apart_in = [20, 4]", 508.0, 25.4),
+    ],
+)
+@pytest.mark.parametrize("tilted", [0.0, 8.0])
+def test_a_shim_under_feet_that_are_known(
+    key: str, apart: float, factor: float, tilted: float
+) -> None:
+    """It tilts an engine whose other feet stay, and a turn up needs it under those."""
+    units = 'units = "us"' if "_in" in key else ""
+    text = YACHT.format(units=units, engine=5 + tilted).replace("gauge_deg", f"{key}\ngauge_deg")
+    scene = cardan.Scene.parse(text)
+    with shown_in(scene.units):
+        words = [*moves_in_words(Answer(scene)["moves"])]
+    (said,) = (
+        found
+        for each in words
+        if (
+            found := re.match(
+                r"Tilt shaft 0 (up|down) towards the output by (\S+)° with a shim, (\S+) (?:mm|in) "
+                r"thick, under each of the feet (nearer to|farther from) the output: .* and with "
+                r"(\S+)°, a shim of (\S+) (?:mm|in), whatever",
+                each,
+            )
+        )
+    )
+    assert (said[1], said[4]) == (("up", "nearer to") if tilted else ("down", "farther from"))
+    for turn, thick in ((said[2], said[3]), (said[5], said[6])):
+        wanted = apart * math.tan(math.radians(float(turn)))
+        assert factor * float(thick) == pytest.approx(wanted, rel=0.02, abs=0.06 * factor)
+    assert not any("feet_apart" in each for each in words)
+    without = Answer(cardan.Scene.parse(text.replace(key, "")))["moves"]
+    assert sum("feet_apart_mm in [driveline]" in each for each in moves_in_words(without)) == 1
+
+
 def test_a_remedy_at_the_edge_of_the_limits_says_what_is_certain() -> None:
     moves = Answer(cardan.Scene.parse(YACHT.format(units="", engine=5)))["moves"]
     engine = next(move for move in moves if move.of == "shaft 0")
@@ -267,8 +312,13 @@ def test_a_remedy_at_the_edge_of_the_limits_says_what_is_certain() -> None:
     assert 0.2 < (shares[engine.tilt] or 0.0) < 0.8
     assert shares[engine.certain] == 1.0
     words = [*moves_in_words(moves)]
-    certain = f", and with {abs(math.degrees(engine.certain)):.2f}° whatever the gauge may hide."
-    assert sum(each.endswith(certain) for each in words) == 1
+    thick = 1e3 * math.tan(abs(engine.certain))
+    found = [
+        re.search(r", and with (\S+)°, a shim of (\S+) mm per m, whatever the gauge may hide", each)
+        for each in words
+    ]
+    (said,) = (one for one in found if one and one[1] == f"{abs(math.degrees(engine.certain)):.2f}")
+    assert thick <= float(said[2]) < thick + 0.1
     assert words[-1].startswith("A change without a second value leads just to the edge")
     assert "the gauge may hide 0.3° of each reading" in words[-1]
     exact = YACHT.format(units="", engine=5).replace("gauge_deg = 0.3\n", "")
@@ -289,7 +339,7 @@ def test_without_lengths_no_spacer_is_advised() -> None:
 def test_a_shim_suffices_in_every_state_as_it_is_printed() -> None:
     """A point that moves alike tilts its shaft by another angle where that slopes more."""
     text = (EXAMPLES / "launch.toml").read_text()
-    (words,) = moves_in_words(Answer(cardan.Scene.parse(text))["moves"])
+    words, _ = moves_in_words(Answer(cardan.Scene.parse(text))["moves"])
     found = re.match(r"Tilt shaft 2 down towards the output by (\d\.\d\d)° with a shim", words)
     assert found
     for size, verdict in ((float(found[1]), "within"), (float(found[1]) - 0.02, "beyond")):

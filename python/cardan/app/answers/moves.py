@@ -17,7 +17,7 @@ from cardan.app.answers.rows import UNITS, count, figure, optional, word
 from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.machine import machine_of, moving, rules_of
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.driveline import READINGS, has_lengths
+from cardan.app.scene.sections.driveline import FEET, READINGS, has_lengths
 from cardan.design.limits import PRESETS
 from cardan.design.machine import Change, Machine
 from cardan.design.quantities import MOTION_QUANTITIES
@@ -64,6 +64,8 @@ class Move:
     untried: str = word("not tried", "what else has a limit, which this search leaves out")
     # The same with what each of them is now, unless it is within its limit.
     left_out: str = field(kw_only=True)
+    # Distance in m between the feet of what is tilted.
+    feet: float | None = field(kw_only=True, default=None)
 
 
 def find(answer: Answer) -> tuple[Move, ...]:
@@ -148,6 +150,7 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
     last = line.n_joints
     lengths, rises = line.lengths().each, np.arcsin(line.directions[:, 1])
     gauge = None if scene.gauge_deg is None else math.radians(scene.gauge_deg)
+    feet = scene.feet_apart or (None, None)
     for move in moves:
         move = replace(move, gauge=gauge)
         if move.variable != "point" or move.shift is None:
@@ -161,6 +164,7 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
             if move.verdict == "within":
                 tilt = _least_tilt(scene, shaft, tilt)
                 certain = _certain_tilt(scene, shaft, tilt)
+            move = replace(move, feet=feet[-1 if shaft else 0])
             yield replace(
                 move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt, certain=certain
             )
@@ -234,6 +238,14 @@ def _of(change: Change, joints: int) -> str:
     return f"{whose.get(change.variable, 'joint')} {change.item}"
 
 
+def _shim(tilt: float, feet: float | None) -> tuple[str, str]:
+    """The thickness of a shim, and the length between the feet that it is for if that is open."""
+    long = shown_unit("m")
+    apart = 1.0 / UNITS[long].factor if feet is None else feet
+    thick = quantity(math.tan(abs(tilt)) * apart, "mm", rounds="up")
+    return thick, symbol_of(long) if feet is None else ""
+
+
 # More are not read.
 _MOST = 5
 
@@ -248,12 +260,22 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
     for move in shown:
         then = f"everything {'tried ' if move.untried else ''}is then within its limits"
         if move.certain is not None:
-            then += f", and with {quantity(abs(move.certain), 'deg')} whatever the gauge may hide"
+            thick, per = _shim(move.certain, move.feet)
+            shim = f"{thick} per {per}" if per else thick
+            then += (
+                f", and with {quantity(abs(move.certain), 'deg')}, a shim of {shim}, whatever the "
+                "gauge may hide"
+            )
         if move.verdict != "within":
             then = f"this helps most; the {move.left} is then still {move.verdict}"
         yield f"{_change(move)}: {then}."
     if left_out := next((move.left_out for move in shown if move.verdict == "within"), ""):
         yield f"Not tried with {'this change' if len(shown) == 1 else 'these changes'}: {left_out}."
+    if any(move.tilt is not None and move.feet is None for move in shown):
+        yield (
+            f"The distance between the feet, {FEET} in [driveline], gives the thickness of each "
+            "shim."
+        )
     edges = [move for move in shown if move.verdict == "within" and move.certain is None]
     if gauge := next((move.gauge for move in edges if move.gauge), None):
         yield (
@@ -306,12 +328,12 @@ def _change(move: Move) -> str:
     if move.tilt is not None:
         way = "up" if move.tilt > 0.0 else "down"
         by = quantity(abs(move.tilt), "deg", rounds="up")
-        long = shown_unit("m")
-        thick = quantity(math.tan(abs(move.tilt)) / UNITS[long].factor, "mm", rounds="up")
-        return (
-            f"Tilt {move.of} {way} towards the output by {by} with a shim, {thick} thick per "
-            f"{symbol_of(long)} between the feet"
-        )
+        thick, per = _shim(move.tilt, move.feet)
+        where = f"thick per {per} between the feet"
+        if move.feet is not None:
+            side = "nearer to" if move.tilt > 0.0 else "farther from"
+            where = f"thick, under each of the feet {side} the output"
+        return f"Tilt {move.of} {way} towards the output by {by} with a shim, {thick} {where}"
     if move.rating is not None:
         return f"Choose a rating of {given(move.rating, 'Nm')} for {move.of}"
     assert move.shift is not None

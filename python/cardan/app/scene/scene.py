@@ -247,6 +247,7 @@ class Scene:
         tolerance_arms: arms of the joints in m by the groups whose tolerances are lengths.
         tolerance_share: share of drivelines that must be within the limit; ``None`` for all.
         gauge_deg: how far each reading of an inclinometer may be off, if the scene says so.
+        feet_apart: distances in m between the feet at the drive's end and at the other, likewise.
         length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
         decimal_commas: line and text of lists that may have decimal commas.
         text: what the file says.
@@ -261,6 +262,7 @@ class Scene:
     points: FloatArray | None = made_of(DRIVELINE, "points")
     length_unit: LengthUnit = made_of(DRIVELINE, "length_unit")
     gauge_deg: float | None = made_of(DRIVELINE, "gauge")
+    feet_apart: tuple[float, ...] | None = made_of(DRIVELINE, "feet")
     line: Driveline = made_of(BEARING, "line")
     load_case: Load | None = made_of(LOAD, "load")
     angle: FloatArray | Sweep = made_of(SWEEP, "drive")

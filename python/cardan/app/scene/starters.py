@@ -170,18 +170,22 @@ vary = {synchronous_deg = [-30, 40], single_phase_deg = "free"}
         "readings": Starter(
             "what an inclinometer shows on each shaft",
             """\
-# A driveline as a workshop measures it: an inclinometer on each shaft, a tape measure in plan.
+# A driveline as a workshop or a boatyard measures it: an inclinometer on each shaft, a tape measure
+# in plan.
 # "cardan check {name}.toml" says which angles the joints work at, whether that is good, how certain
 # this is, and which shim, spacer or turn of a yoke would help.
 #
 # Hold the gauge along each shaft or square to its flange, with the vehicle level and the axle at
-# ride height. From the front: output shaft of the gearbox, shafts, pinion of the axle.
+# ride height; in a boat, hold it along the gearbox, the shaft and the propeller shaft, afloat or
+# laid level. From the front: output shaft of the gearbox, shafts, pinion of the axle.
 
 title = "Readings of a driveline"
 
 [driveline]
 readings_deg = ["3.0 down", "6.8 down", "1.9 down"]   # or "87.0 from vertical down", "5.2 % down"
 gauge_deg = 0.25               # how far each reading may be off
+# feet_apart_mm = [350, 120]   # from the front to the rear feet of the gearbox or engine, and of
+#                              # what bears the last shaft: shims then have their thickness
 teeth = 24                     # of the spline of the shaft; leave it out if there is none
 # From one line along the vehicle to the gearbox end, the centre of each joint and the pinion end,
 # and how long each shaft is. Both may be left out: then the driveline lies straight in plan.

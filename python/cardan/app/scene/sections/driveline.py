@@ -40,6 +40,9 @@ SINGLE_PHASE = "single_phase_deg"
 READINGS, OFFSETS, GAUGE = "readings_deg", "offsets_mm", "gauge_deg"
 """The keys of what an inclinometer and a tape measure show, and of what the former may hide."""
 
+FEET = "feet_apart_mm"
+"""The key of how far apart the feet lie under which shims are laid."""
+
 
 @dataclass(frozen=True)
 class Form:
@@ -153,7 +156,7 @@ FORMS = (
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
     Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
-    Form(_from_readings, (READINGS,), (_PHASES,), 1, measures=(LENGTHS[0], OFFSETS, GAUGE)),
+    Form(_from_readings, (READINGS,), (_PHASES,), 1, measures=(LENGTHS[0], OFFSETS, GAUGE, FEET)),
     # Values of a double joint are lists of one entry.
     Form(_from_double_joint, _DOUBLE_JOINT, ("pivot_wear_mm",), -1, 2, further=_SINGLE),
 )
@@ -219,7 +222,7 @@ def _form_of(values: Mapping[str, Any]) -> Form:
             raise ArgumentValueError(key, f"is missing; {' and '.join(form.keys)} go together")
     for key in values:
         if key not in form.keys + form.optional + form.further + form.measures:
-            if key in (OFFSETS, GAUGE):
+            if key in (OFFSETS, GAUGE, FEET):
                 raise ArgumentValueError(key, f"belongs to {READINGS}, which is not given")
             raise ArgumentValueError(key, f"does not go with {form.keys[0]}, which says it already")
     return form
@@ -305,18 +308,20 @@ class Described:
     points: FloatArray | None
     length_unit: units.LengthUnit
     gauge: float | None  # in degrees
+    feet: tuple[float, ...] | None  # of the drive's end and of the other, in m
 
 
 def _described(values: Mapping[str, Any], scene: Reading) -> Described:
     recorded = scene[ANGLES]
-    own = {key: value for key, value in values.items() if key not in (TEETH, GAUGE, *LENGTHS)}
+    own = {key: value for key, value in values.items() if key not in (TEETH, GAUGE, FEET, *LENGTHS)}
     lengths = next((key for key in LENGTHS if key in values), None)
     if READINGS in values and lengths:
         if lengths != LENGTHS[0]:
             raise ArgumentValueError(lengths, f"is in m; with {READINGS} give {LENGTHS[0]}")
         own[lengths], lengths = values[lengths], None
-    elif GAUGE in values and READINGS not in values:
-        raise ArgumentValueError(GAUGE, f"belongs to {READINGS}, which is not given")
+    for key in (GAUGE, FEET):
+        if key in values and READINGS not in values:
+            raise ArgumentValueError(key, f"belongs to {READINGS}, which is not given")
     form, keys = filled(own, recorded.bends if recorded else None)
     if form.measures:
         # What is measured must fit before there is a driveline.
@@ -336,7 +341,13 @@ def _described(values: Mapping[str, Any], scene: Reading) -> Described:
         points_of(own),
         "m" if {"points_m", "lengths_m"} & values.keys() else "mm",
         values.get(GAUGE),
+        _feet(values[FEET]) if FEET in values else None,
     )
+
+
+def _feet(value: float | list[float]) -> tuple[float, ...]:
+    each = value if isinstance(value, list) else [value] * 2
+    return tuple(DRIVELINE.keys[FEET].factor * one for one in each)
 
 
 def has_lengths(line: Driveline) -> bool:
@@ -448,6 +459,14 @@ DRIVELINE: Section[Described] = Section(
             rules.Number(0, 10, above=True, what="the accuracy of a gauge", unit="deg"),
             "with readings_deg: how far each reading may be off; the answer then says how certain "
             "its verdict is",
+        ),
+        FEET: Key(
+            rules.each(rules.SIZE, "numbers"),
+            "with readings_deg: distance along the shaft between the feet of what bears the first "
+            "shaft, such as an engine, and of what bears the last one; one number for both. The "
+            "answer then says how thick each shim is",
+            factor=1e-3,
+            per="end",
         ),
         DOUBLE_JOINT: Key(
             rules.numbers(rules.Number(0, 180, below=True, what="a total bend", unit="deg"), 1),

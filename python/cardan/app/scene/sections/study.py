@@ -15,7 +15,7 @@ from cardan.app.scene.language.rules import TEXTS, FileName, ListOf, Number, Rul
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.language.units import alike, si_key, units_of
 from cardan.app.scene.sections.bearing import BEARING
-from cardan.app.scene.sections.driveline import DRIVELINE, GAUGE, LENGTHS, TEETH
+from cardan.app.scene.sections.driveline import DRIVELINE, FEET, GAUGE, LENGTHS, TEETH
 from cardan.app.scene.sections.joints import JOINTS
 from cardan.app.scene.sections.load import ANGLES, LOAD, SWEEP, TORQUES, check_not_recorded
 from cardan.app.scene.sections.output import OUTPUT, caused, has_table
@@ -40,7 +40,7 @@ _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 
 
 def varied_keys(
-    meaning: str, without: tuple[str, ...] = (TEETH, GAUGE, *LENGTHS)
+    meaning: str, without: tuple[str, ...] = (TEETH, GAUGE, FEET, *LENGTHS)
 ) -> dict[str, Key]:
     """Return the keys that a study or states may vary."""
     found = {}
@@ -193,7 +193,7 @@ STUDY: Section[Study | None] = Section(
     "keys to vary; several keys make a grid, with one driveline per row of the table",
     {
         **_IN_ROWS["study"],
-        **varied_keys("values for", without=(TEETH, GAUGE)),
+        **varied_keys("values for", without=(TEETH, GAUGE, FEET)),
         "bearing": Key(BEARING_AXES, "values for the position of a [[bearing]], by its number"),
     },
     _study,
