@@ -131,6 +131,8 @@ def _from_double_joint(
         np.asarray(value, dtype=np.float64)[..., 0] for value in (total, length, synchronous, wear)
     )
     half = 0.5 * (np.radians(even) if degrees else even)
+    if np.any((even < 0.0) | (half >= np.pi / 3.0)):
+        raise ArgumentValueError("synchronous", "must lie in [0, 120) deg")
     pivot = 0.5 * distance / np.cos(half) + off
     if np.any((pivot <= 0.0) | (pivot >= distance)):
         raise ArgumentValueError("wear", "puts the pivot beyond the joints, between which it lies")

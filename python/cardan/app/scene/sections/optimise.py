@@ -78,9 +78,11 @@ class Vary(Rule):
                     "is a key of [load]; what may change is the layout in [driveline], and [study] "
                     "compares inertias"
                 )
+            if path.partition(".")[0] in (*_OF_DOUBLE, SINGLE_PHASE) and "." in path:
+                raise own.error("is of one value; write the key alone, without a place")
             if not re.fullmatch(_PATH, path):
                 raise own.error(
-                    "is no path of a key of [driveline] or of a [[bearing]], as points_mm.2.y, "
+                    "is no path of a key that may change, as points_mm.2.y, "
                     "phases_deg.0, bends_deg.0-1, synchronous_deg or bearing.0.position_mm; "
                     "[study] compares values of other keys"
                 )

@@ -343,7 +343,8 @@ def _candidates(
                 low = max(-_TILT, -float(values[place])) if si.startswith("bends") else -_TILT
                 yield f"{key}.{place}", (low, _TILT)
         elif si == SYNCHRONOUS:
-            yield si, (-float(values[0]), _MORE_SYNCHRONOUS)
+            value = float(values[0])
+            yield si, (0.0 - value, min(_MORE_SYNCHRONOUS, 0.5 * (120.0 - value)))
     for place in range(len(own.get("phases_deg", ()))):
         yield f"phases_deg.{place}", None
     if SINGLE_PHASE in own:
