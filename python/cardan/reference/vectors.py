@@ -146,10 +146,9 @@ def from_bends(
     """Lay out a driveline from its angles.
 
     Shaft 0 points along +x and the first bend plane has the normal +z, so shaft 1 points along
-    ``(cos b, sin b, 0)``. Each twist turns the normal about the common shaft, even where the adjacent
-    joints are straight. ``twists`` and ``phases`` have one value for each intermediate shaft and
-    are 0 by default.
-    Error about 2e-16 per joint.
+    ``(cos b, sin b, 0)``. Each twist turns the normal about the common shaft, even where the
+    adjacent joints are straight. ``twists`` and ``phases`` have one value for each intermediate
+    shaft and are 0 by default. Error about 2e-16 per joint.
 
     Raises:
         ValueError: a bend outside [0, pi/2), no bend, or a wrong number of twists or phases.
