@@ -198,6 +198,21 @@ def bound_of(value: Judged, row: Row, *, radians: bool = False) -> str:
     return f"{text}, maximum {given(value.maximum, row.unit, radians=radians)}"
 
 
+def _bound_beside(value: Judged, row: Row, *, radians: bool) -> str:
+    """Say the limit beside a figure, which it does not judge if the figure may be worse."""
+    bound = bound_of(value, row, radians=radians)
+    is_open = value.may_be_worse and value.verdict == "not judged"
+    return f"{bound}, not judged" if bound and is_open else bound
+
+
+def _known_text(value: Judged, row: Row, *, radians: bool) -> str:
+    """Return a figure with its unit, and that it may be worse."""
+    text = row_text(value, row, radians=radians)
+    if not value.may_be_worse:
+        return text
+    return f"{text} or {'more' if value.sense == 'most' else 'less'}"
+
+
 def judged_text(value: Judged, row: Row) -> str:
     """Say a figure, where it is worst, and how it stands to its limit or why it is not judged."""
     if value.value is None:
@@ -228,8 +243,8 @@ def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401
     if isinstance(value, Judged):
         if value.value is None:
             return ""
-        text = row_text(value, row, radians=radians) + place_of(value)
-        return "; ".join(filter(None, (text, bound_of(value, row, radians=radians))))
+        text = _known_text(value, row, radians=radians) + place_of(value)
+        return "; ".join(filter(None, (text, _bound_beside(value, row, radians=radians))))
     if value is None:
         return ""
     if row.kind == "numbers":
@@ -283,10 +298,10 @@ def table_of(
         for value, unit in zip(values, units, strict=True):
             is_judged = isinstance(value, Judged)
             if is_judged and value.value is not None:
-                cells.append(row_text(value, unit, radians=radians))
+                cells.append(_known_text(value, unit, radians=radians))
             else:
                 cells.append(cell(value, unit, radians=radians))
-            bounds.append(bound_of(value, unit, radians=radians) if is_judged else "")
+            bounds.append(_bound_beside(value, unit, radians=radians) if is_judged else "")
             places.append(place_of(value).strip() if is_judged else "")
         if not any(cells):
             continue

@@ -228,6 +228,7 @@ class Judged:
     at: Mapping[str, float] = field(default_factory=dict)  # in a study, keys and values there
     each: Mapping[str, float] = field(default_factory=dict)  # the figure in each state, by name
     why: str = ""  # why it is not judged although there is a limit
+    may_be_worse: bool = False  # whether it may be, where it is not known
 
     @property
     def verdict(self) -> str:

@@ -14,7 +14,7 @@ from typing import Any, get_args
 import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
-from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
+from cardan.app.answers.lateral.vibration import ORDERS
 from cardan.app.answers.moves import held_in, search
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
@@ -262,7 +262,7 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
             "of_unbalances": [each.from_end for each in case.unbalance],
         },
         "orders": list(ORDERS),
-        "known": [[loss >= KNOWN for loss in each.loss] for each in found.vibration.groups],
+        "known": [[*each.known] for each in found.vibration.groups],
         "range": [float(case.speed[0]), float(case.speed[-1])],
         "frequency": _scaled("Hz"),
         "speed": _scaled("rpm"),

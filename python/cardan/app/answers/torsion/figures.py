@@ -562,7 +562,8 @@ def _judged(
     found = Judged(value, limit, size=size, state=f"at {quantity(at, 'rpm')}" if at else "")
     if missing and found.verdict == "within":
         start = quantity(missing[0].start, "rpm")
-        return replace(found, why=f"no periodic motion was found at {start}")
+        why = f"no periodic motion was found at {start}"
+        return replace(found, why=why, may_be_worse=True)
     return found
 
 
