@@ -96,7 +96,9 @@ def row_text(value: float | Judged, row: Row, *, radians: bool = False) -> str:
         told = [*map(_given_otherwise, told)]
         number = _given_otherwise(number) if kind == "given" else number
         kind = _in_radians(kind) if turned and kind != "given" else kind
-    text = number_text(number, kind, apart_from=told, rounds=row.rounds)
+    width = sum(abs(number - factor * other) for other in row.other_end)
+    least = _range_decimals(width)
+    text = number_text(number, kind, apart_from=told, rounds=row.rounds, least=least)
     return in_unit([text], unit, radians=radians)
 
 
@@ -526,8 +528,7 @@ def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
     low, high = settled(low, kind), settled(high, kind)
     rule, size, width = DIGITS[kind], max(abs(low), abs(high)), high - low
     decimals = _decimals(size, rule) if 0.0 < size < math.inf else 0
-    if 0.0 < width < math.inf and 1 - _exponent(width) <= _MOST_DECIMALS:
-        decimals = max(decimals, 1 - _exponent(width))
+    decimals = max(decimals, _range_decimals(width))
 
     def written(end: float) -> str:
         text = f"{end:.{decimals}f}"
@@ -539,6 +540,12 @@ def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
     if all(text.partition(".")[2].strip("0") == "" for text in (first, last)):
         return first.partition(".")[0], last.partition(".")[0]
     return first, last
+
+
+def _range_decimals(width: float) -> int:
+    """Return the decimals that give the width of a range two digits; 0 of too narrow ones."""
+    decimals = 1 - _exponent(width) if 0.0 < width < math.inf else 0
+    return max(0, decimals) if decimals <= _MOST_DECIMALS else 0
 
 
 def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:
