@@ -293,6 +293,32 @@ def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
     assert above.margin.verdict == "within"
 
 
+def test_a_tube_bears_the_torque_of_its_vibration() -> None:
+    """Without vibration the stress is 10.6 MPa, which is permitted."""
+    for permitted, verdict in ((17.0, "beyond"), (18.0, "within")):
+        text = FOUR.replace("wall_mm = 2", f"wall_mm = 2\npermitted_stress_MPa = {permitted}")
+        answers = Answer(Scene.parse(text))
+        (tube,) = answers["tubes"]
+        largest = next(each for each in figures(text).largest if each.shaft == 1)
+        assert tube.vibrating.value == pytest.approx(largest.size, rel=1e-12)
+        assert tube.vibrating.state == "at 1662 rpm"
+        ratio = tube.vibrating.value / tube.torque.value
+        assert tube.vibrating_stress.value == pytest.approx(ratio * tube.stress.value)
+        assert (tube.stress.verdict, tube.vibrating_stress.verdict) == ("within", verdict)
+        said = " ".join(PARTS["tubes"].text(answers["tubes"], brief=True).split())
+        beyond = "The shear stress in the tube of shaft 1 with vibration is 17.5 MPa at 1662 rpm,"
+        assert (beyond in said) == (verdict == "beyond")
+    # A machine does not vibrate.
+    fast = text.replace("wall_mm = 2", "wall_mm = 2\nleast_margin = 1.5").replace(
+        "= 2000", "= 4500"
+    )
+    assert Answer(Scene.parse(fast))["moves"]
+    for move in Answer(Scene.parse(fast))["moves"]:
+        assert "shear stress with vibration of the tube of shaft 1" in move.untried
+    # Without a search nothing is known of it.
+    assert Answer(Scene.parse(text.partition("[torsion]")[0]))["tubes"][0].vibrating is None
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

@@ -26,9 +26,9 @@ from cardan.design.quantities import MOTION_QUANTITIES
 _REACH = 0.05
 
 # The parts that a machine has, and their figures that it does not: its heat is that of each step,
-# its tubes have no half of a critical speed.
+# its tubes have no half of a critical speed and do not vibrate.
 _TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
-_UNTRIED = ("heat", "of_sizes", "half")
+_UNTRIED = ("heat", "of_sizes", "half", "vibrating_stress")
 
 # How much further than needed a shaft is tilted to find what is certain, over what the gauge hides.
 _FURTHER = np.arange(1, 13) / 2.0
