@@ -314,6 +314,16 @@ def test_the_loss_factor_decides_whether_there_is_a_peak() -> None:
     assert any(each.left is not None and each.left < 0.01 for each in figures(bare).remedies)
 
 
+def test_static_forces_of_an_elastic_bearing_are_called_so() -> None:
+    found = Answer(Scene.parse(SHARED.format(stiffness=220, loss="")))["forces"]
+    assert PARTS["forces"].sentences(found) == [
+        "The force of bearing 0 is that by statics; the lateral vibration has it over the speeds, "
+        "with resonances."
+    ]
+    rigid = SHARED.format(stiffness=220, loss="").replace("stiffness_N_per_mm", "# ")
+    assert PARTS["forces"].sentences(Answer(Scene.parse(rigid))["forces"]) == []
+
+
 def test_a_range_between_bands_is_kept() -> None:
     """Without a limit the largest displacement is open as well."""
     bare = changed(TEXT, ("loss_factor = 0.12", ""), ("tube_loss_factor = 0.01", ""))
