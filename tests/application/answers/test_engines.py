@@ -23,7 +23,7 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice
 from cardan.app.report.live import live
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.sections.torsion import TorsionCase
+from cardan.app.scene.sections.torsion import HARMONIC, TorsionCase
 from engine_cases import ENGINE
 from example_scenes import ANSWERS
 
@@ -264,6 +264,11 @@ shaft = 0
 stiffness_Nm_per_rad = 900
 relative_damping = 0.6
 """
+
+
+def test_the_help_says_where_gas_torques_come_from() -> None:
+    said = HARMONIC.keys["cos_Nm"].meaning
+    assert "tangential pressure, times the area of the piston and the radius of the crank" in said
 
 
 def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
