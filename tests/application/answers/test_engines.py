@@ -10,7 +10,8 @@ import pytest
 import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.printed import quantity
+from cardan.app.answers.printed import judged_text, quantity
+from cardan.app.answers.rows import Row
 from cardan.app.answers.schema import answer, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
@@ -20,8 +21,9 @@ from cardan.app.answers.torsion.figures import (
     torsion_figures,
 )
 from cardan.app.answers.torsion.text import torsion_advice
+from cardan.app.report.live import live
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.sections.torsion import TorsionCase
+from cardan.app.scene.sections.torsion import HARMONIC, TorsionCase
 from engine_cases import ENGINE
 from example_scenes import ANSWERS
 
@@ -234,6 +236,123 @@ def test_resonances_of_all_orders_are_judged() -> None:
         assert judged.margin.value == pytest.approx(share - 1.0, rel=1e-6)
 
 
+# Four cylinders, of which orders 4 and 6 hardly move the shafts.
+FOUR = """
+[driveline]
+points_mm = [[0, 0, 0], [500, -15, 0], [1900, -130, 0], [2300, -150, 0]]
+[load]
+output_torque_Nm = 150
+speed_rpm = 2000
+[tubes]
+shafts = [1]
+outer_diameter_mm = 70
+wall_mm = 2
+[torsion]
+drive = "free"
+inertias_kgm2 = [[0.15, 0.03], 0, [0.02, 1.5]]
+stiffnesses_Nm_per_rad = ["coupling", "tube", 6000]
+dampings_Nms_per_rad = [0, 0.5, 1]
+speed_rpm = {from = 900, to = 4500, steps = 181}
+resonance_margin = 0.15
+[[torsion.harmonic]]
+order = [0.5, 1, 1.5, 2, 4, 6]
+cos_Nm = [60, 50, 40, 25, 8, 3]
+sin_Nm = [80, 90, 70, 50, 12, 3]
+firing_order = [1, 3, 4, 2]
+[[torsion.coupling]]
+shaft = 0
+stiffness_Nm_per_rad = 900
+relative_damping = 0.6
+"""
+
+
+def test_the_help_says_where_gas_torques_come_from() -> None:
+    said = HARMONIC.keys["cos_Nm"].meaning
+    assert "tangential pressure, times the area of the piston and the radius of the crank" in said
+
+
+def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
+    found = basics(FOUR)
+    assert {each.order: each.negligible for each in found.resonances} == {
+        2.0: False,
+        4.0: True,
+        6.0: True,
+    }
+    assert found.margin.value == 0.0
+    assert judged_text(found.margin, Row("figure", "", "percent")) == (
+        "0% at 1669 rpm (order 2), 15% below the limit of 15%"
+    )
+    said = [*torsion_advice(found)]
+    assert said[0].startswith("a critical speed lies within 900 to 4500 rpm: order 2 at 1669 rpm")
+    assert said[1].startswith("order 4 at 3585 rpm with ±1.24 N m in shaft 1 and order 6 at 2390")
+    assert "below 1% of the mean torque of each shaft" in said[1]
+    # Every shaft has so little of it, and the distance is that of order 2.
+    system = found.torsion.system
+    for each in found.resonances:
+        steady = system.steady(each.speed, each.order)
+        share = np.max(np.abs(steady.torque_orders[:, 0]) / np.abs(steady.torque_mean))
+        assert (share < 0.01) == each.negligible
+    above = basics(FOUR.replace("from = 900", "from = 2000"))
+    speed = next(each.speed for each in found.resonances if each.order == 2.0)
+    assert above.margin.value == pytest.approx(2000.0 * RPM / speed - 1.0)
+    assert above.margin.verdict == "within"
+
+
+def test_a_tube_bears_the_torque_of_its_vibration() -> None:
+    """Without vibration the stress is 10.6 MPa, which is permitted."""
+    for permitted, verdict in ((17.0, "beyond"), (18.0, "within")):
+        text = FOUR.replace("wall_mm = 2", f"wall_mm = 2\npermitted_stress_MPa = {permitted}")
+        answers = Answer(Scene.parse(text))
+        (tube,) = answers["tubes"]
+        largest = next(each for each in figures(text).largest if each.shaft == 1)
+        assert tube.vibrating.value == pytest.approx(largest.size, rel=1e-12)
+        assert tube.vibrating.state == "at 1662 rpm"
+        ratio = tube.vibrating.value / tube.torque.value
+        assert tube.vibrating_stress.value == pytest.approx(ratio * tube.stress.value)
+        assert (tube.stress.verdict, tube.vibrating_stress.verdict) == ("within", verdict)
+        said = " ".join(PARTS["tubes"].text(answers["tubes"], brief=True).split())
+        beyond = "The shear stress in the tube of shaft 1 with vibration is 17.5 MPa at 1662 rpm,"
+        assert (beyond in said) == (verdict == "beyond")
+    # A machine does not vibrate.
+    fast = text.replace("wall_mm = 2", "wall_mm = 2\nleast_margin = 1.5").replace(
+        "= 2000", "= 4500"
+    )
+    assert Answer(Scene.parse(fast))["moves"]
+    for move in Answer(Scene.parse(fast))["moves"]:
+        assert "shear stress with vibration of the tube of shaft 1" in move.untried
+    # Without a search nothing is known of it.
+    assert Answer(Scene.parse(text.partition("[torsion]")[0]))["tubes"][0].vibrating is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        # Ten times the torque of order 6, and a shaft without mean torque.
+        ("8, 3]", "8, 30]"),
+        ("output_torque_Nm = 150", "output_torque_Nm = 0"),
+        # Hardly any damping.
+        ("= [0, 0.5, 1]", "= [0, 0.01, 0.01]"),
+    ],
+)
+def test_a_resonance_that_moves_torques_counts(old: str, new: str) -> None:
+    assert old in FOUR
+    found = basics(FOUR.replace(old, new).replace("from = 900", "from = 2300"))
+    (met,) = (each for each in found.resonances if each.order == 6.0)
+    assert not met.negligible
+    assert found.margin.verdict == "beyond"
+
+
+def test_a_page_judges_no_margin_anew_that_leaves_resonances_out() -> None:
+    """Other bends excite other torques."""
+    for text, is_live in ((FOUR, False), (FOUR.replace("8, 3]", "80, 30]"), True)):
+        found = live(Answer(Scene.parse(text)))
+        assert found is not None
+        kinds = {each["kind"] for each in found["data"]["figures"]}
+        others = {each["name"] for each in found["data"]["others"]}
+        name = "distance of the nearest critical speed of the shafts"
+        assert ("resonance" in kinds, name in others) == (is_live, not is_live)
+
+
 def test_a_check_that_searches_says_how_large_each_resonance_is() -> None:
     found = basics(ENGINE)
     said = next(each for each in torsion_advice(found) if "critical speed" in each)
@@ -335,12 +454,20 @@ def test_a_drive_whose_speed_runs_away() -> None:
     assert found.unstable_share
     assert found.unstable_share.verdict == "within"
     said = " ".join(torsion_advice(found))
-    assert re.search(r"a drive whose torque falls by more than 1\.43 N m s/rad", said)
-    assert re.search(r"between 208\d and 4000 rpm", said)
+    assert re.search(
+        r"between 208\d and 4000 rpm the torque that is needed falls with the speed; a governor "
+        r"holds every speed, and so does a drive whose torque falls by more than 1\.43 N m s/rad",
+        said,
+    )
+    assert "runs away" not in said
     # The slope of the drive counts.
     weak = governed + "unstable_percent = 0\ndrive_slope_Nms_per_rad = 0.5\n"
     assert basics(weak).unstable_share.verdict == "beyond"  # type: ignore[union-attr]
     assert basics(weak).avoided[0].reason == "the speed runs away"
+    said = " ".join(torsion_advice(basics(weak)))
+    assert re.search(
+        r"between \d+ and \d+ rpm the speed runs away: the torque that is needed", said
+    )
     strong = weak.replace("rad = 0.5", "rad = 1.5")
     assert basics(strong).unstable_share.verdict == "within"  # type: ignore[union-attr]
     whole = figures(governed)

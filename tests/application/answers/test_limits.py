@@ -12,6 +12,7 @@ import pytest
 import cardan
 import scripts
 from cardan import Driveline, Finding, Limit, Limits
+from cardan.app.answers.limits import not_judged
 from cardan.design.limits import PRESETS
 from cardan.motion import workshop
 
@@ -477,6 +478,15 @@ def test_the_answer_says_which_allow_it(tmp_path: Path) -> None:
     found = scripts.run("check", scene)
     assert found.exit_code == 0
     assert "Allowed by General Motors, truck and Spicer (tolerable)." in found.output
+
+
+def test_what_is_not_judged_names_its_source() -> None:
+    """Several sources limit the same bends."""
+    text = "[driveline]\nbends_deg = [11, 9.5]\n[limits]\n"
+    text += 'preset = ["john_deere", "camaro", "hombre", "drivetrain"]\n'
+    said = [*not_judged(cardan.Answer(cardan.Scene.parse(text)))]
+    for source in ("John Deere, equal", "Chevrolet Camaro of", "Isuzu Hombre,", "drivetrain.com"):
+        assert any(f" ({source}" in each for each in said), source
 
 
 def test_states_and_studies_have_the_worst() -> None:

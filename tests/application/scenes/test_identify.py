@@ -123,6 +123,29 @@ def test_both_joints_of_recorded_speeds(tmp_path: Path) -> None:
     assert data["phase_less_twist_deg"] == pytest.approx(-10.0, abs=0.01)
 
 
+def test_the_ends_of_an_interval_differ(tmp_path: Path) -> None:
+    """However narrow it is, its width has two digits."""
+    angles = np.linspace(0.0, 7200.0, 20000)
+    line = Driveline.from_bends([11], degrees=True)
+    driven = line.evaluate(angles, "angle", degrees=True).angle
+    path = tmp_path / "run.npz"
+    noise = np.random.default_rng(2).normal(0.0, 0.003, angles.size)
+    np.savez(path, drive=angles, driven=driven + noise)
+    options = ("--drive", "drive", "--driven", "driven")
+    data = json.loads(identify(path, *options, "--json").stdout)
+    text = identify(path, *options).output
+    low, high = (float(end) for end in re.findall(r"interval (?:from|to) +([\d.]+)°", text))
+    width = data["interval_high_deg"] - data["interval_low_deg"]
+    assert 0.0 < width < 0.005
+    assert high - low == pytest.approx(width, rel=0.1)
+
+
+def test_an_axis_is_needed(recording: Path) -> None:
+    refused = identify(recording, "--driven", "driven")
+    assert refused.exit_code == 2
+    assert "give one of --drive and --time; none is given" in refused.output
+
+
 def test_what_is_no_joint_is_said(tmp_path: Path) -> None:
     angles = np.linspace(0.0, 2000.0, 4000)
     rng = np.random.default_rng(5)
@@ -156,12 +179,18 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((), "give one of --driven, --speed-ratio and --driven-speed"),
-        (("--driven", "driven", "--speed-ratio", "ratio"), "give one of --driven, --speed-r"),
+        ((), "give one of --driven, --speed-ratio and --driven-speed; none is given"),
+        (
+            ("--driven", "driven", "--speed-ratio", "ratio"),
+            "--driven and --speed-ratio are given; give only one of them",
+        ),
         (("--speed-ratio", "ratio", "--intermediate", "middle"), "--intermediate needs --driven"),
         (("--driven", "drivn"), "no column 'drivn'; did you mean 'driven'?"),
         (("--driven-speed", "ratio"), "--driven-speed needs --drive-speed"),
-        (("--time", "middle", "--driven", "driven"), "give one of --drive and --time"),
+        (
+            ("--time", "middle", "--driven", "driven"),
+            "--drive and --time are given; give only one of them",
+        ),
         (("--driven", "drive"), "column 'drive' is named for two signals"),
         (("--driven", "copy"), "columns 'drive' and 'copy' are the same in all rows"),
         (

@@ -52,8 +52,8 @@ class JointBend:
     joint: int = item("joint")
     bend: float = figure("bend", "deg", digits="measured")
     standard_deviation: float | None = figure("standard deviation", "deg", digits="measured")
-    interval_low: float = figure("95% interval from", "deg", digits="measured")
-    interval_high: float = figure("95% interval to", "deg", digits="measured")
+    interval_low: float = figure("95% interval from", "deg", digits="measured", end="interval_high")
+    interval_high: float = figure("95% interval to", "deg", digits="measured", end="interval_low")
 
 
 @dataclass(frozen=True)
@@ -96,9 +96,13 @@ class Identified:
         "standard deviation of the bend", "deg", "by the noise", digits="measured"
     )
     interval_low: float = figure(
-        "95% interval from", "deg", "contains the bend in 95 % of cases", digits="measured"
+        "95% interval from",
+        "deg",
+        "contains the bend in 95 % of cases",
+        digits="measured",
+        end="interval_high",
     )
-    interval_high: float = figure("95% interval to", "deg", digits="measured")
+    interval_high: float = figure("95% interval to", "deg", digits="measured", end="interval_low")
     detection_limit: float = figure(
         "smallest bend detected", "deg", "that the noise alone may imitate", digits="measured"
     )

@@ -213,6 +213,9 @@ def not_judged(answer: Answer) -> Iterator[str]:
     for each in answer.of_verdict("not judged"):
         if each.value.limit is not None:
             text = f"{each.name}: {each.value.why or 'it is not a number'}"
+            if each.part.name == "presets":
+                # Several sources limit the same bends.
+                text += f" ({each.value.source})"
             if text not in said:
                 yield text
             said.add(text)

@@ -29,8 +29,8 @@ TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life",
 """The parts of an answer that a machine has."""
 
 # Their figures that it does not have: its heat is that of each step, its tubes have no half of a
-# critical speed.
-_UNTRIED = ("heat", "of_sizes", "half")
+# critical speed and do not vibrate.
+_UNTRIED = ("heat", "of_sizes", "half", "vibrating_stress")
 
 # How much further than needed a shaft is tilted to find what is certain, over what the gauge hides.
 _FURTHER = np.arange(1, 13) / 2.0

@@ -96,7 +96,9 @@ def row_text(value: float | Judged, row: Row, *, radians: bool = False) -> str:
         told = [*map(_given_otherwise, told)]
         number = _given_otherwise(number) if kind == "given" else number
         kind = _in_radians(kind) if turned and kind != "given" else kind
-    text = number_text(number, kind, apart_from=told, rounds=row.rounds)
+    width = sum(abs(number - factor * other) for other in row.other_end)
+    least = _range_decimals(width)
+    text = number_text(number, kind, apart_from=told, rounds=row.rounds, least=least)
     return in_unit([text], unit, radians=radians)
 
 
@@ -198,6 +200,21 @@ def bound_of(value: Judged, row: Row, *, radians: bool = False) -> str:
     return f"{text}, maximum {given(value.maximum, row.unit, radians=radians)}"
 
 
+def _bound_beside(value: Judged, row: Row, *, radians: bool) -> str:
+    """Say the limit beside a figure, which it does not judge if the figure may be worse."""
+    bound = bound_of(value, row, radians=radians)
+    is_open = value.may_be_worse and value.verdict == "not judged"
+    return f"{bound}, not judged" if bound and is_open else bound
+
+
+def _known_text(value: Judged, row: Row, *, radians: bool) -> str:
+    """Return a figure with its unit, and that it may be worse."""
+    text = row_text(value, row, radians=radians)
+    if not value.may_be_worse:
+        return text
+    return f"{text} or {'more' if value.sense == 'most' else 'less'}"
+
+
 def judged_text(value: Judged, row: Row) -> str:
     """Say a figure, where it is worst, and how it stands to its limit or why it is not judged."""
     if value.value is None:
@@ -228,8 +245,8 @@ def cell(value: Any, row: Row, *, radians: bool = False) -> str:  # noqa: ANN401
     if isinstance(value, Judged):
         if value.value is None:
             return ""
-        text = row_text(value, row, radians=radians) + place_of(value)
-        return "; ".join(filter(None, (text, bound_of(value, row, radians=radians))))
+        text = _known_text(value, row, radians=radians) + place_of(value)
+        return "; ".join(filter(None, (text, _bound_beside(value, row, radians=radians))))
     if value is None:
         return ""
     if row.kind == "numbers":
@@ -283,10 +300,10 @@ def table_of(
         for value, unit in zip(values, units, strict=True):
             is_judged = isinstance(value, Judged)
             if is_judged and value.value is not None:
-                cells.append(row_text(value, unit, radians=radians))
+                cells.append(_known_text(value, unit, radians=radians))
             else:
                 cells.append(cell(value, unit, radians=radians))
-            bounds.append(bound_of(value, unit, radians=radians) if is_judged else "")
+            bounds.append(_bound_beside(value, unit, radians=radians) if is_judged else "")
             places.append(place_of(value).strip() if is_judged else "")
         if not any(cells):
             continue
@@ -511,8 +528,7 @@ def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
     low, high = settled(low, kind), settled(high, kind)
     rule, size, width = DIGITS[kind], max(abs(low), abs(high)), high - low
     decimals = _decimals(size, rule) if 0.0 < size < math.inf else 0
-    if 0.0 < width < math.inf and 1 - _exponent(width) <= _MOST_DECIMALS:
-        decimals = max(decimals, 1 - _exponent(width))
+    decimals = max(decimals, _range_decimals(width))
 
     def written(end: float) -> str:
         text = f"{end:.{decimals}f}"
@@ -524,6 +540,12 @@ def range_ends(low: float, high: float, kind: str) -> tuple[str, str]:
     if all(text.partition(".")[2].strip("0") == "" for text in (first, last)):
         return first.partition(".")[0], last.partition(".")[0]
     return first, last
+
+
+def _range_decimals(width: float) -> int:
+    """Return the decimals that give the width of a range two digits; 0 of too narrow ones."""
+    decimals = 1 - _exponent(width) if 0.0 < width < math.inf else 0
+    return max(0, decimals) if decimals <= _MOST_DECIMALS else 0
 
 
 def curves_text(curves: Sequence[tuple[str, FloatArray]], unit: str, scale: float = 1.0) -> str:

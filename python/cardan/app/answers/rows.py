@@ -117,6 +117,7 @@ class Row:
     digits: str = ""  # a key of DIGITS, where that is not the unit
     rounds: Rounds = "nearest"  # "up" or "down" where the figure must do what it promises
     apart: str = ""  # the field of the same part that it is told apart from
+    end: str = ""  # the field of the same part at the other end of a range
     is_detail: bool = False  # whether it is left out of printed text
     # "own": the field "unit" of the same part holds the unit; "each": the keys end in it as well.
     # Of an item, "own": the field "per" holds what it is.
@@ -124,12 +125,15 @@ class Row:
     is_optional: bool = False  # whether JSON leaves it out where it is None or empty
     is_shown: bool = False  # whether it is held in the unit in which it is shown, as a scene has it
     bounds: tuple[float, ...] = ()  # what the figures say that it is told apart from
+    other_end: tuple[float, ...] = ()  # of its range, whose width has two digits
 
     def beside(self, found: Any) -> Row:  # noqa: ANN401 - any part
-        """Return the row with the unit, or of an item the label, and the bound of the figures."""
+        """Return the row with the unit, or of an item the label, and the bounds of the figures."""
         row = self
         if self.apart and (bound := getattr(found, self.apart)) is not None:
             row = replace(row, bounds=(bound,))
+        if self.end and (other := getattr(found, self.end)) is not None:
+            row = replace(row, other_end=(other,))
         if not self.own:
             return row
         if self.kind == "item":
@@ -228,6 +232,7 @@ class Judged:
     at: Mapping[str, float] = field(default_factory=dict)  # in a study, keys and values there
     each: Mapping[str, float] = field(default_factory=dict)  # the figure in each state, by name
     why: str = ""  # why it is not judged although there is a limit
+    may_be_worse: bool = False  # whether it may be, where it is not known
 
     @property
     def verdict(self) -> str:

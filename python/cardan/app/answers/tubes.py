@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,7 +11,13 @@ import numpy as np
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import Wherever, largest_torques
 from cardan.app.answers.printed import given, place_of, quantity
-from cardan.app.answers.rows import Judged, figure, item, worst_of
+from cardan.app.answers.rows import Judged, figure, item, optional, worst_of
+from cardan.app.answers.torsion.figures import (
+    TorsionBasics,
+    judged_at,
+    largest_of,
+    missing_of,
+)
 from cardan.app.scene.scene import Scene
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -29,13 +35,31 @@ class TubeFigures:
     stiffness: float = figure("torsional stiffness", "Nm_per_rad", source="G I_p/L")
     inertia: float = figure("moment of inertia", "kgm2", "about its axis", source="rho I_p L")
     mass: float = figure("mass", "kg")
-    torque: Judged | None = figure("largest torque", "Nm", "over the turn")
+    torque: Judged | None = figure(
+        "largest torque", "Nm", "over the turn, without torsional vibration"
+    )
     stress: Judged | None = figure(
         "shear stress",
         "MPa",
         "by the largest torque",
         source="T D/(2 I_p)",
         limit="[tubes] permitted_stress_MPa",
+    )
+    vibrating: Judged | None = optional(
+        figure(
+            "largest torque with vibration",
+            "Nm",
+            "of a shaft that is a spring of [torsion], where a check searches over its speeds",
+        )
+    )
+    vibrating_stress: Judged | None = optional(
+        figure(
+            "shear stress with vibration",
+            "MPa",
+            "by that torque",
+            source="T D/(2 I_p)",
+            limit="[tubes] permitted_stress_MPa",
+        )
     )
     critical: Judged | None = figure(
         "critical bending speed",
@@ -98,6 +122,7 @@ def find(answer: Answer) -> tuple[TubeFigures, ...]:
     margin, tube = Wherever(scene, margin_of, "least"), tubes.tube
     half, quarter = (Wherever(scene, partial(distance_of, order), "least") for order in (2, 4))
     per_torque, permitted = tube.shear_stress(1.0), tubes.permitted_stress
+    vibrating = _vibrating(answer)
     return tuple(
         TubeFigures(
             shaft,
@@ -106,6 +131,8 @@ def find(answer: Answer) -> tuple[TubeFigures, ...]:
             float(tube.mass[i]),
             torque.worst(i),
             torque.worst(i, permitted, "the scene gives no torque", per_torque[i]),
+            vibrating(shaft, None, 1.0),
+            vibrating(shaft, permitted, float(per_torque[i])),
             critical.worst(i),
             speed.worst(0),
             margin.worst(i, tubes.least_margin, "the scene gives no speed"),
@@ -114,6 +141,24 @@ def find(answer: Answer) -> tuple[TubeFigures, ...]:
         )
         for i, shaft in enumerate(tubes.shafts)
     )
+
+
+def _vibrating(answer: Answer) -> Callable[[int, float | None, float], Judged | None]:
+    """Return a function for the largest torque of a shaft over the speeds of [torsion], if known.
+
+    It takes the shaft, a limit, and a factor on the torque.
+    """
+    found = answer["torsion"]
+    search = found.search if isinstance(found, TorsionBasics) else None
+    largest = {each.shaft: each for each in largest_of(search)} if search else {}
+
+    def judged(shaft: int, limit: float | None, factor: float) -> Judged | None:
+        each = largest.get(shaft)
+        if each is None or search is None:
+            return None
+        return judged_at(factor * each.size, each.speed, limit, [*missing_of(search.response)])
+
+    return judged
 
 
 def speed_of(line: Driveline, load: Load | None) -> FloatArray | None:
@@ -137,15 +182,21 @@ def _torques(scene: Scene, line: Driveline, load: Load | None) -> FloatArray | N
 
 def sentences(tubes: Sequence[TubeFigures]) -> Iterator[str]:
     """Say whether the tubes are within the limits of the scene, what is not judged and why."""
-    judged = [each for tube in tubes for each in (tube.stress, tube.margin, tube.half) if each]
+    judged = [
+        each
+        for tube in tubes
+        for each in (tube.stress, tube.vibrating_stress, tube.margin, tube.half)
+        if each
+    ]
     for tube in tubes:
-        stress, margin = tube.stress, tube.margin
-        if stress and stress.verdict == "beyond" and stress.value and stress.limit:
-            yield (
-                f"The shear stress in the tube of shaft {tube.shaft} is "
-                f"{quantity(stress, 'MPa')}{place_of(stress)}, beyond the permitted "
-                f"{given(stress.limit, 'MPa')}."
-            )
+        margin = tube.margin
+        for stress, by in ((tube.stress, ""), (tube.vibrating_stress, " with vibration")):
+            if stress and stress.verdict == "beyond" and stress.value and stress.limit:
+                yield (
+                    f"The shear stress in the tube of shaft {tube.shaft}{by} is "
+                    f"{quantity(stress, 'MPa')}{place_of(stress)}, beyond the permitted "
+                    f"{given(stress.limit, 'MPa')}."
+                )
         if margin and margin.verdict == "beyond" and margin.value and margin.limit:
             yield (
                 f"The critical bending speed of shaft {tube.shaft} is "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from cardan.app.answers.identification import identified, sentences
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.picture import plot_optimise
-from cardan.app.answers.printed import part_text, wherever_text
+from cardan.app.answers.printed import listed, part_text, wherever_text
 from cardan.app.answers.schema import Kind
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import yoke_settings
@@ -226,13 +226,11 @@ def identify(file: Path, radians: bool, output: Output, **columns: str | None) -
       cardan identify run.csv --time t --drive-speed n1 --driven-speed n2
     """
     given = {name for name, column in columns.items() if column is not None}
-    if len(given & {"drive", "time"}) != 1:
-        raise click.UsageError("give one of --drive and --time")
-    if len(given & {"driven", "speed_ratio", "driven_speed"}) != 1:
-        raise click.UsageError("give one of --driven, --speed-ratio and --driven-speed")
+    _check_one(given, ("drive", "time"))
+    _check_one(given, ("driven", "speed_ratio", "driven_speed"))
     for name in ("time", "driven_speed"):
         if name in given and "drive_speed" not in given:
-            raise click.UsageError(f"--{name.replace('_', '-')} needs --drive-speed")
+            raise click.UsageError(f"{_option(name)} needs --drive-speed")
     if "intermediate" in given and not given & {"driven", "driven_speed"}:
         raise click.UsageError("--intermediate needs --driven or --driven-speed")
     output.check()
@@ -243,6 +241,19 @@ def identify(file: Path, radians: bool, output: Output, **columns: str | None) -
         lambda: part_text(found.path, found, sentences(found, radians=radians), radians=radians),
         data_of(found, radians=radians),
     )
+
+
+def _check_one(given: Collection[str], names: Sequence[str]) -> None:
+    """Refuse none and several of some options."""
+    both = [_option(name) for name in names if name in given]
+    if not both:
+        raise click.UsageError(f"give one of {listed([*map(_option, names)])}; none is given")
+    if len(both) > 1:
+        raise click.UsageError(f"{listed(both)} are given; give only one of them")
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
 @click.command()

@@ -14,7 +14,7 @@ from typing import Any, get_args
 import numpy as np
 
 from cardan.app.answers.answer import FROM_THE_WORST, Answer
-from cardan.app.answers.lateral.vibration import KNOWN, ORDERS
+from cardan.app.answers.lateral.vibration import ORDERS
 from cardan.app.answers.moves import held_in, search
 from cardan.app.answers.printed import bound_of, judged_text
 from cardan.app.answers.rows import DIGITS, UNITS, Judged, Row, element_of, rows_of
@@ -202,7 +202,8 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
 
     ``changeable`` is what a page can change. ``arguments`` are those of the core's function but for
     the driveline, and inertias without those of tubes. The shafts ``springs`` have the stiffness
-    of their tube.
+    of their tube. A margin that leaves critical speeds out is not judged anew, since what they do
+    to torques changes with the bends.
     """
     case, found = answer.scene.torsion, answer["torsion"]
     if case is None or found is None or case.system.stiffness_follows_speed:
@@ -227,7 +228,9 @@ def _torsion(answer: Answer, changeable: dict[str, Any]) -> dict[str, Any] | Non
             "orders": [float(order) for order in case.orders],
             "excited": [order in case.excited for order in case.orders],
             "range": [found.speed_range.start, found.speed_range.stop],
-            "margin": case.margin,
+            "margin": None
+            if any(each.negligible for each in found.critical_speeds)
+            else case.margin,
         },
         "is_loaded": case.is_loaded and changeable["torque"] is not None,
         "springs": list(case.springs),
@@ -262,7 +265,7 @@ def _lateral(answer: Answer) -> dict[str, Any] | None:
             "of_unbalances": [each.from_end for each in case.unbalance],
         },
         "orders": list(ORDERS),
-        "known": [[loss >= KNOWN for loss in each.loss] for each in found.vibration.groups],
+        "known": [[*each.known] for each in found.vibration.groups],
         "range": [float(case.speed[0]), float(case.speed[-1])],
         "frequency": _scaled("Hz"),
         "speed": _scaled("rpm"),

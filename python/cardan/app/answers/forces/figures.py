@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.over import drivelines, limit_of, over
-from cardan.app.answers.printed import place_of, quantity
+from cardan.app.answers.printed import items_text, place_of, quantity
 from cardan.app.answers.rows import Judged, count, figure, item, parts
 from cardan.app.answers.turn.extremes import peak, peaks
 from cardan.app.answers.turn.figures import first_place, noise
@@ -126,10 +126,14 @@ class BearingForce(OverTurn):
 
 @dataclass(frozen=True)
 class Forces:
-    """The forces over a turn at the load of a scene, in all of its states or its study."""
+    """The forces over a turn at the load of a scene, in all of its states or its study.
+
+    Those of the ``elastic`` bearings are by statics, without resonances.
+    """
 
     joints: tuple[JointForce, ...] = parts("Forces of the joints")
     bearings: tuple[BearingForce, ...] = parts("Forces of the bearings")
+    elastic: tuple[int, ...] = ()
 
 
 def find(answer: Answer) -> Forces | None:
@@ -154,6 +158,7 @@ def find(answer: Answer) -> Forces | None:
             BearingForce(i, *row, shaft)
             for i, (row, (shaft, _)) in enumerate(zip(bearings, line.bearings, strict=True))
         ),
+        scene.lateral.elastic if scene.lateral else (),
     )
 
 
@@ -224,12 +229,18 @@ def unknown(scene: Scene) -> str:
 
 
 def sentences(found: Forces) -> Iterator[str]:
-    """Say why forces are missing."""
+    """Say why forces are missing, and which have resonances."""
     each: tuple[tuple[str, tuple[OverTurn, ...]], ...]
     each = (("joints", found.joints), ("bearings", found.bearings))
     for name, forces in each:
         if forces and (why := forces[0].largest.why):
             yield f"The forces of the {name} are not known: {why}."
+    if found.elastic:
+        bearings = items_text("bearing", found.elastic)
+        yield (
+            f"The force of {bearings} is that by statics; the lateral vibration has it over the "
+            "speeds, with resonances."
+        )
 
 
 def largest_text(found: Forces) -> str:

@@ -32,6 +32,7 @@ from cardan.app.answers.rows import (
 )
 from cardan.app.answers.torsion.figures import SpeedRange
 from cardan.app.scene.scene import Scene
+from cardan.app.scene.sections.lateral import LateralCase
 from cardan.arrays import FloatArray
 from cardan.evaluation.load import Load
 
@@ -81,7 +82,8 @@ class NaturalFrequency:
 class Resonance:
     """An order that meets a natural frequency.
 
-    Where the loss factor is below 0.05, the peak is not known: there is a band around it.
+    Where the loss factor of its bearings, or of all if tubes bend much, is below 0.05, the peak is
+    not known: there is a band around it.
     """
 
     order: int = count("order", "of the drive's rotation")
@@ -102,7 +104,10 @@ class Resonance:
     start: float = figure("band from", "rpm", "16 % below", is_detail=True)
     stop: float = figure("band to", "rpm", "16 % above", is_detail=True)
     known: bool = flag(
-        "peak known", "whether the loss factor of the resonance is 0.05 or more", is_detail=True
+        "peak known",
+        "whether the loss factor of the resonance is 0.05 or more, or that of the bearings where "
+        "they have most of the elastic energy",
+        is_detail=True,
     )
 
 
@@ -453,16 +458,37 @@ def _over_speeds(
         values.append(float(np.max(one.response.largest(name)[bearing, ~one.unknown])))
         bands += one.bands
     judged = over(scene, np.array(values), names=_names(scene), **limit)
+    judged = replace(judged, may_be_worse=bool(bands))
     if bands and judged.verdict in ("within", "tolerable"):
-        first = min(bands, key=lambda met: met.speed)
-        why = (
-            f"the damping of the resonance of order {first.order} at "
-            f"{quantity(first.speed, 'rpm')} is too small or not known (loss_factor in "
-            "[[bearing]], tube_loss_factor in [lateral]); a speed range without "
-            f"{' to '.join(quantity(end, 'rpm') for end in first.band)} can be judged"
-        )
-        return replace(judged, why=why)
+        return replace(judged, why=_why(judged, bands, found[0].case))
     return judged
+
+
+def _why(judged: Judged, bands: Sequence[Met], case: LateralCase) -> str:
+    """Say at which speeds a limit is kept, and why it is not judged at the others."""
+    met = {(each.order, quantity(each.speed, "rpm")): each.lack for each in bands}
+    called = listed([f"order {order} at {speed}" for order, speed in met])
+    resonances = "resonance" if len(met) == 1 else "resonances"
+    lack = " or ".join(sorted(set(met.values()), reverse=True))
+    ranges = [" to ".join(quantity(end, "rpm") for end in ends) for ends in _outside(bands, case)]
+    kept = "kept" if judged.verdict == "within" else judged.verdict
+    # Bands of several states may reach all speeds.
+    where = f"it is {kept} from {listed(ranges)}; at the other speeds " if ranges else ""
+    return (
+        f"{where}the damping of the {resonances} of {called} is {lack} (loss_factor in "
+        "[[bearing]], tube_loss_factor in [lateral])"
+    )
+
+
+def _outside(bands: Sequence[Met], case: LateralCase) -> Iterator[tuple[float, float]]:
+    """Yield the ranges of speeds that no band reaches."""
+    start, stop = float(case.speed[0]), float(case.speed[-1])
+    for low, high in sorted(each.band for each in bands):
+        if low > start:
+            yield start, low
+        start = max(start, high)
+    if start < stop:
+        yield start, stop
 
 
 def _middles(found: Vibration) -> Iterator[MiddleOfTube]:

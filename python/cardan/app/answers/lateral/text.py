@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from cardan.app.answers.forces.figures import length
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
+from cardan.app.answers.lateral.remedy import Remedy
 from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR
 from cardan.app.answers.printed import bullets, capital, given, items_text, listed, quantity
 
@@ -13,6 +15,7 @@ _STILL = 1e-3  # of the couples, that is no excitation
 _CANCELLED = 0.02  # of the force in resonance, below which statics is no measure of it
 _MORE = 1.2  # of the force in other resonances, which a change should not raise
 _ENDS = 0.1  # of the force, that is the end of a shudder
+_MOST_DECIMALS = 9  # of a frequency that gives the speed shown
 
 
 def brief(found: LateralFigures) -> str:
@@ -97,31 +100,24 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
     """Say which resonances are in the range, the worst first, and what moves there."""
     inside = [each for each in found.resonances if each.inside and each.excited]
     for each in sorted(inside, key=lambda each: -(each.peak or 0.0)):
-        at = quantity(each.speed, "rpm")
         if each.peak is not None and each.peak_speed is not None and each.moved is not None:
+            peak = quantity(each.peak_speed, "rpm")
+            at = "" if peak == quantity(each.speed, "rpm") else f" at {peak}"
             yield (
-                f"order {each.order} is in resonance at {quantity(each.peak_speed, 'rpm')} "
-                f"({_shape(found, each)}): {quantity(each.peak, 'N')} at bearing {each.bearing}"
+                f"{_met(found, each)}: {quantity(each.peak, 'N')} at bearing {each.bearing}{at}"
                 f"{_times(found, each)}, where the shaft moves by "
                 f"±{quantity(each.moved, 'mm', digits='small')}"
             )
         elif not each.known:
-            yield (
-                f"order {each.order} is in resonance at {at} ({_shape(found, each)}); its damping "
-                f"is too small or not known, so {_stay_out(each)}"
-            )
+            yield f"{_met(found, each)}; {_stay_out(found, each)}"
         else:
             is_silent = each.order == 1 and not found.vibration.case.unbalance
             why = "; no [[lateral.unbalance]] is given" if is_silent else ""
-            yield f"order {each.order} is in resonance at {at} ({_shape(found, each)}){why}"
+            yield f"{_met(found, each)}{why}"
     for each in found.resonances:
         bands = () if each.inside else found.vibration.bands
         if any(band.speed == each.speed for band in bands):
-            yield (
-                f"order {each.order} is in resonance at {quantity(each.speed, 'rpm')} "
-                f"({_shape(found, each)}), outside the speed range; its damping is too small or "
-                f"not known, so {_stay_out(each)}"
-            )
+            yield f"{_met(found, each)}, outside the speed range; {_stay_out(found, each)}"
     if found.resonances and not inside:
         nearest, excited = "", [each for each in found.resonances if each.excited]
         if excited and found.speed_range:
@@ -135,8 +131,11 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
         yield "no order of 1, 2 and 4 meets a natural frequency near the speed range"
 
 
-def _stay_out(each: Resonance) -> str:
-    return f"stay out of {quantity(each.start, 'rpm')} to {quantity(each.stop, 'rpm')}"
+def _stay_out(found: LateralFigures, each: Resonance) -> str:
+    """Say which band has no peak, and why."""
+    met = next(met for met in found.vibration.met if met.speed == each.speed)
+    band = f"{quantity(each.start, 'rpm')} to {quantity(each.stop, 'rpm')}"
+    return f"its damping is {met.lack}, so stay out of {band}"
 
 
 def _running(found: LateralFigures) -> Iterator[str]:
@@ -168,10 +167,18 @@ def _of_state(found: LateralFigures) -> str:
     return f", in {found.state}" if found.state else ""
 
 
-def _shape(found: LateralFigures, each: Resonance) -> str:
-    """Say which natural frequency a resonance meets, and what moves most."""
+def _met(found: LateralFigures, each: Resonance) -> str:
+    """Say which order meets which natural frequency, at which speed, and what moves most.
+
+    The frequency has as many digits as give the speed that is shown.
+    """
     mode = next(mode for mode in found.modes if mode.number == each.mode)
-    return f"{quantity(mode.frequency, 'Hz')}, {mode.shape}"
+    speed, rounded = quantity(each.speed, "rpm"), mode.frequency
+    for decimals in range(1, _MOST_DECIMALS):
+        rounded = math.tau * round(mode.frequency / math.tau, decimals)
+        if quantity(rounded / each.order, "rpm") == speed:
+            break
+    return f"order {each.order} is in resonance at {speed} ({given(rounded, 'Hz')}, {mode.shape})"
 
 
 def _times(found: LateralFigures, each: Resonance) -> str:
@@ -231,17 +238,24 @@ def _layout(found: LateralFigures) -> Iterator[str]:
 
 def _stiffness(found: LateralFigures) -> Iterator[str]:
     """Say what half and twice the stiffness of a bearing do."""
-    soft, stiff = (
+    softer, stiffer = (
         next((each for each in found.remedies if each.stiffness == factor), None)
         for factor in (0.5, 2.0)
     )
-    if soft and stiff and soft.moved is not None and stiff.moved is not None:
-        less, more = (quantity(moved, "mm", digits="small") for moved in (soft.moved, stiff.moved))
+    if softer and stiffer and (less := _peak(softer)) and (more := _peak(stiffer)):
         yield (
-            f"half the stiffness of bearing {soft.bearing} moves the resonance to "
-            f"{quantity(soft.resonance, 'rpm')}, where the shaft moves by ±{less}, and twice the "
-            f"stiffness to {quantity(stiff.resonance, 'rpm')}, with ±{more}"
+            f"half the stiffness of bearing {softer.bearing} moves the resonance to "
+            f"{quantity(softer.resonance, 'rpm')}, with {less}, and twice the stiffness to "
+            f"{quantity(stiffer.resonance, 'rpm')}, with {more}"
         )
+
+
+def _peak(each: Remedy) -> str:
+    """Say what a bearing bears in resonance, and how far the shaft moves; "" if it is not known."""
+    if each.peak is None or each.moved is None:
+        return ""
+    moved = quantity(each.moved, "mm", digits="small")
+    return f"{quantity(each.peak, 'N')} at the bearing and ±{moved} of the shaft"
 
 
 def _changes(found: LateralFigures) -> Iterator[str]:
@@ -264,8 +278,9 @@ def _limits(found: LateralFigures) -> Iterator[str]:
     yield (
         "How good this is: couples, orders and static forces are exact for the drawn positions. "
         "Speeds of resonances are good to 10 % if each stiffness is the dynamic one under preload, "
-        "with its bracket in series. Peaks are only as good as the loss factor, and below "
-        f"{given(KNOWN, '')} there is a band of 16 % in place of a peak."
+        "with its bracket in series. Peaks are only as good as the loss factor. Below "
+        f"{given(KNOWN, '')} there is a band of 16 % in place of a peak; where bearings have most "
+        "of the elastic energy, theirs counts."
     )
     yield (
         f"Shafts that slide without friction, each in a free spline: {found.sliding}. Not "

@@ -25,7 +25,10 @@ NEAR = 0.16
 """How near a resonance a speed is in its band, in shares of the resonance."""
 
 KNOWN = 0.05
-"""The loss factor of a resonance from which its peak is as good as that; below it is a band."""
+"""The loss factor of a resonance from which its peak is as good as that; below it is a band.
+
+Where bearings have most of the elastic energy it is their loss factor: tubes then damp little.
+"""
 
 ALL = (0, *ORDERS)
 """The orders of the response: the mean first."""
@@ -38,6 +41,10 @@ _AROUND = np.linspace(-0.12, 0.12, 97)
 _SOFTER = 1e-3
 # An order counts as excited from this share of the largest force of any.
 _COUNTS = 1e-3
+# With this share of the elastic energy in bearings, tubes of a loss factor of about 0.01 change the
+# damping by a twentieth at most, and the peak without them is too large rather than too small.
+_MOST = 0.8
+_ROUNDING = 1e-9
 
 
 class Group(NamedTuple):
@@ -47,6 +54,13 @@ class Group(NamedTuple):
     frequency: float  # its size in rad/s
     shares: FloatArray  # of each elastic bearing in the elastic energy
     loss: tuple[float, float]  # loss factor of order 1, and of higher ones
+
+    @property
+    def known(self) -> tuple[bool, bool]:
+        """Whether the damping is known well enough for a peak of order 1, and of higher ones."""
+        held = float(np.sum(self.shares))
+        least = min(KNOWN, KNOWN * held * (1.0 - _ROUNDING)) if held >= _MOST else KNOWN
+        return self.loss[0] >= least, self.loss[1] >= least
 
 
 class Met(NamedTuple):
@@ -64,7 +78,12 @@ class Met(NamedTuple):
     @property
     def is_known(self) -> bool:
         """Whether the damping is known well enough for a peak."""
-        return self.loss >= KNOWN
+        return self.group.known[self.order > 1]
+
+    @property
+    def lack(self) -> str:
+        """What its damping is where it is not known well enough."""
+        return "too small" if self.loss else "not known"
 
     @property
     def band(self) -> tuple[float, float]:

@@ -47,6 +47,12 @@ shaft changes its sign though its mean is not 0. ``resonant``: a critical speed 
 # Amplitudes below this share of the largest torque are rounding.
 _ROUNDING = 1e-9
 
+NEGLIGIBLE = 0.01
+"""The share of the mean torque of each shaft below which an order in resonance does not count.
+
+With a tenth of the damping it would still be below a tenth.
+"""
+
 # What moves less than this share of the largest amplitude of a mode stands still.
 _STILL = 0.1
 _DIN = "DIN 740-2: frequency factor sqrt(f/10 Hz) above 10 Hz"
@@ -132,6 +138,11 @@ class CriticalSpeed:
         "of this order of the torque of the shaft; null without a periodic motion",
     )
     excited_by: str = word("excited by", "joints, torques, both or nothing", is_detail=True)
+    negligible: bool = flag(
+        "negligible",
+        "whether this order is known to be below 1 % of the mean torque of each shaft",
+        is_detail=True,
+    )
 
     @property
     def is_excited(self) -> bool:
@@ -290,7 +301,7 @@ class TorsionBasics:
         "distance of the nearest critical speed",
         "percent",
         "of an order that joints or harmonic torques excite, from the speed range in shares of the "
-        "critical speed; 0 within it",
+        "critical speed; 0 within it. Negligible ones do not count",
         source="D. Thoma, 1920: joints bring new critical speeds",
         limit="[torsion] resonance_margin",
     )
@@ -384,7 +395,7 @@ def find(answer: Answer) -> TorsionBasics | None:
     )
     frequencies = [mode.frequency for mode in modes]
     orders = [(order, order in given.excited) for order in given.orders]
-    at, away, nearest = critical_speeds(frequencies, orders, (low, high))
+    at, away, _ = critical_speeds(frequencies, orders, (low, high))
     if system.stiffness_follows_speed:
         # The stiffnesses differ from speed to speed, so each critical speed has its own frequency.
         own = [
@@ -395,19 +406,18 @@ def find(answer: Answer) -> TorsionBasics | None:
         ]
         at = [speed for speeds, _, _ in own for speed in speeds]
         away = [distance for _, distances, _ in own for distance in distances]
-        count = len(modes)
-        near = [i * count + place for i, (*_, place) in enumerate(own) if place is not None]
-        nearest = min(near, key=lambda place: away[place], default=None)
     met = [(order, mode) for order in given.orders for mode in modes]
     by = {order: _excited_by(given, order) for order in given.orders}
     critical = tuple(
-        CriticalSpeed(mode.number, order, speed, mode.shaft, not distance, None, by[order])
+        CriticalSpeed(
+            *(mode.number, order, speed, mode.shaft, not distance, None, by[order]),
+            negligible=False,
+        )
         for (order, mode), speed, distance in zip(met, at, away, strict=True)
     )
-    margin = Judged(None, given.margin, sense="least", why="[torsion] orders lists no even order")
-    if nearest is not None:
-        margin = Judged(away[nearest], given.margin, sense="least")
     search = search_over(given) if given.is_searched else None
+    if search:
+        critical = _with_amplitudes(given, critical, search)
     running = system.running_speeds(*given.motor) if given.motor else ()
     unstable_share = rattle_share = None
     if search:
@@ -416,10 +426,10 @@ def find(answer: Answer) -> TorsionBasics | None:
         reverses = [ends for each in search.response.largest for ends in each.reversals]
         unstable_share = _share(given, search, grows, given.unstable)
         rattle_share = _share(given, search, reverses, given.rattle)
-    basics = TorsionBasics(
+    return TorsionBasics(
         torsion=given,
         search=search,
-        margin=margin,
+        margin=_margin(given, critical, away),
         without_effect=given.without_effect or None,
         speed_range=SpeedRange(low, high),
         running=tuple(taken(RunningSpeed, each) for each in running),
@@ -432,7 +442,28 @@ def find(answer: Answer) -> TorsionBasics | None:
         avoided=tuple(_avoided(given, search)) if search else (),
         softer=tuple(softer(given, search)) if search and not has_kinks(system) else (),
     )
-    return replace(basics, critical_speeds=_with_amplitudes(basics, search)) if search else basics
+
+
+def _margin(given: TorsionCase, critical: Sequence[CriticalSpeed], away: Sequence[float]) -> Judged:
+    """The distance of the nearest critical speed, of several in the range that of the largest."""
+    excited = [
+        (distance, each)
+        for distance, each in zip(away, critical, strict=True)
+        if each.is_excited and not each.negligible
+    ]
+    if not excited:
+        why = "[torsion] orders lists no even order"
+        if any(each.is_excited for each in critical):
+            why = f"no order reaches {quantity(NEGLIGIBLE, 'percent')} of the mean torque"
+        return Judged(None, given.margin, sense="least", why=why)
+
+    def rank(found: tuple[float, CriticalSpeed]) -> tuple[float, float]:
+        amplitude = found[1].amplitude
+        return found[0], -math.inf if amplitude is None else -amplitude
+
+    distance, nearest = min(excited, key=rank)
+    where = f"at {quantity(nearest.speed, 'rpm')} (order {nearest.order:g})"
+    return Judged(distance, given.margin, sense="least", state=where)
 
 
 def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
@@ -443,7 +474,11 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
     largest = largest_of(search)
     critical_speeds = found.critical_speeds
     if found.search is None:
-        critical_speeds = _with_amplitudes(found, search)
+        # The check knew no amplitudes, so all critical speeds count in its margin.
+        critical_speeds = tuple(
+            replace(each, negligible=False)
+            for each in _with_amplitudes(found.torsion, critical_speeds, search)
+        )
     unstable = tuple(taken(Unstable, each) for each in search.unstable if not each.runs_away)
     runaway = runaway_of(search)
     happens: dict[TorsionVerdict, bool] = {
@@ -464,7 +499,7 @@ def whole(_: Answer, found: TorsionBasics) -> TorsionFigures:
         largest=largest,
         unstable=unstable,
         runaway=runaway,
-        missing=tuple(_missing(response)),
+        missing=tuple(missing_of(response)),
         motions=tuple(motions_of(each) for each in system.side_by_side(searched)),
         response=_response(response.speed, response.steady),
     )
@@ -502,8 +537,8 @@ def runaway_of(search: Search) -> tuple[Runaway, ...]:
     return tuple(taken(Runaway, each) for each in search.unstable if each.runs_away)
 
 
-def _missing(response: SpeedResponse) -> Iterator[Missing]:
-    """Ranges of speeds without a periodic motion."""
+def missing_of(response: SpeedResponse) -> Iterator[Missing]:
+    """Yield the ranges of speeds without a periodic motion."""
     speed, steady = response.speed, response.steady
     for first, last in ranges(~steady.found):
         yield Missing(float(speed[first]), float(speed[last]), str(steady.reasons[first]))
@@ -555,14 +590,15 @@ def shape_text(
     return f"{listed([bodies[i][1] for i in fewest])} against {rest}"
 
 
-def _judged(
+def judged_at(
     value: float, at: float, limit: float | None, missing: Sequence[Missing], size: float = 0.0
 ) -> Judged:
-    """A figure with the speed at which it is worst; not judged if it may be worse elsewhere."""
+    """Return a figure with the speed at which it is worst, not judged if it may be worse."""
     found = Judged(value, limit, size=size, state=f"at {quantity(at, 'rpm')}" if at else "")
     if missing and found.verdict == "within":
         start = quantity(missing[0].start, "rpm")
-        return replace(found, why=f"no periodic motion was found at {start}")
+        why = f"no periodic motion was found at {start}"
+        return replace(found, why=why, may_be_worse=True)
     return found
 
 
@@ -578,7 +614,7 @@ def _share(
         covered += max(stop, reached) - max(start, reached)
         reached = max(stop, reached)
     share = covered / float(given.speed[-1] - given.speed[0])
-    return _judged(share, 0.0, limit, [*_missing(search.response)], 1.0)
+    return judged_at(share, 0.0, limit, [*missing_of(search.response)], 1.0)
 
 
 def _is_unstable(given: TorsionCase, part: UnstableRange) -> bool:
@@ -594,7 +630,7 @@ def _limits(rated: Ratings) -> tuple[float | None, float | None, float | None]:
 def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
     """The torques of couplings with their ratings; without a periodic motion they are not known."""
     system, response = given.system, search.response
-    missing = [*_missing(response)]
+    missing = [*missing_of(response)]
     largest_torques = {each.shaft: each for each in response.largest}
     for shaft, rated in given.ratings.items():
         place, largest = system.compliant.index(shaft), largest_torques.get(shaft)
@@ -614,7 +650,7 @@ def _couplings(given: TorsionCase, search: Search) -> Iterator[CouplingTorques]:
         if math.isinf(largest.most):
             found[1] = found[2]
         rows = [
-            _judged(value, speed, limit, missing)
+            judged_at(value, speed, limit, missing)
             for (value, speed), limit in zip(found, _limits(rated), strict=True)
         ]
         factors = [
@@ -658,17 +694,26 @@ def _end(speed: FloatArray, over: FloatArray, place: int, step: int) -> float:
     return float(speed[place] + share * (speed[beside] - speed[place]))
 
 
-def _with_amplitudes(found: TorsionBasics, search: Search) -> tuple[CriticalSpeed, ...]:
+def _with_amplitudes(
+    given: TorsionCase, critical_speeds: Sequence[CriticalSpeed], search: Search
+) -> tuple[CriticalSpeed, ...]:
     """The critical speeds with the amplitudes of their orders, which are 0 up to the noise."""
-    system, critical_speeds = found.torsion.system, []
+    system, found = given.system, []
     known = [torque.size for torque in largest_of(search) if math.isfinite(torque.size)]
     noise = _ROUNDING * max(known, default=0.0)
-    for critical in found.critical_speeds:
+    for critical in critical_speeds:
         steady = system.steady(critical.speed, critical.order)
-        size = float(np.abs(steady.torque_orders[system.compliant.index(critical.shaft), 0]))
+        sizes = np.abs(steady.torque_orders[:, 0])
+        size = float(sizes[system.compliant.index(critical.shaft)])
         amplitude = None if math.isnan(size) else size if size > noise else 0.0
-        critical_speeds.append(replace(critical, amplitude=amplitude))
-    return tuple(critical_speeds)
+        # Of an unknown motion nothing is small, and of an unstable one it does not stay so.
+        is_small = bool(np.all(sizes < NEGLIGIBLE * np.abs(steady.torque_mean)))
+        negligible = is_small and not any(
+            part.start <= critical.speed <= part.stop and not part.runs_away
+            for part in search.unstable
+        )
+        found.append(replace(critical, amplitude=amplitude, negligible=negligible))
+    return tuple(found)
 
 
 def _response(speed: FloatArray, steady: SteadyState) -> Response:

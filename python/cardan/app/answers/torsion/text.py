@@ -15,6 +15,7 @@ from cardan.app.answers.printed import (
     quantity,
 )
 from cardan.app.answers.torsion.figures import (
+    NEGLIGIBLE,
     BendRule,
     CriticalSpeed,
     LargestTorque,
@@ -49,7 +50,8 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         is_searched = found.torsion.is_searched
         return found.modes[critical.mode].shape if is_searched else f"shaft {critical.shaft}"
 
-    if inside := found.resonances:
+    inside = [each for each in found.resonances if not each.negligible]
+    if inside:
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         several = listed(
             [
@@ -61,6 +63,7 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         more = "; 'cardan torsion' computes the torques there" if unknown else ""
         where = _ends(found.speed_range, "to")
         yield f"{verb} within {where}: {several}{more} ({_RESONANCE_SOURCE})"
+    yield from _negligible(found)
     for rule in found.rules:
         if rule.exceeded:
             where = "" if rule.inside else ", outside the speed range"
@@ -73,9 +76,25 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
     yield from _avoided(found)
     if found.search:
         yield from _rattle(found, largest_of(found.search))
-        yield from (_runaway(part) for part in runaway_of(found.search))
+        yield from _runaway(found, runaway_of(found.search))
     yield from _running(found)
     yield from _held(found)
+
+
+def _negligible(found: TorsionBasics) -> Iterator[str]:
+    """Say which critical speeds do not count, and why."""
+    several = [
+        f"order {each.order:g} at {_rpm(each.speed)}{_size(each)}"
+        for each in found.resonances
+        if each.negligible
+    ]
+    if several:
+        verb, them = ("are", "them") if len(several) > 1 else ("is", "it")
+        yield (
+            f"{listed(several)} {verb} in resonance too, but below {given(NEGLIGIBLE, 'percent')} "
+            f"of the mean torque of each shaft: the distance of the nearest critical speed leaves "
+            f"{them} out"
+        )
 
 
 def _size(critical: CriticalSpeed) -> str:
@@ -115,14 +134,25 @@ def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[
         )
 
 
-def _runaway(part: Runaway) -> str:
-    """Say what torque keeps a drive from running away."""
-    slope = quantity(part.needed_slope, "Nms_per_rad", rounds="up")
-    return (
-        f"{_where(part)} the torque that is needed falls with the speed: a drive of constant "
-        "torque runs away from there, and holding every speed needs a drive whose torque falls by "
-        f"more than {slope} (A. Sommerfeld, 1902)"
+def _runaway(found: TorsionBasics, ranges: Sequence[Runaway]) -> Iterator[str]:
+    """Say what torque keeps a drive from running away, and whether that of the scene does."""
+    if not ranges:
+        return
+    where = listed([_where(part) for part in ranges])
+    slope = max(part.needed_slope for part in ranges)
+    needed = (
+        f"a drive whose torque falls by more than {quantity(slope, 'Nms_per_rad', rounds='up')}"
     )
+    if found.torsion.system.drive_slope:
+        yield (
+            f"{where} the speed runs away: the torque that is needed falls faster than that of the "
+            f"drive, and holding every speed needs {needed} (A. Sommerfeld, 1902)"
+        )
+    else:
+        yield (
+            f"{where} the torque that is needed falls with the speed; a governor holds every "
+            f"speed, and so does {needed} (A. Sommerfeld, 1902)"
+        )
 
 
 def _running(found: TorsionBasics) -> Iterator[str]:
@@ -155,14 +185,16 @@ def _held(found: TorsionBasics) -> Iterator[str]:
 def sentences(found: TorsionFigures) -> Iterator[str]:
     """Say what the torsional vibration means, the worst first."""
     yield from (_unstable(found, region) for region in found.unstable)
+    runaway, is_sloped = [*_runaway(found, found.runaway)], bool(found.torsion.system.drive_slope)
     for said in (
-        *map(_runaway, found.runaway),
+        *(runaway if is_sloped else ()),
         *_running(found),
         *_rattle(found, found.largest),
         *_avoided(found),
     ):
         yield f"{capital(said)}."
     yield _resonance(found)
+    yield from (f"{capital(said)}." for said in _negligible(found))
     yield from _largest(found)
     shapes = [
         f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
@@ -174,7 +206,8 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
     yield from _side_by_side(found)
     for missing in found.missing:
         yield f"{capital(_where(missing))} the torques are not known: {missing.reason}."
-    yield from (f"{capital(said)}." for said in _held(found))
+    for said in (*(() if is_sloped else runaway), *_held(found)):
+        yield f"{capital(said)}."
 
 
 def _unstable(found: TorsionFigures, region: SpeedRange) -> str:

@@ -432,7 +432,12 @@ HARMONIC: Section[list[TorqueHarmonic]] = Section(
         "phase_deg": Key(
             numbers(), "and phase: the torque is amplitude · cos(order · angle - phase); default 0"
         ),
-        "cos_Nm": Key(numbers(START), "or: amplitude of cos(order · angle) of each order"),
+        "cos_Nm": Key(
+            numbers(START),
+            "or: amplitude of cos(order · angle) of each order. Of one cylinder the maker of the "
+            "engine has them, or tables of a tangential pressure, times the area of the piston and "
+            "the radius of the crank (F. P. Porter, 1943)",
+        ),
         "sin_Nm": Key(numbers(START), "and amplitude of sin(order · angle)"),
         "firing_order": Key(
             ListOf(Whole(1), "whole numbers", distinct=True),

@@ -109,7 +109,9 @@ TUBES: Section[Tubes | None] = Section(
         ),
         "density_kg_m3": Key(each(POSITIVE), "density", "density", default=7850),
         "permitted_stress_MPa": Key(
-            POSITIVE, "largest permitted shear stress of the tubes by the torque"
+            POSITIVE,
+            "largest permitted shear stress of the tubes by the torque, with torsional vibration "
+            "as well where a check searches for it",
         ),
         "least_margin": Key(
             POSITIVE, "least permitted ratio of the critical bending speed to the largest speed"
