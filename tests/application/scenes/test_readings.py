@@ -102,9 +102,11 @@ def test_how_a_reading_is_written(text: str, degrees: float) -> None:
         (
             "gauge_deg",
             "feet_apart_mm = [9]\ngauge_deg",
-            "feet_apart_mm has length 1; it needs 2",
+            "feet_apart_mm has length 1; it needs 2, one per end, 0 where there are no feet; or "
+            "give one number for both",
         ),
-        ("gauge_deg", "feet_apart_mm = 0\ngauge_deg", "feet_apart_mm is 0; it must lie in [0.001"),
+        ("gauge_deg", "feet_apart_in = [9]\ngauge_deg", "feet_apart_in has length 1; it needs 2"),
+        ("gauge_deg", "feet_apart_mm = -1\ngauge_deg", "feet_apart_mm is -1; it must lie in [0, "),
         ("offsets_mm", "bends_deg = [1]\noffsets_mm", "bends_deg and readings_deg are both given"),
     ],
 )
@@ -168,6 +170,37 @@ def test_the_share_is_that_of_random_readings(states: str) -> None:
         assert each.least is not None
         assert each.largest is not None
         assert 0.0 <= each.least <= each.bend <= each.largest <= each.bend + math.radians(0.5)
+
+
+@pytest.mark.parametrize("second", ["1.2 down", "2.6 down"])
+def test_the_gauge_bounds_each_working_angle(second: str) -> None:
+    """A fine grid of both readings nearly reaches the bounds and nowhere exceeds them."""
+    gauge, count = 0.4, 401
+    scene = parsed({'"1.2 down"': f'"{second}"', "gauge_deg = 0.25": f"gauge_deg = {gauge}"})
+    assert scene.layout is not None
+    read = np.radians(scene.layout.driveline["readings_deg"])
+    aside = np.diff(OFFSETS) / LENGTHS
+    off = np.radians(np.linspace(-gauge, gauge, count))
+    for joint, found in enumerate(certainty(scene).angles):
+        up = np.sin(read[joint] + off)[:, np.newaxis], np.sin(read[joint + 1] + off)
+        along = [
+            np.sqrt(1.0 - rise**2 - side**2)
+            for rise, side in zip(up, aside[joint : joint + 2], strict=True)
+        ]
+        cosine = along[0] * along[1] + up[0] * up[1] + aside[joint] * aside[joint + 1]
+        bends = np.arccos(np.minimum(cosine, 1.0))
+        assert found.least is not None
+        assert found.largest is not None
+        assert found.largest == pytest.approx(bends.max(), abs=1e-7)
+        assert found.least == pytest.approx(bends.min(), abs=1e-4)
+        assert found.least <= bends.min() + 1e-7
+
+
+def test_bounds_of_readings_in_one_plane_are_whole() -> None:
+    text = YACHT.format(units="", engine=5)
+    angles = certainty(cardan.Scene.parse(text)).angles
+    ends = [(math.degrees(each.least or 0.0), math.degrees(each.largest or 0.0)) for each in angles]
+    np.testing.assert_allclose(ends, [(3.9, 5.1), (0.9, 2.1)], rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -265,6 +298,7 @@ def test_a_shim_has_its_thickness(units: str, length: str, per: float) -> None:
     ("key", "apart", "factor"),
     [
         ("feet_apart_mm = [600, 120]", 600.0, 1.0),
+        ("feet_apart_mm = [600, 0]", 600.0, 1.0),
         ("feet_apart_mm = 250", 250.0, 1.0),
         ("feet_apart_in = [20, 4]", 508.0, 25.4),
     ],
@@ -284,8 +318,8 @@ def test_a_shim_under_feet_that_are_known(
         for each in words
         if (
             found := re.match(
-                r"Tilt shaft 0 (up|down) towards the output by (\S+)° with a shim, (\S+) (?:mm|in) "
-                r"thick, under each of the feet (nearer to|farther from) the output: .* and with "
+                r"Tilt shaft 0 (up|down) towards the output by (\S+)° with shims, (\S+) (?:mm|in) "
+                r"thick, that raise the feet (nearer to|farther from) joint 0: .* and with "
                 r"(\S+)°, a shim of (\S+) (?:mm|in), whatever",
                 each,
             )
@@ -296,6 +330,11 @@ def test_a_shim_under_feet_that_are_known(
         wanted = apart * math.tan(math.radians(float(turn)))
         assert factor * float(thick) == pytest.approx(wanted, rel=0.02, abs=0.06 * factor)
     assert not any("feet_apart" in each for each in words)
+    at_the_output = [each for each in words if each.startswith("Tilt shaft 2")]
+    assert len(at_the_output) == (", 0]" not in key)
+    for each in at_the_output:
+        side = "farther from" if each.startswith("Tilt shaft 2 up ") else "nearer to"
+        assert f"that raise the feet {side} joint 1: " in each
     without = Answer(cardan.Scene.parse(text.replace(key, "")))["moves"]
     assert sum("feet_apart_mm in [driveline]" in each for each in moves_in_words(without)) == 1
 
@@ -323,6 +362,36 @@ def test_a_remedy_at_the_edge_of_the_limits_says_what_is_certain() -> None:
     assert "the gauge may hide 0.3° of each reading" in words[-1]
     exact = YACHT.format(units="", engine=5).replace("gauge_deg = 0.3\n", "")
     assert "gauge" not in " ".join(moves_in_words(Answer(cardan.Scene.parse(exact))["moves"]))
+
+
+def test_where_no_tilt_is_certain_the_likeliest_is_named() -> None:
+    """The difference of the bends may be 1° either way, and the gauge hides 1.2° of it."""
+    text = YACHT.format(units="", engine="{}").partition("[load]")[0]
+    text = text.replace("gauge_deg", "feet_apart_mm = [620, 0]\ngauge_deg")
+    text += "[limits]\nequivalent_bend_deg = 9\nbend_difference_deg = 1\n"
+    moves = Answer(cardan.Scene.parse(text.format(5)))["moves"]
+    (engine,) = (move for move in moves if move.tilt is not None)
+    assert engine.certain is None
+    assert engine.likeliest is not None
+    tilt = -math.degrees(engine.likeliest)
+    # The middle of the tilts that suffice, from 2° to 4°, to a half of the gauge.
+    assert tilt == pytest.approx(3.0, abs=0.15)
+    assert engine.share == certainty(cardan.Scene.parse(text.format(5.0 + tilt))).within
+    (words,) = (each for each in moves_in_words(moves) if each.startswith("Tilt"))
+    share = 100.0 * (engine.share or 0.0)
+    found = re.search(
+        rf", and with {tilt:.2f}°, a shim of (\S+) mm, for {share:.1f}% of what the "
+        "gauge may hide; no tilt tried is certain.$",
+        words,
+    )
+    assert found
+    thick = 620.0 * math.tan(math.radians(tilt))
+    assert thick <= float(found[1]) < thick + 0.1
+    text = text.replace("gauge_deg = 0.3", "gauge_deg = 0.1")
+    finer = Answer(cardan.Scene.parse(text.format(5)))
+    (engine,) = (move for move in finer["moves"] if move.tilt is not None)
+    assert engine.certain is not None
+    assert engine.likeliest is None
 
 
 def test_without_lengths_no_spacer_is_advised() -> None:

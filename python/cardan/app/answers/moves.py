@@ -12,7 +12,7 @@ import numpy as np
 from cardan.app.answers.answer import Answer, JudgedFigure
 from cardan.app.answers.names import point_name
 from cardan.app.answers.printed import given, number_text, quantity, symbol_of, turn_text
-from cardan.app.answers.readings import is_certain
+from cardan.app.answers.readings import share_within
 from cardan.app.answers.rows import UNITS, count, figure, optional, word
 from cardan.app.scene.language.units import shown_unit
 from cardan.app.scene.machine import machine_of, moving, rules_of
@@ -56,6 +56,12 @@ class Move:
         "certain from",
         "deg",
         "tilt that keeps every limit whatever the gauge may hide; null where none was found",
+    )
+    likeliest: float | None = figure(
+        "likeliest", "deg", "tilt that keeps every limit for the largest share, if none is certain"
+    )
+    share: float | None = figure(
+        "share within", "percent", "of what the gauge may hide, with that tilt", digits="share"
     )
     gauge: float | None = figure("gauge", "deg", "by which each reading may be off")
     rating: float | None = figure("rating", "Nm", "of a joint, in place of the one it has")
@@ -157,17 +163,17 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
             yield move
         elif move.axis == "y" and move.number in (0, last + 1):
             shaft = min(move.number, last)
+            if feet[-1 if shaft else 0] == 0.0:
+                continue
             shift = move.shift if shaft else -move.shift
             rise = lengths[shaft] * np.sin(rises[shaft]) + shift
             level = lengths[shaft] * np.cos(rises[shaft])
-            tilt, certain = float(np.arctan2(rise, level) - rises[shaft]), None
+            tilt = float(np.arctan2(rise, level) - rises[shaft])
             if move.verdict == "within":
                 tilt = _least_tilt(scene, shaft, tilt)
-                certain = _certain_tilt(scene, shaft, tilt)
+                move = _likeliest(move, scene, shaft, tilt)
             move = replace(move, feet=feet[-1 if shaft else 0])
-            yield replace(
-                move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt, certain=certain
-            )
+            yield replace(move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt)
         elif move.axis == "y" and has_lengths(scene.line):
             yield replace(move, axis="up")
 
@@ -194,16 +200,20 @@ def _least_tilt(scene: Scene, shaft: int, near: float) -> float:
     return enough
 
 
-def _certain_tilt(scene: Scene, shaft: int, least: float) -> float | None:
-    """The first of some larger tilts that suffices whatever the gauge may hide, if one does."""
+def _likeliest(move: Move, scene: Scene, shaft: int, least: float) -> Move:
+    """The move with the first of some larger tilts that is certain, or with the likeliest."""
+    found = move
     if scene.gauge_deg is None:
-        return None
+        return found
     tilts = np.zeros(scene.line.n_joints + 1)
     for further in _FURTHER:
         tilts[shaft] = math.degrees(least) + math.copysign(further * scene.gauge_deg, least)
-        if is_certain(scene, tilts):
-            return float(np.radians(tilts[shaft]))
-    return None
+        tilt, share = math.radians(tilts[shaft]), share_within(scene, tilts)
+        if share == 1.0:
+            return replace(move, certain=tilt)
+        if share > (found.share or 0.0):
+            found = replace(move, likeliest=tilt, share=share)
+    return found
 
 
 def _move(change: Change, scene: Scene, untried: str, left_out: str) -> Move:
@@ -218,6 +228,8 @@ def _move(change: Change, scene: Scene, untried: str, left_out: str) -> Move:
         by if change.variable in ("point", "bearing", "engaged") else None,
         by if change.variable == "phase" else None,
         teeth or None,
+        None,
+        None,
         None,
         None,
         None,
@@ -259,13 +271,16 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
         shown[-1] = turns[0]
     for move in shown:
         then = f"everything {'tried ' if move.untried else ''}is then within its limits"
-        if move.certain is not None:
-            thick, per = _shim(move.certain, move.feet)
-            shim = f"{thick} per {per}" if per else thick
-            then += (
-                f", and with {quantity(abs(move.certain), 'deg')}, a shim of {shim}, whatever the "
-                "gauge may hide"
-            )
+        if further := move.certain or move.likeliest:
+            thick, per = _shim(further, move.feet)
+            then += f", and with {quantity(abs(further), 'deg')}, a shim of {thick}"
+            then += f" per {per}, " if per else ", "
+            hidden = "what the gauge may hide"
+            if move.share:
+                share = quantity(move.share, "percent", digits="share")
+                then += f"for {share} of {hidden}; no tilt tried is certain"
+            else:
+                then += hidden.replace("what", "whatever")
         if move.verdict != "within":
             then = f"this helps most; the {move.left} is then still {move.verdict}"
         yield f"{_change(move)}: {then}."
@@ -276,7 +291,9 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
             f"The distance between the feet, {FEET} in [driveline], gives the thickness of each "
             "shim."
         )
-    edges = [move for move in shown if move.verdict == "within" and move.certain is None]
+    edges = [
+        move for move in shown if move.verdict == "within" and not (move.certain or move.likeliest)
+    ]
     if gauge := next((move.gauge for move in edges if move.gauge), None):
         yield (
             "A change without a second value leads just to the edge of the limits, and the gauge "
@@ -329,11 +346,12 @@ def _change(move: Move) -> str:
         way = "up" if move.tilt > 0.0 else "down"
         by = quantity(abs(move.tilt), "deg", rounds="up")
         thick, per = _shim(move.tilt, move.feet)
-        where = f"thick per {per} between the feet"
+        shim = f"a shim, {thick} thick per {per} between the feet"
         if move.feet is not None:
-            side = "nearer to" if move.tilt > 0.0 else "farther from"
-            where = f"thick, under each of the feet {side} the output"
-        return f"Tilt {move.of} {way} towards the output by {by} with a shim, {thick} {where}"
+            side = "nearer to" if (move.tilt > 0.0) == (move.number == 0) else "farther from"
+            joint = max(move.number - 2, 0)
+            shim = f"shims, {thick} thick, that raise the feet {side} joint {joint}"
+        return f"Tilt {move.of} {way} towards the output by {by} with {shim}"
     if move.rating is not None:
         return f"Choose a rating of {given(move.rating, 'Nm')} for {move.of}"
     assert move.shift is not None

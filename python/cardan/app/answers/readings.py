@@ -81,9 +81,7 @@ def find(answer: Answer) -> ReadingFigures | None:
         angles = (WorkingAngle(joint, float(bend), None, None) for joint, bend in enumerate(bends))
         return ReadingFigures(tuple(read.tolist()), tuple(angles), None, None, None, None, "")
     off = scene.gauge_deg * spread_evenly(_SAMPLES, len(read))
-    (drawn,) = _hidden(scene, off, None)
-    least, largest = drawn.bends.min(axis=0), drawn.bends.max(axis=0)
-    ends = zip(bends.tolist(), least.tolist(), largest.tolist(), strict=True)
+    ends = np.transpose([bends, *_bounds(scene)]).tolist()
     ranks, decides = _judged(scene, [*_hidden(scene, off, scene.states)])
     within, acceptable = (
         None if ranks is None else float(np.mean(ranks <= RANKS.index(rank)))
@@ -100,15 +98,35 @@ def find(answer: Answer) -> ReadingFigures | None:
     )
 
 
-def is_certain(scene: Scene, tilts: FloatArray) -> bool:
-    """Whether shafts tilted from their readings keep every limit, whatever the gauge may hide.
+def _bounds(scene: Scene) -> Iterator[FloatArray]:
+    """Yield the least and the largest bend of each joint that the gauge may hide.
+
+    A reading turns its shaft about the horizontal across the vehicle. The bend of a joint grows
+    with the difference of two such turns, so it is largest at ends of both, and least where they
+    are alike or as near as they come.
+    """
+    assert scene.gauge_deg is not None
+    ends = scene.gauge_deg * np.array([[-1.0], [1.0]])
+    (read,) = _hidden(scene, ends, None)
+    forward, rise, aside = np.moveaxis(read.directions, -1, 0)
+    low, high = np.arctan2(rise, forward)
+    apart = np.stack([high[:-1] - low[1:], high[1:] - low[:-1]])
+    across = np.sqrt(1.0 - aside[0] ** 2)
+    fixed = np.diff(across) ** 2 + np.diff(aside[0]) ** 2
+    for turn in (np.maximum(-apart.min(axis=0), 0.0), apart.max(axis=0)):
+        chord = np.sqrt(fixed + across[:-1] * across[1:] * (2.0 * np.sin(0.5 * turn)) ** 2)
+        yield 2.0 * np.arcsin(0.5 * chord)
+
+
+def share_within(scene: Scene, tilts: FloatArray) -> float:
+    """Return the share of what the gauge may hide in which tilted shafts keep every limit.
 
     Tilts are in degrees, one for each shaft, of a scene whose gauge has an accuracy.
     """
     assert scene.gauge_deg is not None
     off = scene.gauge_deg * spread_evenly(_SAMPLES, len(tilts)) + tilts
     ranks, _ = _judged(scene, [*_hidden(scene, off, scene.states)])
-    return ranks is not None and bool(np.all(ranks <= RANKS.index("within")))
+    return 0.0 if ranks is None else float(np.mean(ranks <= RANKS.index("within")))
 
 
 def _as_read(answer: Answer) -> Iterator[str]:

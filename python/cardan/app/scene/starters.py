@@ -185,7 +185,8 @@ title = "Readings of a driveline"
 readings_deg = ["3.0 down", "6.8 down", "1.9 down"]   # or "87.0 from vertical down", "5.2 % down"
 gauge_deg = 0.25               # how far each reading may be off
 # feet_apart_mm = [350, 120]   # from the front to the rear feet of the gearbox or engine, and of
-#                              # what bears the last shaft: shims then have their thickness
+#                              # what bears the last shaft, 0 where there are none, as in a boat:
+#                              # shims then have their thickness
 teeth = 24                     # of the spline of the shaft; leave it out if there is none
 # From one line along the vehicle to the gearbox end, the centre of each joint and the pinion end,
 # and how long each shaft is. Both may be left out: then the driveline lies straight in plan.

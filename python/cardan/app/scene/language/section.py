@@ -133,7 +133,6 @@ class Section(Generic[Made]):
             "shaft": joints + 1,
             "shaft between two joints": joints - 1,
             "point": joints + 2,
-            "end": 2,
         }
         for key, value in values.items():
             if key in self.keys and (per := self.keys[key].per):

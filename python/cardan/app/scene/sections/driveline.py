@@ -324,6 +324,8 @@ def _described(values: Mapping[str, Any], scene: Reading) -> Described:
     for key in (GAUGE, FEET):
         if key in values and READINGS not in values:
             raise ArgumentValueError(key, f"belongs to {READINGS}, which is not given")
+    feet = "one per end, 0 where there are no feet; or give one number for both"
+    check_count(FEET, values.get(FEET), 2, feet)
     form, keys = filled(own, recorded.bends if recorded else None)
     if form.measures:
         # What is measured must fit before there is a driveline.
@@ -463,12 +465,11 @@ DRIVELINE: Section[Described] = Section(
             "its verdict is",
         ),
         FEET: Key(
-            rules.each(rules.SIZE, "numbers"),
+            rules.each(rules.Number(0, 1e6), "numbers"),
             "with readings_deg: distance along the shaft between the feet of what bears the first "
-            "shaft, such as an engine, and of what bears the last one; one number for both. The "
-            "answer then says how thick each shim is",
+            "shaft, such as an engine, and of what bears the last one, 0 where there are no feet; "
+            "or one number for both. The answer then says how thick each shim is",
             factor=1e-3,
-            per="end",
         ),
         DOUBLE_JOINT: Key(
             rules.numbers(rules.Number(0, 180, below=True, what="a total bend", unit="deg"), 1),
