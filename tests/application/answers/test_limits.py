@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -478,6 +479,20 @@ def test_the_answer_says_which_allow_it(tmp_path: Path) -> None:
     found = scripts.run("check", scene)
     assert found.exit_code == 0
     assert "Allowed by General Motors, truck and Spicer (tolerable)." in found.output
+    # Between 8.7° at 2000 rpm and 7° at 2500 rpm, rounded up.
+    words = " ".join(found.output.split())
+    assert re.search(r" 0\.\d\d° above the limit of 3°, maximum 7\.29° \(Spicer, ", words)
+
+
+def test_of_one_preset_the_answer_says_whether_it_allows_it(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    one = SEVERAL.replace('["spicer", "gm", "truck"]', '"spicer"')
+    scene.write_text(one.format(height=-5), encoding="utf-8")
+    words = scripts.run("check", scene).output
+    assert "\nNot allowed by Spicer: the least bend of joint 0 is 0.29°, at least" in words
+    assert "none" not in words
+    scene.write_text(one.format(height=-60), encoding="utf-8")
+    assert "\nAllowed by Spicer (tolerable).\n" in scripts.run("check", scene).output
 
 
 def test_what_is_not_judged_names_its_source() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import tomllib
 from collections import Counter
@@ -493,6 +494,29 @@ def test_yokes_that_help_are_named(tmp_path: Path) -> None:
     assert checked(scene, tmp_path / "a.toml")["advice"][-1].endswith(
         "leaves an equivalent bend of 16.98° in place of 17.48°, still beyond the limit of 15°."
     )
+    (phase,) = Driveline.from_points(apart["points_mm"]).optimal_phases()
+    scene["driveline"] = apart | {"phases_deg": round(math.degrees(phase), 2)}
+    assert not any("best setting" in each for each in checked(scene, tmp_path / "a.toml")["advice"])
+
+
+def test_a_steering_column_says_where_straight_ahead_is_assumed() -> None:
+    text = "[driveline]\nbends_deg = [30, 25]\nphases_deg = 20\n[steering]\noffset_deg = 1\n"
+    answer = Answer(Scene.parse(text))
+    words = PARTS["steering"].sentences(answer["steering"])
+    assert words[0] == (
+        "Straight ahead is assumed at a drive angle of 0°, because [steering] has no centre_deg."
+    )
+    assert words[1].startswith("Left and right differ: ")
+    given = Answer(Scene.parse(f"{text}centre_deg = 0\n"))
+    assert [*PARTS["steering"].sentences(given["steering"])] == words[1:]
+
+
+def test_what_is_worst_after_a_change_has_the_name_of_its_figure() -> None:
+    answer = Answer(load_scene(example("steering-column.toml")))
+    (change,) = PARTS["moves"].sentences(answer["moves"])
+    (beyond,) = answer.of_verdict("beyond")
+    assert beyond.name == "angle off symmetry of the steering"
+    assert change.endswith(f"this helps most; the {beyond.name} is then still beyond.")
 
 
 SHUDDER = """

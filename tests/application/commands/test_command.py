@@ -534,8 +534,26 @@ def test_explain_names_the_keys_that_there_are() -> None:
     refused = run("explain", example("slip.toml"), "spline.travels")
     assert refused.exit_code == 2
     assert "KEY is 'spline.travels'; did you mean spline.travel or " in refused.stderr
+    for label_or_limit in ("steering.asymmetry", "steering.ratio_percent", "asymmetry_of"):
+        refused = run("explain", example("steering-column.toml"), label_or_limit)
+        assert "; did you mean steering.difference?\n" in refused.stderr
     refused = run("explain", example("slip.toml"), "zzz")
     assert "KEY is 'zzz'; the keys of this answer begin with " in refused.stderr
+
+
+def test_explain_names_what_a_preset_has(into: Path) -> None:
+    scene = into / "a.toml"
+    scene.write_text('driveline.bends_deg = [4, 4]\nlimits.preset = "spicer"\n', encoding="utf-8")
+    assert "presets.spicer.rule?" in run("explain", scene, "presets.spicer").stderr
+
+
+def test_new_names_the_command_that_a_starter_names() -> None:
+    named = {kind: re.search(r"cardan (\w+) {name}", STARTERS[kind].text) for kind in STARTERS}
+    own = {kind: found[1] for kind, found in named.items() if found}
+    # The shaft shows what its yokes do before they are set.
+    assert own.pop("z-shaft") == "phase"
+    assert own == {kind: STARTERS[kind].command for kind in own}
+    assert set(own.values()) == {"run", "check", "phase"}
 
 
 # The scenes of the other machines are examples, which `new` copies.
@@ -557,8 +575,9 @@ def test_new(kind: str, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(map(len, text.splitlines())) <= 100
     assert "{name}" not in text
 
-    assert following == "next: cardan run first.toml"
-    done = run(*following.removeprefix("next: cardan ").split())
+    assert following == f"next: cardan {STARTERS[kind].command} first.toml"
+    assert run(*following.removeprefix("next: cardan ").split()).exit_code in {0, 1}
+    done = run("run", "first.toml")
     assert done.exit_code == 0, done.output
     curves = set() if kind == "ball-joint" else {"first.csv"}
     assert {"first.svg", *curves} < {entry.name for entry in into.iterdir()}

@@ -46,14 +46,17 @@ def explain_text(answer: Answer, key: str, path: Path) -> str:
 
 
 def _entry_of(answer: Answer, key: str) -> tuple[Part, Entry]:
-    known = []
+    known, near, asked = [], [], key.replace("_", " ")
     for name, part in PARTS.items():
         found = answer[name]
         for entry in part.entries(found) if found else ():
             if entry.path == key:
                 return part, entry
             known.append(entry.path)
-    close = difflib.get_close_matches(key, dict.fromkeys(known), n=4)
+            limit = entry.row.limit.rpartition(" ")[2]
+            names = f"{entry.path} {name}.{entry.row.label} {name}.{limit}"
+            near += [entry.path] if asked in names.replace("_", " ") else []
+    close = near[:4] or difflib.get_close_matches(key, dict.fromkeys(known), n=4)
     if close:
         raise ArgumentValueError("key", f"is {key!r}; did you mean {' or '.join(close)}?")
     parts = dict.fromkeys(path.partition(".")[0] for path in known)

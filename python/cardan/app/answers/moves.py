@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cardan.app.answers.answer import Answer, JudgedFigure
-from cardan.app.answers.names import point_name
+from cardan.app.answers.names import kind_name, point_name
 from cardan.app.answers.printed import given, number_text, quantity, symbol_of, turn_text
 from cardan.app.answers.readings import share_within
 from cardan.app.answers.rows import UNITS, count, figure, optional, word
@@ -237,7 +237,7 @@ def _move(change: Change, scene: Scene, untried: str, left_out: str) -> Move:
         change.verdict,
         None
         if change.worst is None or change.verdict == "within"
-        else change.worst.kind.name.replace("_", " "),
+        else kind_name(change.worst.kind.name),
         untried,
         left_out=left_out,
     )

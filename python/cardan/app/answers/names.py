@@ -65,6 +65,23 @@ def point_name(point: int, joints: int) -> str:
     return ends.get(point, f"joint {point - 1}")
 
 
+_KINDS = MappingProxyType(
+    {
+        "steering_offset": "angle off symmetry of the steering",
+        "steering_ratio": "asymmetry of the ratio of the steering",
+    }
+)
+
+
+def kind_name(kind: str) -> str:
+    """Return what the figure of a machine is called, of ``KINDS``.
+
+    >>> kind_name("equivalent_bend")
+    'equivalent bend'
+    """
+    return _KINDS.get(kind, kind.replace("_", " "))
+
+
 def column_name(column: Column) -> str:
     """Return what a figure of a study is, with the unit in which it is shown.
 

@@ -110,8 +110,11 @@ def sentences(found: Sequence[PresetFigures]) -> Iterator[str]:
         for verdict in FROM_THE_WORST
     }
     allowing = [*titles["within"], *(f"{title} (tolerable)" for title in titles["tolerable"])]
-    yield capital(f"allowed by {listed(allowing)}." if allowing else "allowed by none.")
+    is_one = len(found) == 1
+    if allowing or not is_one:
+        yield capital(f"allowed by {listed(allowing)}." if allowing else "allowed by none.")
     for each in found:
         if each.verdict in ("beyond", "not judged"):
-            start = "Not by" if each.verdict == "beyond" else "Not judged for"
+            start = "Not allowed by" if is_one else "Not by"
+            start = start if each.verdict == "beyond" else "Not judged for"
             yield f"{start} {PRESETS[each.preset].title}: {each.against}."

@@ -230,6 +230,9 @@ def judged_text(value: Judged, row: Row) -> str:
         bound, limit = "maximum", value.maximum
     side = "above" if value.sense == "most" else "below"
     past = f"{side} the {bound} of {given(limit, row.unit)}"
+    if value.verdict == "tolerable":
+        assert value.maximum is not None
+        past += f", maximum {given(value.maximum, row.unit)}"
     if math.isinf(value.value):
         return f"{figure}, {past}"
     # As many decimals as the number has.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.names import kind_name
 from cardan.app.answers.printed import given, number_text, quantity
 from cardan.app.answers.rows import figure, item, numbers, parts, word
 from cardan.app.scene.machine import moving
@@ -169,7 +170,7 @@ def _judged(scene: Scene, hidden: list[Driveline]) -> tuple[FloatArray | None, s
 
 
 def _name(each: MachineFigure) -> str:
-    name = each.kind.name.replace("_", " ")
+    name = kind_name(each.kind.name)
     return name if each.item is None else f"{name} of {each.kind.per} {each.item}"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -60,6 +60,8 @@ class SteeringFigures:
         "best turn", "deg", "of the same yoke, which brings all nearest to symmetry"
     )
     left: float | None = figure("left after the best turn", "deg", "largest angle off symmetry")
+    # Whether the scene leaves open where straight ahead is.
+    is_assumed: bool = field(kw_only=True)
 
 
 def find(answer: Answer) -> SteeringFigures | None:
@@ -98,6 +100,7 @@ def find(answer: Answer) -> SteeringFigures | None:
         there("turn_to_quick"),
         there("turn_to_slow"),
         *best,
+        is_assumed="centre_deg" not in scene.given.get("steering", {}),
     )
 
 
@@ -110,6 +113,11 @@ def sentences(found: SteeringFigures) -> Iterator[str]:
     offset, ratio = found.offset, found.difference
     assert offset.value is not None
     assert ratio.value is not None
+    if found.is_assumed:
+        yield (
+            f"Straight ahead is assumed at a drive angle of {given(found.centre, 'deg')}, because "
+            "[steering] has no centre_deg."
+        )
     if offset.value == 0.0:
         yield f"Left and right are symmetric{' in all states' if offset.each else ''}."
         return

@@ -78,7 +78,7 @@ def new(kind: str, file: Path) -> None:
     """
     for path in starters.write_starter(kind, file):
         say(f"wrote {path}")
-    say(f"next: cardan run {file}")
+    say(f"next: cardan {starters.STARTERS[kind].command} {file}")
 
 
 @click.command()

@@ -17,20 +17,24 @@ from cardan.arrays.errors import ArgumentValueError
 class Starter:
     """A scene to begin with, in whose text ``{name}`` stands for the name of its file.
 
-    It may have a sample recording with it, or be a whole machine, from its points to its limits.
+    The command is the one that it is made for. It may have a sample recording with it, or be a
+    whole machine, from its points to its limits.
     """
 
     meaning: str
     text: str
     recorded: bool = False
     machine: bool = False
+    command: str = "run"
 
 
 def _machine(kind: str, meaning: str) -> Starter:
     """Return the scene of a machine, whose output files are named like it, as a starter."""
     file = resources.files("cardan.app.scene").joinpath("machines", f"{kind}.toml")
     text = file.read_text(encoding="utf-8")
-    return Starter(meaning, text.replace(f'= "{kind}.', '= "{name}.'), machine=True)
+    return Starter(
+        meaning, text.replace(f'= "{kind}.', '= "{name}.'), machine=True, command="check"
+    )
 
 
 _FILES = """\
@@ -124,6 +128,7 @@ output_torque_Nm = 4000
 [output]
 """
             + _FILES,
+            command="phase",
         ),
         "wide-angle": Starter(
             "a wide-angle PTO shaft: a double joint and a single one",
@@ -166,6 +171,7 @@ vary = {synchronous_deg = [-30, 40], single_phase_deg = "free"}
 [output]
 """
             + _FILES,
+            command="check",
         ),
         "readings": Starter(
             "what an inclinometer shows on each shaft",
@@ -205,6 +211,7 @@ torsional_excitation_rad_s2 = 500
 [output]
 """
             + _FILES,
+            command="check",
         ),
         "recorded": Starter(
             "recorded drive angles and bends from a file",

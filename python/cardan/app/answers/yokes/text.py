@@ -248,7 +248,8 @@ def improvement(found: Advice) -> str:
     present, left = (
         bend_text(found, bend) for bend in (found.equivalent_bend_deg.present, found.settable_deg)
     )
-    if found.cause == "none" or found.settable_deg >= found.equivalent_bend_deg.present:
+    no_better = found.settable_deg >= found.equivalent_bend_deg.present
+    if found.cause == "none" or no_better or present == left:
         return ""
     verdict = "within" if keeps_limit(found) else "still beyond"
     return (
