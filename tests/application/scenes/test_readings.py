@@ -394,6 +394,14 @@ def test_where_no_tilt_is_certain_the_likeliest_is_named() -> None:
     assert engine.likeliest is None
 
 
+def test_a_steep_shaft_is_not_tilted_until_it_stands_upright() -> None:
+    """Six times the gauge beyond what suffices would be more than 90°."""
+    text = '[driveline]\nreadings_deg = ["50 down", "56 down", "58 down"]\ngauge_deg = 8\n'
+    moves = [move for move in Answer(cardan.Scene.parse(text))["moves"] if move.tilt is not None]
+    assert moves
+    assert all(move.verdict == "within" and move.share for move in moves)
+
+
 def test_without_lengths_no_spacer_is_advised() -> None:
     scene = parsed({"lengths_mm": "#", "offsets_mm": "#"}, LIMITS)
     moves = Answer(scene)["moves"]

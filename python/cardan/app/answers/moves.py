@@ -208,7 +208,12 @@ def _likeliest(move: Move, scene: Scene, shaft: int, least: float) -> Move:
     tilts = np.zeros(scene.line.n_joints + 1)
     for further in _FURTHER:
         tilts[shaft] = math.degrees(least) + math.copysign(further * scene.gauge_deg, least)
-        tilt, share = math.radians(tilts[shaft]), share_within(scene, tilts)
+        try:
+            share = share_within(scene, tilts)
+        except ValueError:
+            # The gauge would hide a shaft that stands upright.
+            break
+        tilt = math.radians(tilts[shaft])
         if share == 1.0:
             return replace(move, certain=tilt)
         if share > (found.share or 0.0):
