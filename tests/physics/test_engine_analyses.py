@@ -65,6 +65,56 @@ def test_the_speed_runs_away_from_where_the_needed_torque_falls() -> None:
     assert sommerfeld(drive_slope=1.5).unstable_ranges(speeds) == ()
 
 
+# An engine, a damper of constant loss factor, and an axle: two natural frequencies.
+DAMPER, LOSS = 900.0, 0.09
+ENGINE: dict[str, Any] = {
+    "inertias": [[0.18, 0.0], [0.02, 0.0], [0.0, 1.5]],
+    "stiffnesses": [DAMPER, 6000.0, INF],
+    "load_torque": 150.0,
+    "drive": "free",
+}
+
+
+def with_damper(bends: float, **own: Any) -> cardan.TorsionalSystem:  # noqa: ANN401 - of the system
+    line = cardan.Driveline.from_bends([bends, bends], degrees=True)
+    return cardan.TorsionalSystem(line, **(ENGINE | {"dampings": [0.0, 0.5, 0.0]} | own))
+
+
+def test_with_a_loss_factor_all_analyses_tell_of_one_motion() -> None:
+    pulses = [cardan.TorqueHarmonic(0, "input", 2, 60.0, 20.0)]
+    system = with_damper(3.0, loss_factors=[LOSS, 0.0, 0.0], harmonics=pulses)
+    resonance = float(system.natural_frequencies()[-1]) / 2.0
+    speeds = resonance * np.array([0.6, 0.99, 1.02])
+    steady, found = system.steady(speeds), system.coexisting(speeds)
+    assert found.count.tolist() == [1, 1, 1]
+    np.testing.assert_array_equal(found.torque_max[..., 0], steady.torque_max)
+    # A governor holds a drive whose needed torque falls, here beyond the resonance.
+    stable = system.stability(speeds)
+    assert stable.drive_torque_slope[2] < -1e-3
+    np.testing.assert_array_equal(found.stable[:, 0], stable.stable)
+    assert stable.stable.all()
+    step = 1e-3 * speeds
+    up, down = (system.steady(speeds + by).drive_torque_mean for by in (step, -step))
+    slopes = (up - down) / (2.0 * step)
+    assert stable.drive_torque_slope == pytest.approx(slopes, rel=2e-2)
+    np.testing.assert_allclose(
+        found.speed_multiplier[:, 0], stable.speed_multiplier, rtol=0.0, atol=1e-3
+    )
+
+
+@pytest.mark.parametrize("pair", [(0, 0), (1, 1), (0, 1)])
+def test_a_loss_factor_damps_what_joints_make_grow(pair: tuple[int, int]) -> None:
+    system = with_damper(25.0, loss_factors=[LOSS, 0.0, 0.0])
+    first, second = system.natural_frequencies()[list(pair)]
+    speed = 0.5 * (first + second)
+    found = system.stability(speed)
+    # Loss per cycle as by a viscous damping at the frequency, of two at their geometric mean.
+    viscous = DAMPER * LOSS / np.sqrt(first * second)
+    known = with_damper(25.0, dampings=[viscous, 0.5, 0.0]).stability(speed)
+    assert found.multipliers == pytest.approx(known.multipliers, abs=1e-9)
+    assert np.max(np.abs(found.multipliers)) > 0.5
+
+
 def test_a_motor_runs_where_its_torque_is_needed() -> None:
     system = sommerfeld()
     speeds, torques = [150.0, 400.0], [95.0, 20.0]

@@ -116,11 +116,7 @@ class Stability(Searched):
         A free drive whose torque is not said to fall with its speed is governed: its
         ``speed_multiplier`` does not count.
         """
-        sizes = np.abs(self.multipliers)
-        if self.drive_slope == 0.0:
-            of_speed = self.multipliers == self.speed_multiplier[..., np.newaxis]
-            sizes = np.where(of_speed, 0.0, sizes)
-        return np.asarray(self.found & small(sizes))
+        return np.asarray(self.found & _returns(self))
 
     @property
     def needed_slope(self) -> FloatArray:
@@ -143,7 +139,10 @@ class Coexisting(Searched):
         torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ..., orbits)``.
         torque_min: least torque.
         torque_max: largest torque.
-        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``.
+        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``; one more of a free drive.
+        speed_multiplier: the one with which the speed of the whole driveline returns, ``(...,
+            orbits)``; NaN of a held drive.
+        drive_slope: of the system.
     """
 
     count: NDArray[np.int64]
@@ -151,11 +150,22 @@ class Coexisting(Searched):
     torque_min: FloatArray
     torque_max: FloatArray
     multipliers: ComplexArray
+    speed_multiplier: FloatArray
+    drive_slope: float
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether no multiplier is larger than 1 + 1e-9, ``(..., orbits)``; false where missing."""
-        return small(self.multipliers)
+        """Whether a motion is stable as of ``Stability``, ``(..., orbits)``; false where missing."""
+        return _returns(self)
+
+
+def _returns(found: Stability | Coexisting) -> NDArray[np.bool_]:
+    """Whether no multiplier that counts is larger than 1 + 1e-9."""
+    sizes = np.abs(found.multipliers)
+    if found.drive_slope == 0.0:
+        of_speed = found.multipliers == found.speed_multiplier[..., np.newaxis]
+        sizes = np.where(of_speed, 0.0, sizes)
+    return small(sizes)
 
 
 @dataclass(frozen=True, eq=False)

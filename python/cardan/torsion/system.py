@@ -441,9 +441,8 @@ class TorsionalSystem:
         ``speed = natural frequency`` is unstable only if ``tan(bend/2)**2`` of the equivalent bend
         exceeds the damping ratio (leading order; Mathieu's first region).
 
-        A constant loss factor is no law in time: viscous damping takes its place here, with the
-        loss of a vibration at the natural frequency in which the coupling is twisted most. The same
-        goes for ``coexisting``.
+        A constant loss factor is no law in time: viscous damping takes its place in the multipliers,
+        with the loss of a vibration at the natural frequency that is nearest to the speed.
 
         The whole driveline with a free drive is slowed down and comes back to its speed with the
         ``speed_multiplier``. Where ``drive_torque_slope`` plus the slope of the drive is negative,
@@ -478,17 +477,20 @@ class TorsionalSystem:
         amplitudes of 0.25 to 2 rad and several phases. There is no proof that these are all. A
         search takes some hundred times as long as that of ``steady``.
 
+        In place of constant loss factors, the multipliers and all orbits but the first have viscous
+        dampings that take as much from the first.
+
         Args:
             speed: as of ``steady``, like ``tolerance``, ``workers`` and the errors.
             most: number of orbits that are returned, at least 1.
         """
         orbits, m = integer("most", most, 1), len(self.compliant)
-        one = 3 * m + 2 * self._multipliers
+        one = 3 * m + 2 * self._multipliers + 1
         of, each = (self._core.coexisting, orbits), 1 + one * orbits
         shape, _, records, failures = self._run(of, each, speed, tolerance, workers)
         of_orbits = records[..., 1:].reshape(*shape, orbits, one)
-        mean, least, largest, multipliers = _parts(
-            of_orbits, (m,), (m,), (m,), (self._multipliers, 2)
+        mean, least, largest, multipliers, of_speed = _parts(
+            of_orbits, (m,), (m,), (m,), (self._multipliers, 2), ()
         )
         return Coexisting(
             failures == 0,
@@ -498,6 +500,8 @@ class TorsionalSystem:
             np.moveaxis(least, -1, 0),
             np.moveaxis(largest, -1, 0),
             _complex(multipliers),
+            of_speed,
+            self.drive_slope,
         )
 
     def transient(

@@ -21,7 +21,7 @@ use crate::dynamics::pool::Pool;
 use crate::dynamics::search::{DriveMotion, Found, OrbitGoal, Search};
 use crate::dynamics::side_by_side::RunsSideBySide;
 use crate::dynamics::system::{Spring, TorsionalSystem};
-use crate::number::elementary::norm;
+use crate::number::elementary::{ln, norm};
 
 /// Permitted error of the orbit from which the search starts.
 const START: f64 = 1e-3;
@@ -37,6 +37,9 @@ const FINE: usize = 512;
 /// The last correction, beside the largest amplitude and the permitted error.
 const MARGIN: f64 = 0.01;
 
+/// How far beside a speed, relative to it, the torque of the drive is compared.
+const ASIDE: f64 = 1e-4;
+
 /// The last change of Newton's method on a coarse mesh beside the largest amplitude.
 const CONVERGED: f64 = 1e-7;
 
@@ -46,19 +49,69 @@ impl TorsionalSystem {
         self.springs.iter().any(|spring| spring.law.loss_factor > 0.0)
     }
 
-    /// The system with viscous dampings in place of the loss factors: those that take as much from a
-    /// vibration at the natural frequency in which the coupling is twisted most.
-    pub(super) fn viscous(&self) -> Self {
-        let modes = self.modes();
+    /// The system with viscous dampings in place of the loss factors: those that take as much from
+    /// the vibration that joints make grow first at a speed in rad/s.
+    pub(super) fn viscous(&self, speed: f64) -> Self {
+        let time = self.time_of_growing(speed);
+        self.with_dampings(|_| time)
+    }
+
+    /// Likewise those that take as much from an orbit, of which these are the torques.
+    pub(super) fn viscous_on_orbit(&self, speed: f64, torques: &[FourierSeries]) -> Self {
+        let base = 2.0 * speed / self.half_turns as f64;
+        self.with_dampings(|place| {
+            let spring = &self.springs[place];
+            let (c, eta) = (spring.law.stiffness_at(0.0), spring.law.loss_factor);
+            let (mut hysteretic, mut viscous) = (0.0, 0.0);
+            for (n, x) in (1..).map(f64::from).zip(&torques[place].amplitudes) {
+                let rate = n * base;
+                let twist = x / (c + I * (c * eta + rate * spring.damping));
+                hysteretic += rate * twist.norm_sqr();
+                viscous += rate * rate * twist.norm_sqr();
+            }
+            let vibrates = viscous > 0.0;
+            if vibrates { hysteretic / viscous } else { self.time_of_growing(speed) }
+        })
+    }
+
+    /// The reciprocal in s of the frequency of that vibration. Joints make two vibrations grow
+    /// together where twice the speed is the sum of their natural frequencies, against the product
+    /// of their dampings, which belongs to the geometric mean of the frequencies.
+    fn time_of_growing(&self, speed: f64) -> f64 {
+        let each = self.natural_frequencies();
+        let away = |(x, y): &(f64, f64)| ln((x + y) / (2.0 * speed)).abs();
+        let pairs = each.iter().flat_map(|&x| each.iter().map(move |&y| (x, y)));
+        let nearest = pairs.min_by(|one, other| away(one).total_cmp(&away(other)));
+        nearest.map_or(0.0, |(x, y)| (x * y).sqrt().recip())
+    }
+
+    /// The system with viscous dampings in place of the loss factors: `c η` times a time in s.
+    fn with_dampings(&self, time: impl Fn(usize) -> f64) -> Self {
         let mut viscous = self.clone();
         for (place, spring) in viscous.springs.iter_mut().enumerate() {
             let stiffness = spring.law.stiffness_at(self.load_torque);
-            let most = modes.iter().max_by(|x, y| x.shares[place].total_cmp(&y.shares[place]));
-            let frequency = most.map_or(f64::INFINITY, |mode| mode.frequency);
-            spring.damping += stiffness * spring.law.loss_factor / frequency;
+            spring.damping += stiffness * spring.law.loss_factor * time(place);
             spring.law.loss_factor = 0.0;
         }
         viscous
+    }
+
+    /// The derivative of the mean torque of a free drive by its mean speed in N m s/rad, of a system
+    /// with loss factors; `None` of a held one, and without orbits on both sides.
+    pub(super) fn torque_slope(
+        &self,
+        speed: f64,
+        goal: OrbitGoal,
+        pool: &mut Pool<'_>,
+    ) -> Option<f64> {
+        if !self.is_free() {
+            return None;
+        }
+        let [below, above] = [-ASIDE, ASIDE].map(|side| {
+            let found = self.balance(speed * (1.0 + side), goal, pool);
+            found.ok().map(|found| found.drive.torque)
+        });
+        Some((above? - below?) / (2.0 * ASIDE * speed))
     }
 
     /// Torques that loss factors add to those of the compliant shafts at a mean speed in rad/s.
@@ -88,7 +141,7 @@ impl TorsionalSystem {
         pool: &mut Pool<'_>,
     ) -> Result<Found, Failure> {
         let near = OrbitGoal { tolerance: START, order: 0.0, stability: false };
-        let viscous = self.viscous();
+        let viscous = self.viscous(speed);
         let start = pool.run(vec![Search::at(&viscous, speed, near)]).remove(0)?.orbit;
         let mut balance = HarmonicBalance::new(self, speed, &start);
         let top = self.highest_order().max(4.0) + 2.0;

@@ -107,6 +107,9 @@ fn orbits(
 
 /// The orbits of runs, and the systems with the stiffnesses that belong to the mean torques of the
 /// orbits, which hardly depend on the stiffnesses.
+///
+/// A constant loss factor has no law in time, about which an orbit could be stable: where that is
+/// the goal, the systems have viscous dampings in its place.
 fn settled<'a>(
     pool: &mut Pool<'_>,
     runs: impl Iterator<Item = (&'a TorsionalSystem, f64)>,
@@ -116,17 +119,19 @@ fn settled<'a>(
     let (mut systems, mut speeds) = (vec![], vec![]);
     for (system, speed) in runs {
         let load = std::iter::repeat(system.static_load(speed));
-        let own = system.at_means(load).map_or(Cow::Borrowed(system), Cow::Owned);
-        // A constant loss factor has no law in time, about which an orbit could be stable.
-        let viscous = goal.stability && own.has_loss_factors();
-        systems.push(if viscous { Cow::Owned(own.viscous()) } else { own });
+        systems.push(system.at_means(load).map_or(Cow::Borrowed(system), Cow::Owned));
         speeds.push(speed);
     }
+    let in_time = |system: &TorsionalSystem, speed| {
+        (goal.stability && system.has_loss_factors()).then(|| system.viscous(speed))
+    };
     let mut found: Vec<Result<Found, Failure>> = vec![];
     let mut changed: Vec<usize> = (0..systems.len()).collect();
     for round in 0..=ROUNDS {
-        let runs: Vec<_> = changed.iter().map(|&i| (systems[i].as_ref(), speeds[i])).collect();
-        let results = orbits(pool, &runs, goal);
+        let viscous: Vec<_> = changed.iter().map(|&i| in_time(&systems[i], speeds[i])).collect();
+        let runs = changed.iter().zip(&viscous);
+        let runs = runs.map(|(&i, own)| (own.as_ref().unwrap_or(&*systems[i]), speeds[i]));
+        let results = orbits(pool, &runs.collect::<Vec<_>>(), goal);
         if round == 0 {
             found = results;
         } else {
@@ -149,6 +154,14 @@ fn settled<'a>(
     }
     for i in changed {
         found[i] = Err(Failure::NotFound);
+    }
+    for ((system, found), speed) in systems.iter_mut().zip(&mut found).zip(speeds) {
+        if let Some(viscous) = in_time(system, speed) {
+            if let Ok(found) = found {
+                found.drive.torque_slope = system.torque_slope(speed, goal, pool);
+            }
+            *system = Cow::Owned(viscous);
+        }
     }
     (systems, found)
 }
@@ -315,7 +328,12 @@ impl TorsionalSystem {
 
     /// The real multiplier that is nearest to the one with which the speed of the whole driveline
     /// returns: the load and the losses, less the slope of the drive, brake its mean inertia.
-    fn speed_multiplier(&self, speed: f64, torque_slope: f64, among: &[Complex<f64>]) -> f64 {
+    pub(super) fn speed_multiplier(
+        &self,
+        speed: f64,
+        torque_slope: f64,
+        among: &[Complex<f64>],
+    ) -> f64 {
         let Drive::Free { slope } = self.drive else { return f64::NAN };
         let period = PI * self.half_turns as f64 / speed;
         let expected = -(slope + torque_slope) * period / self.total_inertia();
