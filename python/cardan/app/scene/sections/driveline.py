@@ -14,7 +14,7 @@ from cardan.app.scene.language import rules, units
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.sections.load import ANGLES
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.driveline import Driveline
 from cardan.geometry.constructors import sloping, surveyed
 from cardan.geometry.geometry import in_metres
@@ -139,7 +139,10 @@ def _from_double_joint(
     double = Driveline.from_double_joint(bend, distance, pivot, degrees=degrees)
     if single is None:
         return double
-    factor = np.pi / 180.0 if degrees else 1.0
+    factor, end, unit = (np.pi / 180.0, 90.0, "deg") if degrees else (1.0, 0.5 * np.pi, "rad")
+    bends = np.asarray(single, dtype=np.float64)[..., 0]
+    right = (bends >= 0.0) & (bends < end)
+    check_elements("single", bends, right, f" {unit}; a bend must lie in [0, {end:g}) {unit}")
     own = (factor * np.asarray(value, dtype=np.float64)[..., 0] for value in (single, twist, phase))
     joints = np.moveaxis(double.bends, -1, 0)
     first, second, third, turn, yoke = np.broadcast_arrays(*joints, *own)

@@ -190,10 +190,14 @@ class Optimisation:
         """Return the values of the scene's keys that change, as plain data by path.
 
         The path begins with the section: ``"driveline.points_mm"``, ``"states.points_mm.3.y"``.
+        Ranges of changes end at the same values as before.
         """
         found: dict[str, Any] = {}
         for variable, change in zip(self.variables, changes, strict=True):
             axis = variable.axis
+            if math.isfinite(variable.low):
+                ends = [variable.low - change, variable.high - change]
+                found[f"optimise.vary.{axis.key}"] = ends
             if axis.section == "bearing":
                 found[axis.key] = variable.base + change
                 continue
