@@ -347,10 +347,14 @@ BOTH_BENDS = "projected_bends_vertical_deg = [1, 12]\nprojected_bends_horizontal
         ("bends_deg = [12]", "", ""),
         ("readings_deg = [0, 12, 3]", "", ""),
         ("double_joint_deg = 40\njoint_distance_mm = 90\nsynchronous_deg = 12", "", ""),
-        (f"{WIDE_ANGLE}synchronous_deg = 35", "", "synchronous_deg single_phase_deg"),
         (
             f"{WIDE_ANGLE}synchronous_deg = 35",
-            "[states]\nsynchronous_deg = [35, 36]\nsingle_phase_deg = [0, 1]",
+            "",
+            "synchronous_deg single_phase_deg single_bend_deg",
+        ),
+        (
+            f"{WIDE_ANGLE}synchronous_deg = 35",
+            "[states]\nsynchronous_deg = [35, 36]\nsingle_bend_deg = [9, 12]",
             "synchronous_deg single_phase_deg",
         ),
         (COLUMN, "[study]\nphases_deg = [0, 3]", ""),

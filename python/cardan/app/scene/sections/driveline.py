@@ -34,6 +34,9 @@ DOUBLE_JOINT = "double_joint_deg"
 SYNCHRONOUS = "synchronous_deg"
 """The key for the place of its pivot."""
 
+SINGLE_BEND, SINGLE_TWIST = "single_bend_deg", "single_twist_deg"
+"""The keys of the bend of a single joint behind a double joint, and of its plane."""
+
 SINGLE_PHASE = "single_phase_deg"
 """The key of the yokes of the shaft between a double joint and a single one."""
 
@@ -85,7 +88,7 @@ class Form:
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
-_SINGLE = ("single_bend_deg", "single_twist_deg", SINGLE_PHASE)
+_SINGLE = (SINGLE_BEND, SINGLE_TWIST, SINGLE_PHASE)
 _DOUBLE_JOINT = (DOUBLE_JOINT, "joint_distance_mm", SYNCHRONOUS)
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
@@ -494,12 +497,12 @@ DRIVELINE: Section[Described] = Section(
             "of a double joint: how far its pivot is off, away from joint 0; default 0",
             "wear",
         ),
-        "single_bend_deg": Key(
+        SINGLE_BEND: Key(
             rules.numbers(rules.BEND, 1),
             "of a double joint: bend of a single joint behind it",
             "single",
         ),
-        "single_twist_deg": Key(
+        SINGLE_TWIST: Key(
             rules.numbers(None, 1),
             "of that joint: angle from the plane of the double joint to its own; default 0",
             "twist",

@@ -19,6 +19,7 @@ from cardan.app.scene.language.units import si_key, size_of, split
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import (
     DRIVELINE,
+    SINGLE_BEND,
     SINGLE_PHASE,
     SYNCHRONOUS,
     make_driveline,
@@ -353,6 +354,8 @@ def _candidates(
         yield f"phases_deg.{place}", None
     if SINGLE_PHASE in own:
         yield SINGLE_PHASE, None
+        # All of it may be what remains.
+        yield SINGLE_BEND, (0.0 - float(own[SINGLE_BEND][0]), _TILT)
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
