@@ -16,6 +16,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
+from cardan.design.limits import CATALOGUE
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
 
@@ -203,7 +204,9 @@ def findings(answer: Answer, verdict: str) -> Iterator[str]:
     """Say of each figure with a verdict what it is, where, and by how much it misses its limit."""
     for each in answer.of_verdict(verdict):
         if each.value.value is not None:
-            yield f"{each.name}: {judged_text(each.value, each.entry.row)} ({each.value.source})"
+            source = each.value.source
+            default = "default: " if source == CATALOGUE.source else ""
+            yield f"{each.name}: {judged_text(each.value, each.entry.row)} ({default}{source})"
 
 
 def not_judged(answer: Answer) -> Iterator[str]:
