@@ -381,7 +381,8 @@ def test_check_of_a_study_is_of_every_driveline(
         {"key": "bends_deg", "value": 3.1},
         {"key": "speed_rpm", "value": 6000},
     ]
-    assert motion["counts"] == {"within": 4, "tolerable": 1, "beyond": 3, "not_judged": 0}
+    numbers = {"within": 4, "tolerable": 1, "beyond": 3, "not_judged": 0}
+    assert motion["counts"] == {"counted": "drivelines", **numbers}
     # The worst in the middle of an axis, and figures that no key varies.
     path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
     assert " at bends_deg = 3.1;" in " ".join(run("check", path).output.split())

@@ -37,6 +37,7 @@ class SpeedLimits:
 class Counts:
     """How many states, drivelines of a study or recorded samples have which verdict."""
 
+    counted: str = word("counted", "states, drivelines of a study or recorded samples")
     within: int = count("within")
     tolerable: int = count("tolerable")
     beyond: int = count("beyond")
@@ -108,7 +109,7 @@ def motion_of(scene: Scene, found: Check) -> MotionFigures:
         ", ".join(found.limits.presets) or None,
         non_uniformity=None if bend is None else non_uniformity(math.degrees(bend)),
         speeds=tuple(_speeds(found)),
-        counts=_counts(found) if found.ranks.shape else None,
+        counts=_counts(found, scene) if found.ranks.shape else None,
         **judged,
     )
 
@@ -172,10 +173,12 @@ def _speeds(found: Check) -> Sequence[SpeedLimits]:
     return speeds
 
 
-def _counts(found: Check) -> Counts:
+def _counts(found: Check, scene: Scene) -> Counts:
     numbers = {name: int(np.sum(found.ranks == rank)) for rank, name in enumerate(VERDICTS)}
     unknown = numbers["not judged"] + numbers["unknown"]
-    return Counts(numbers["within"], numbers["tolerable"], numbers["beyond"], unknown)
+    of_study = scene.study is not None and scene.study.axes
+    what = "states" if scene.states else "drivelines" if of_study else "samples"
+    return Counts(what, numbers["within"], numbers["tolerable"], numbers["beyond"], unknown)
 
 
 # More are counted in the first sentence.
