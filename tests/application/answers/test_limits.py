@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -270,6 +271,14 @@ def test_the_whole_check_in_words() -> None:
     assert str(joints(1).check()).startswith("The driveline is within the limits.\n")
     assert str(joints(4).check()).startswith("The driveline is beyond the limits.\n")
     assert str(joints(1).check(np.nan, "truck")).startswith("The driveline cannot be judged")
+
+
+def test_the_help_says_what_each_preset_limits() -> None:
+    said = " ".join(scripts.run("run", "--help").stdout.split())
+    listed = said.partition(" preset name or names: ")[2].partition("; default: ")[0]
+    assert "truck (excitations); " in listed
+    assert "; spicer, tremec, gm, meritor (bends and difference of bends); " in listed
+    assert all(re.search(rf"\b{name}\b", listed) for name in PRESETS)
 
 
 @pytest.mark.parametrize(
