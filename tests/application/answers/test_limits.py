@@ -273,6 +273,39 @@ def test_the_whole_check_in_words() -> None:
     assert str(joints(1).check(np.nan, "truck")).startswith("The driveline cannot be judged")
 
 
+def test_the_help_says_what_each_preset_limits() -> None:
+    said = " ".join(scripts.run("run", "--help").stdout.split())
+    listed = said.partition(" preset name or names: ")[2].partition("; default: ")[0]
+    assert "truck (excitations); " in listed
+    assert "; spicer, tremec, gm, meritor (bends and difference of bends); " in listed
+    assert all(re.search(rf"\b{name}\b", listed) for name in PRESETS)
+
+
+@pytest.mark.parametrize(
+    ("sections", "counted"),
+    [
+        ("[states]\nbends_deg.0 = [2, 9]\n", "states"),
+        ("[study]\nbends_deg.0 = [2, 9]\n", "drivelines"),
+        (
+            "[angles]\nfile = 'run.csv'\nangle_column_deg = 'angle'\nbend_columns_deg = ['bend']\n",
+            "samples",
+        ),
+    ],
+)
+def test_verdicts_on_the_motion_say_what_they_count(
+    tmp_path: Path, sections: str, counted: str
+) -> None:
+    (tmp_path / "run.csv").write_text("angle,bend\n0,2\n90,9\n")
+    bends = "" if "angles" in sections else "bends_deg = [2]\n"
+    (tmp_path / "a.toml").write_text(f"[driveline]\n{bends}{sections}")
+    said = scripts.run("check", tmp_path / "a.toml").stdout
+    lines = said.partition("  Verdicts on the motion\n")[2].splitlines()[:4]
+    assert [line.split() for line in lines] == [
+        *(["counted", counted], ["within", "1"]),
+        *(["tolerable", "0"], ["beyond", "1"]),
+    ]
+
+
 def test_a_table_for_notebooks() -> None:
     html = joints(5, 1).check(100.0)._repr_html_()
     assert "<caption>The driveline is beyond the limits.</caption>" in html

@@ -169,7 +169,8 @@ def test_exact_derivatives_are_those_of_differences(text: str, vary: str, quanti
 def test_states_move_with_what_changes() -> None:
     """A variable adds its change to what a state sets."""
     text = TRUCK.replace("[35, 45, 55]", "{from = 35, to = 55, steps = 3} # spread")
-    scene = Scene.parse(text + '[optimise]\nvary = {"points_mm.3-4.z" = [-60, 60]}\n')
+    text += '[optimise]\nvary = {"points_mm.3-4.z" = [-60, 60]}\n'
+    scene = Scene.parse(text)
     asked = scene.optimisation
     assert asked
     changed = with_values(text, asked.values_after(np.array([-5.0])))
@@ -177,6 +178,48 @@ def test_states_move_with_what_changes() -> None:
     assert [line[2] for line in tomllib.loads(changed)["driveline"]["points_mm"]][3:] == [40, 40]
     after = Scene.parse(changed).drivelines()
     np.testing.assert_allclose(after.bends, asked.drivelines(np.array([-5.0])).bends, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("driveline", "rest", "vary", "change", "written"),
+    [
+        (
+            "points_mm = [[0, 0, 0], [500, -24, 0], [900, -50, 0], [1400, -50, 0]]",
+            "[states]\npoints_mm.1-2.y = [-24, 9]\n",
+            "points_mm.1-2.y = [-20, 3.5] # of both\nvary.phases_deg = 'free'",
+            [-4.5, 3.0],
+            "vary.points_mm.1-2.y = [-15.5, 8] # of both\nvary.phases_deg = 'free'\n",
+        ),
+        (
+            "points_ft = [[0, 0, 0], [2, 0, 0], [3, -0.4, 0], [5, -0.5, 0]]\nphases_deg = 2",
+            "[[bearing]]\nshaft = 0\nposition_in = 8\n[[bearing]]\nshaft = 0\nposition_in = 2\n",
+            'bearing = {1.position_in = [-1.5, 2]}\nvary."phases_deg.0" = [-3, 0]',
+            [2.0, -3.0],
+            'vary.bearing = {1.position_in = [-3.5, 0]}\nvary."phases_deg.0" = [0, 3]\n',
+        ),
+        (
+            "double_joint_deg = 50\njoint_distance_mm = 80\nsingle_bend_deg = 10\n"
+            "synchronous_deg = 35",
+            "[states]\ndouble_joint_deg = [5, 50]\n",
+            "single_bend_deg = [-10, 0]\nvary.double_joint_deg = [-5, 5]",
+            [-8.123456, 4.0],
+            "vary.single_bend_deg = [-1.876544, 8.123456]\nvary.double_joint_deg = [-9, 1]\n",
+        ),
+    ],
+)
+def test_ranges_of_the_scene_written_end_where_they_did(
+    driveline: str, rest: str, vary: str, change: list[float], written: str
+) -> None:
+    text = f"[driveline]\n{driveline}\n{rest}[optimise]\nvary.{vary}\n"
+    asked = Scene.parse(text).optimisation
+    assert asked
+    changed = with_values(text, asked.values_after(np.array(change)))
+    assert changed.endswith(written)
+    again = Scene.parse(changed).optimisation
+    assert again
+    for one, other in zip(asked.variables, again.variables, strict=True):
+        ends = [other.base + other.low, other.base + other.high]
+        assert ends == pytest.approx([one.base + one.low, one.base + one.high])
 
 
 def test_a_root_mean_square_has_the_weights_of_the_states() -> None:
@@ -304,10 +347,14 @@ BOTH_BENDS = "projected_bends_vertical_deg = [1, 12]\nprojected_bends_horizontal
         ("bends_deg = [12]", "", ""),
         ("readings_deg = [0, 12, 3]", "", ""),
         ("double_joint_deg = 40\njoint_distance_mm = 90\nsynchronous_deg = 12", "", ""),
-        (f"{WIDE_ANGLE}synchronous_deg = 35", "", "synchronous_deg single_phase_deg"),
         (
             f"{WIDE_ANGLE}synchronous_deg = 35",
-            "[states]\nsynchronous_deg = [35, 36]\nsingle_phase_deg = [0, 1]",
+            "",
+            "synchronous_deg single_phase_deg single_bend_deg",
+        ),
+        (
+            f"{WIDE_ANGLE}synchronous_deg = 35",
+            "[states]\nsynchronous_deg = [35, 36]\nsingle_bend_deg = [9, 12]",
             "synchronous_deg single_phase_deg",
         ),
         (COLUMN, "[study]\nphases_deg = [0, 3]", ""),
@@ -350,7 +397,14 @@ def test_keys_of_a_double_joint_can_change(tmp_path: Path, vary: str, said: str)
     assert result.exit_code == 0, result.output
     assert re.search(rf"^- {said}", result.stdout, re.MULTILINE)
     # As it was, it is 15.45°.
-    assert largest_bend(Scene.load(tmp_path / "a.optimised.toml")) < 13.0
+    written = Scene.load(tmp_path / "a.optimised.toml")
+    assert largest_bend(written) < 13.0
+    # Of the range of its change both ends stay where they were.
+    assert written.optimisation
+    ends = [one.base + one.high for one in written.optimisation.variables]
+    before = Scene.parse(text).optimisation
+    assert before
+    assert ends == pytest.approx([one.base + one.high for one in before.variables])
 
 
 @pytest.mark.parametrize(
@@ -373,6 +427,11 @@ def test_keys_of_a_double_joint_can_change(tmp_path: Path, vary: str, said: str)
             "vary.joint_distance_mm is no path of a key that may change",
         ),
         ('synchronous_deg = "free"', "vary.synchronous_deg is 'free'; only phases may be"),
+        (
+            "single_bend_deg = [-16, 5]",
+            "vary.single_bend_deg reaches -16, where single_bend_deg[0] is -6.0 deg; a bend must "
+            "lie in [0, 90) deg",
+        ),
     ],
 )
 def test_keys_of_a_double_joint_that_cannot_change(vary: str, message: str) -> None:
@@ -573,10 +632,13 @@ def test_bearings_move(tmp_path: Path) -> None:
         for old, new in zip((text + asked).splitlines(), written.splitlines(), strict=True)
         if old != new
     ]
-    ((old, new),) = changed
+    ((old, new), (_, vary)) = changed
     assert old == "from_end_mm = 150 # before the joint"
     place = float(new.split()[2])
     assert new == f"from_end_mm = {place:.6g} # before the joint"
+    # Both ends of its range stay where they were: 50 and 450 mm.
+    ends = re.findall(r"[-\d.]+", vary.partition("= [")[2])
+    assert [place + float(end) for end in ends] == pytest.approx([50.0, 450.0])
 
     def force(at: float) -> float:
         scene = Scene.parse(text.replace("from_end_mm = 150", f"from_end_mm = {at}"))

@@ -453,6 +453,61 @@ def remedies_of(text: str) -> list[re.Match[str]]:
     return [*re.finditer(pattern, " ".join(remedies(found)))]
 
 
+def remedy(text: str) -> str:
+    """What would help a scene of several states by its yokes, bends and pivot."""
+    found = scene_advice(Scene.parse(text))
+    assert found
+    return " ".join(remedies(found))
+
+
+def test_a_straight_single_joint_is_said_where_its_bend_remains() -> None:
+    text = WIDE_ANGLE.format(rest="[states]\ndouble_joint_deg = [5, 50]")
+    (said,) = re.findall(r"A straight single joint would leave at most (\S+)°\.", remedy(text))
+    level = text.replace("single_bend_deg = 10", "single_bend_deg = 0")
+    pivot = re.findall(r"leaves at most (\S+)° with", remedy(f"{level}\n[limits]\n{LOW}"))
+    assert [said] == pivot
+    # Where the pivot suffices, or the states set the bend, nothing is said of it.
+    assert "straight" not in remedy(f"{text}\n[limits]\nequivalent_bend_deg = 9.8\n")
+    assert "straight" not in remedy(f"{text}\nsingle_bend_deg = [9, 10]\n")
+
+
+LOW = "equivalent_bend_deg = 0.01\n"
+
+
+@pytest.mark.parametrize(
+    ("states", "mean", "worst"),
+    [
+        # The present yokes are better in the worst state than those with the least mean.
+        ("weights = [1, 9]\nbends_deg.0 = [12, 5]\ntwists_deg = [0, 90]", "", "state 1"),
+        ("bends_deg.0 = [12, 11.5]", "mean", "that state"),
+        ("weights = [1, 2]\nbends_deg.0 = [12, 11.5]", "weighted mean", "that state"),
+    ],
+)
+def test_the_best_setting_of_states_is_said_where_it_helps(
+    states: str, mean: str, worst: str
+) -> None:
+    text = f"[driveline]\nbends_deg = [12, 8]\ntwists_deg = {{}}\n[states]\n{states}\n"
+    said = remedy(text.format(90 if mean else 0))
+    assert f"nearer to each other in {worst}." in said
+    assert ("Giving that state more weight in [states] improves it" in said) == bool(mean)
+    if mean:
+        assert f"yokes, with the least {mean} over the states, leaves" in said
+    else:
+        assert "setting" not in said
+
+
+def test_yokes_that_are_better_in_the_worst_state_stay(tmp_path: Path) -> None:
+    """The setting with the least weighted mean leaves 9.78° where the present one leaves 9.51°."""
+    path = tmp_path / "wide.toml"
+    scripts.run("new", "wide-angle", path)
+    said = scripts.run("check", path).stdout
+    assert "9.51° in turn 50 deg" in said
+    assert "common setting" not in said
+    # A double joint alone has no yoke to set.
+    alone = WIDE_ANGLE.replace("single_bend_deg = 10\n{rest}", "[states]\n")
+    assert "setting" not in remedy(f"{alone}double_joint_deg = [5, 60]\n")
+
+
 def test_a_pivot_that_the_states_set_has_no_value() -> None:
     rest = "[states]\nsynchronous_deg = [20, 25]"
     found = scene_advice(Scene.parse(WIDE_ANGLE.format(rest=rest)))

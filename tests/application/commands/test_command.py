@@ -381,7 +381,8 @@ def test_check_of_a_study_is_of_every_driveline(
         {"key": "bends_deg", "value": 3.1},
         {"key": "speed_rpm", "value": 6000},
     ]
-    assert motion["counts"] == {"within": 4, "tolerable": 1, "beyond": 3, "not_judged": 0}
+    numbers = {"within": 4, "tolerable": 1, "beyond": 3, "not_judged": 0}
+    assert motion["counts"] == {"counted": "drivelines", **numbers}
     # The worst in the middle of an axis, and figures that no key varies.
     path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
     assert " at bends_deg = 3.1;" in " ".join(run("check", path).output.split())
@@ -519,6 +520,30 @@ def test_explain_a_figure() -> None:
     assert "verdict     beyond\n" in said
     assert re.search(r"\nInputs\n  \[driveline\] bends_deg +\[5, 4, 3, 2\]\n", said)
     assert "[load] speed_rpm " in said
+
+
+def test_explain_a_figure_with_the_inputs_of_its_worst_state(tmp_path: Path) -> None:
+    wide = tmp_path / "wide.toml"
+    run("new", "wide-angle", wide)
+    said = run("explain", wide, "limits.equivalent_bend").output
+    assert "  limit from       [limits] equivalent_bend_deg\n" in said
+    inputs = said.partition('\nInputs in the state "turn 50 deg"\n')[2]
+    assert re.search(r"^  \[states\] double_joint_deg +50.09$", inputs, re.MULTILINE)
+    assert re.search(r"^  \[driveline\] synchronous_deg +40$", inputs, re.MULTILINE)
+    assert "[driveline] double_joint_deg" not in inputs
+
+
+def test_explain_says_whose_limit_it_is_without_one(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text("[driveline]\nbends_deg = [9, 4]\n")
+    said = " ".join(run("explain", path, "limits.equivalent_bend").output.split())
+    default = "default of driveshaft catalogues; [limits] equivalent_bend_deg is not given"
+    assert f"limit from the {default} limit at most 3° (driveshaft catalogues, " in said
+    checked = " ".join(run("check", path).output.split())
+    assert "above the limit of 3° (default: driveshaft catalogues, section 6.4" in checked
+    path.write_text(path.read_text() + "[limits]\nequivalent_bend_deg = 3\n")
+    assert "default" not in run("explain", path, "limits.equivalent_bend").output
+    assert "default" not in run("check", path).output
 
 
 def test_every_figure_of_an_answer_can_be_explained() -> None:

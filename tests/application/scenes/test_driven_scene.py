@@ -227,3 +227,9 @@ def test_the_wide_angle_scene_has_the_angles_of_its_turns() -> None:
         assert np.degrees(line.bends[2]) == pytest.approx(np.degrees(drawn.bends[1]), abs=0.01)
         twist = np.degrees(line.twists[-1] - drawn.twists[0])
         assert (twist + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.06)
+        # The formulas of docs/howto/double-joint.md.
+        rise = np.arctan(60.0 / 1000.0)
+        assert np.cos(drawn.bends[0]) == pytest.approx(np.cos(rise) * np.cos(turn), rel=1e-14)
+        if turn:
+            own = 0.5 * np.pi + np.arctan(np.sin(rise) / np.tan(turn))
+            assert drawn.twists[0] == pytest.approx(own, rel=1e-12)

@@ -364,6 +364,32 @@ def test_a_tube_in_millimetres_warns() -> None:
         cardan.tube(60, 2.5, length=1200)
 
 
+@pytest.mark.parametrize(
+    ("single", "states", "remarked"),
+    [
+        ("single_bend_deg = 10\nsingle_twist_deg = 180", "double_joint_deg = [5, 50]", True),
+        ("single_bend_deg = 10", "double_joint_deg = [5, 50]", True),
+        # It stays upright, or is straight, or nothing turns.
+        ("single_bend_deg = 10\nsingle_twist_deg = -90", "double_joint_deg = [5, 50]", False),
+        ("single_bend_deg = 0", "double_joint_deg = [5, 50]", False),
+        ("", "double_joint_deg = [5, 50]", False),
+        ("single_bend_deg = 10", "synchronous_deg = [35, 40]", False),
+        (
+            "single_bend_deg = 10",
+            "double_joint_deg = [5, 50]\nsingle_twist_deg = [180, 94]",
+            False,
+        ),
+    ],
+)
+def test_a_single_joint_whose_plane_turns(single: str, states: str, remarked: bool) -> None:
+    double = "double_joint_deg = 5\njoint_distance_mm = 80\nsynchronous_deg = 35\n"
+    found = remarks(f"[driveline]\n{double}{single}\n[states]\n{states}\n")
+    said = found.get("[states] double_joint_deg", "")
+    assert bool(said) == remarked
+    twist = "180°" if "180" in single else "0°"
+    assert not remarked or said.startswith(f"single_twist_deg is {twist} in every state, so the ")
+
+
 @pytest.mark.parametrize(("values", "remarked"), [("[-60, 0, 60]", True), ("[-260, -200]", False)])
 def test_states_without_the_drawing(values: str, remarked: bool) -> None:
     text = f'[driveline]\n{POINTS}[states]\n"points_mm.2.y" = {values}\n'

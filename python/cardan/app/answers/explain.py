@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +13,9 @@ from cardan.app.answers.identification import Identified
 from cardan.app.answers.printed import aligned, bound_of, cell
 from cardan.app.answers.rows import UNITS, Entry, Judged, Row, element_of, rows_of
 from cardan.app.answers.table import PARTS, Part
+from cardan.app.scene.scene import Scene
 from cardan.arrays.errors import ArgumentValueError
+from cardan.design.limits import CATALOGUE
 
 # More values of a list are counted.
 _MOST = 6
@@ -35,14 +37,19 @@ def explain_text(answer: Answer, key: str, path: Path) -> str:
     lines = [("value", cell(bare, row) or "not known")]
     lines += [("meaning", row.meaning)] if row.meaning else []
     lines += [("formula, source", row.source)] if row.source else []
-    lines += [("limit from", row.limit)] if row.limit else []
+    limit, worst = row.limit, value.state if isinstance(value, Judged) else ""
+    if isinstance(value, Judged) and value.source == CATALOGUE.source:
+        limit = f"the default of driveshaft catalogues; {limit} is not given"
+    lines += [("limit from", limit)] if limit else []
     if isinstance(value, Judged) and row.limit:
         judged = f"{value.verdict}: {value.why}" if value.why else value.verdict
         lines += [("limit", f"{bound_of(value, row)} ({value.source})")] if value.limit else []
         lines.append(("verdict", judged))
-    inputs = list(_inputs(part, path))
+    in_state = dict(_in_state(answer, worst))
+    inputs = list(_inputs(part, path, in_state))
     text = f"{name[0].upper()}{name[1:]}\n{aligned(lines, indent='  ')}"
-    return f"{text}\n\nInputs\n{aligned(inputs, indent='  ')}" if inputs else text
+    heading = f'Inputs in the state "{worst}"' if in_state else "Inputs"
+    return f"{text}\n\n{heading}\n{aligned(inputs, indent='  ')}" if inputs else text
 
 
 def _entry_of(answer: Answer, key: str) -> tuple[Part, Entry]:
@@ -64,13 +71,25 @@ def _entry_of(answer: Answer, key: str) -> tuple[Part, Entry]:
     raise ArgumentValueError("key", problem)
 
 
-def _inputs(part: Part, path: Path) -> Iterator[tuple[str, str]]:
-    """The keys of the driveline and of the part's sections, with their values."""
+def _in_state(answer: Answer, name: str) -> Iterator[tuple[str, str]]:
+    """The keys that the states set, with their values in one of them."""
+    states = answer.scene.states if isinstance(answer.of, Scene) else None
+    if states and name in states.names:
+        place = states.names.index(name)
+        for axis in states.axes:
+            yield axis.key, f"{axis.values[place]:.10g}"
+
+
+def _inputs(part: Part, path: Path, in_state: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """The keys of the driveline and of the part's sections, with their values, in a state those."""
     given = tomllib.loads(path.read_text(encoding="utf-8"))
     for section in dict.fromkeys(("driveline", *part.sections)):
         for key, value in given.get(section, {}).items():
-            is_long = isinstance(value, list) and len(value) > _MOST
-            yield f"[{section}] {key}", f"{len(value)} values" if is_long else str(value)
+            if key not in in_state:
+                is_long = isinstance(value, list) and len(value) > _MOST
+                yield f"[{section}] {key}", f"{len(value)} values" if is_long else str(value)
+    for key, text in in_state.items():
+        yield f"[states] {key}", text
 
 
 def reference() -> str:

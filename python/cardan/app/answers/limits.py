@@ -16,6 +16,7 @@ from cardan.app.answers.table import PARTS
 from cardan.app.scene.scene import Scene
 from cardan.design.check import Check
 from cardan.design.judged import VERDICTS, Finding, non_uniformity
+from cardan.design.limits import CATALOGUE
 from cardan.design.quantities import label
 from cardan.design.wrapping import fill
 
@@ -36,6 +37,7 @@ class SpeedLimits:
 class Counts:
     """How many states, drivelines of a study or recorded samples have which verdict."""
 
+    counted: str = word("counted", "states, drivelines of a study or recorded samples")
     within: int = count("within")
     tolerable: int = count("tolerable")
     beyond: int = count("beyond")
@@ -107,7 +109,7 @@ def motion_of(scene: Scene, found: Check) -> MotionFigures:
         ", ".join(found.limits.presets) or None,
         non_uniformity=None if bend is None else non_uniformity(math.degrees(bend)),
         speeds=tuple(_speeds(found)),
-        counts=_counts(found) if found.ranks.shape else None,
+        counts=_counts(found, scene) if found.ranks.shape else None,
         **judged,
     )
 
@@ -171,10 +173,12 @@ def _speeds(found: Check) -> Sequence[SpeedLimits]:
     return speeds
 
 
-def _counts(found: Check) -> Counts:
+def _counts(found: Check, scene: Scene) -> Counts:
     numbers = {name: int(np.sum(found.ranks == rank)) for rank, name in enumerate(VERDICTS)}
     unknown = numbers["not judged"] + numbers["unknown"]
-    return Counts(numbers["within"], numbers["tolerable"], numbers["beyond"], unknown)
+    of_study = scene.study is not None and scene.study.axes
+    what = "states" if scene.states else "drivelines" if of_study else "samples"
+    return Counts(what, numbers["within"], numbers["tolerable"], numbers["beyond"], unknown)
 
 
 # More are counted in the first sentence.
@@ -203,7 +207,9 @@ def findings(answer: Answer, verdict: str) -> Iterator[str]:
     """Say of each figure with a verdict what it is, where, and by how much it misses its limit."""
     for each in answer.of_verdict(verdict):
         if each.value.value is not None:
-            yield f"{each.name}: {judged_text(each.value, each.entry.row)} ({each.value.source})"
+            source = each.value.source
+            default = "default: " if source == CATALOGUE.source else ""
+            yield f"{each.name}: {judged_text(each.value, each.entry.row)} ({default}{source})"
 
 
 def not_judged(answer: Answer) -> Iterator[str]:

@@ -19,7 +19,12 @@ from cardan.app.answers.turn.extremes import torque_ends
 from cardan.app.answers.turn.figures import noise
 from cardan.app.scene.language.units import ENDINGS, RPM, split
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.driveline import has_lengths
+from cardan.app.scene.sections.driveline import (
+    DOUBLE_JOINT,
+    SINGLE_BEND,
+    SINGLE_TWIST,
+    has_lengths,
+)
 from cardan.torsion.tube import WIDEST
 
 _LONGEST, _SHORTEST = 50.0, 1e-3
@@ -54,7 +59,7 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     scene = answer.scene
     found = (
         *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
-        *(_small, _speeds, _states, _torques, _units, _steady, _beyond_the_speed),
+        *(_small, _speeds, _states, _planes, _torques, _units, _steady, _beyond_the_speed),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -270,6 +275,23 @@ def _states(scene: Scene) -> Iterator[Remark]:
             "[states]",
             "no state has the values of [driveline]. Lists of a state are values, not changes: "
             "{add = [...]} changes the value of the drawing",
+        )
+
+
+def _planes(scene: Scene) -> Iterator[Remark]:
+    """Turns of a double joint that seem to turn the plane of the single joint behind it as well."""
+    states, layout = scene.states, scene.layout
+    if states is None or layout is None or not layout.driveline.get(SINGLE_BEND, [0.0])[0]:
+        return
+    (twist,) = layout.driveline[SINGLE_TWIST]
+    varied = {axis.name for axis in states.axes}
+    # At right angles are a level shaft and a single joint that is bent upwards.
+    if DOUBLE_JOINT in varied and SINGLE_TWIST not in varied and (twist + 90.0) % 180.0:
+        yield Remark(
+            f"[states] {DOUBLE_JOINT}",
+            f"{SINGLE_TWIST} is {given(math.radians(twist), 'deg')} in every state, so the plane "
+            "of the single joint is taken to turn with that of the double joint; if it is bent up "
+            f"or down in every state, give about {given(0.5 * math.pi, 'deg')} in a turn",
         )
 
 

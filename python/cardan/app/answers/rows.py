@@ -162,9 +162,9 @@ def figure(label: str, unit: str = "", meaning: str = "", **more: Any) -> Any:  
     return _declared(Row("figure", label, unit, meaning, **more))
 
 
-def numbers(label: str, unit: str = "", meaning: str = "") -> Any:  # noqa: ANN401 - as of figure
+def numbers(label: str, unit: str = "", meaning: str = "", *, is_detail: bool = True) -> Any:  # noqa: ANN401 - as of figure
     """Declare several numbers of one kind, in an array or tuple in the order of their items."""
-    return _declared(Row("numbers", label, unit, meaning, is_detail=True))
+    return _declared(Row("numbers", label, unit, meaning, is_detail=is_detail))
 
 
 def _declared(row: Row) -> Any:  # noqa: ANN401 - as of figure

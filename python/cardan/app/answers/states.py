@@ -23,6 +23,7 @@ class StateFigures:
 
     state: str = item("state")
     equivalent_bend: float | None = figure("equivalent bend", "deg", apart="limit")
+    bends: tuple[float, ...] = numbers("bends", "deg", "of the joints", is_detail=False)
     bend_difference: float | None = figure("bend difference", "deg", is_detail=True)
     torsional_excitation: float | None = figure("torsional excitation", "rad_s2", is_detail=True)
     inertia_excitation_driving: float | None = figure(
@@ -33,7 +34,6 @@ class StateFigures:
     )
     verdict: str = word("verdict", "on the motion")
     beyond: str = word("beyond", "what is beyond its limit in this state, besides the bend")
-    bends: tuple[float, ...] = numbers("bends", "deg", "of the joints")
     lengths: tuple[float, ...] = numbers("lengths", "mm", "of the shafts, where they are known")
     # Of the equivalent bend.
     limit: float | None = None

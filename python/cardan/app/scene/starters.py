@@ -139,7 +139,8 @@ output_torque_Nm = 4000
 # which pivot would suit.
 #
 # The implement's input shaft lies 60 mm higher, and the joint centres are 1000 mm apart: the single
-# joint is bent by atan(60/1000) in every turn, the double joint by what the turn asks.
+# joint is bent by atan(60/1000) in every turn, the double joint by what the turn asks. The plane of
+# the single joint stays upright, and that of the double joint lies down in a turn.
 
 title = "Wide-angle PTO shaft"
 
@@ -159,7 +160,7 @@ output_torque_Nm = 500
 names = ["straight", "turn 20 deg", "turn 35 deg", "turn 50 deg"]
 weights = [8, 3, 2, 1]
 double_joint_deg = [3.43, 20.28, 35.15, 50.09]
-single_twist_deg = [180, 99.3, 94.9, 92.9]
+single_twist_deg = [180, 99.3, 94.9, 92.9]  # changes with the turn: about 90 if bent up or down
 
 [limits]                       # put your own in their place
 equivalent_bend_deg = [6, 8]

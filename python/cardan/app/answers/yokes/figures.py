@@ -25,7 +25,7 @@ from cardan.app.answers.rows import (
     word,
 )
 from cardan.app.scene.scene import Scene
-from cardan.app.scene.sections.driveline import SYNCHRONOUS
+from cardan.app.scene.sections.driveline import SINGLE_BEND, SYNCHRONOUS
 from cardan.app.scene.study.states import States
 from cardan.arrays import FloatArray
 from cardan.design.limits import MAX_EQUIVALENT_BEND
@@ -163,8 +163,9 @@ class Advice:
     decimals: int = field(kw_only=True)
     # Whether joints 0 and 1 are a centred double joint.
     is_double: bool = field(kw_only=True)
-    # Of a double joint whose pivot no state sets.
+    # Of a double joint whose pivot no state sets; the second with a straight single joint behind.
     pivot: Pivot | None = field(kw_only=True)
+    straight: Pivot | None = field(kw_only=True)
 
     @property
     def settable_deg(self) -> float:
@@ -286,6 +287,8 @@ def _by_setting(of: type[_T], values: Mapping[str, Any], missing: Any = None) ->
 
 
 def _of_scene(scene: Scene, settings: Mapping[str, FloatArray]) -> Advice:
+    pivot = _best_pivot(scene) if scene.is_double else None
+    straight = _best_pivot(scene, {SINGLE_BEND: 0.0}) if pivot else None
     return _advice(
         scene.line,
         limit_of(scene),
@@ -293,12 +296,16 @@ def _of_scene(scene: Scene, settings: Mapping[str, FloatArray]) -> Advice:
         scene.states,
         scene.teeth,
         is_double=scene.is_double,
-        pivot=_best_pivot(scene) if scene.is_double else None,
+        pivot=pivot,
+        straight=straight,
     )
 
 
-def _best_pivot(scene: Scene) -> Pivot | None:
-    """Search the synchronous bend to a tenth of a degree; ``None`` where a state sets it."""
+def _best_pivot(scene: Scene, changes: Mapping[str, float] | None = None) -> Pivot | None:
+    """Search the synchronous bend to a tenth of a degree, after some changes by key.
+
+    It is ``None`` where a state sets one of them, or the scene gives no such key.
+    """
     states, found = scene.states, list[Pivot]()
     if states and any(axis.name == SYNCHRONOUS for axis in states.axes):
         return None
@@ -311,7 +318,7 @@ def _best_pivot(scene: Scene) -> Pivot | None:
             tried = tried[np.abs(tried[:, np.newaxis] - near).min(axis=1) < 1.0]
         for synchronous in tried.round(1).tolist():
             try:
-                lines = scene.drivelines({SYNCHRONOUS: synchronous})
+                lines = scene.drivelines({SYNCHRONOUS: synchronous, **(changes or {})})
             except ValueError:
                 # The pivot would lie beyond a joint.
                 continue
@@ -331,6 +338,7 @@ def _advice(
     *,
     is_double: bool = False,
     pivot: Pivot | None = None,
+    straight: Pivot | None = None,
 ) -> Advice:
     # To and from radians, 3 would become 3.0000000000000004.
     limit_deg = round(float(np.degrees(limit)), 12)
@@ -365,6 +373,7 @@ def _advice(
         decimals=_decimals(line, states, settings["best"], limit_deg),
         is_double=is_double,
         pivot=pivot,
+        straight=straight,
     )
 
 

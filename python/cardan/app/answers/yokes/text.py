@@ -22,8 +22,6 @@ _ARRANGEMENTS = {
     "spatial": "Spatial arrangement: the bends lie in different planes.",
 }
 
-_NEARER = "Bring the bends of the joints nearer to each other in that state."
-
 BEST_OF_STATES = (
     "The best setting has the least weighted mean over the states; single states may be worse than "
     "now."
@@ -292,15 +290,24 @@ def _states_advice_text(found: Advice, limit: str) -> str:
 
 
 def _states_remedies(found: Advice) -> list[str]:
+    assert found.states
     if found.settable_deg <= found.limit_deg:
         return [f"{_turns(found)}; that leaves at most {_at_most(found)}."]
     if not found.shafts:
         return ["A single joint cannot cancel its own unevenness; add a second joint."]
-    return [
-        f"Even the best common setting of the yokes leaves {_at_most(found)}, beyond the "
-        f"limit of {_limit(found)}. {_of_pivot(found) if found.is_double else _NEARER} "
-        "More weight of that state favours it at the cost of the others."
-    ]
+    states, said, where = found.states, list[str](), found.states.worst.present
+    # Of a double joint alone no yoke can be set.
+    can_be_set = len(found.shafts) > found.is_double
+    if can_be_set and found.settable_deg <= found.equivalent_bend_deg.present:
+        mean = "weighted mean" if len(set(states.weights)) > 1 else "mean"
+        where = "that state"
+        said = [
+            f"Even the best common setting of the yokes, with the least {mean} over the states, "
+            f"leaves {_at_most(found)}, beyond the limit of {_limit(found)}.",
+            "Giving that state more weight in [states] improves it at the expense of the others.",
+        ]
+    nearer = f"Bring the bends of the joints nearer to each other in {where}."
+    return [" ".join([*said, _of_pivot(found) if found.is_double else nearer])]
 
 
 def _too_different(found: Advice) -> str:
@@ -333,7 +340,12 @@ def _of_pivot(found: Advice) -> str:
     left = bend_text(found, found.pivot.equivalent_bend_deg)
     most = "at most " if found.states else ""
     then = " with the yokes set anew" if len(found.shafts) > 1 else ""
-    return f"{sets} a synchronous_deg of {value} leaves {most}{left}{then}."
+    said = f"{sets} a synchronous_deg of {value} leaves {most}{left}{then}."
+    rest = found.pivot.equivalent_bend_deg
+    if rest > found.limit_deg and found.straight and found.straight.equivalent_bend_deg < rest:
+        left = bend_text(found, found.straight.equivalent_bend_deg)
+        said += f" A straight single joint would leave {most}{left}."
+    return said
 
 
 def _changes(found: Advice) -> str:

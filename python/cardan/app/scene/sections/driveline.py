@@ -14,7 +14,7 @@ from cardan.app.scene.language import rules, units
 from cardan.app.scene.language.section import Key, Reading, Section, check_count
 from cardan.app.scene.sections.load import ANGLES
 from cardan.arrays import FloatArray
-from cardan.arrays.errors import ArgumentValueError
+from cardan.arrays.errors import ArgumentValueError, check_elements
 from cardan.driveline import Driveline
 from cardan.geometry.constructors import sloping, surveyed
 from cardan.geometry.geometry import in_metres
@@ -33,6 +33,9 @@ DOUBLE_JOINT = "double_joint_deg"
 
 SYNCHRONOUS = "synchronous_deg"
 """The key for the place of its pivot."""
+
+SINGLE_BEND, SINGLE_TWIST = "single_bend_deg", "single_twist_deg"
+"""The keys of the bend of a single joint behind a double joint, and of its plane."""
 
 SINGLE_PHASE = "single_phase_deg"
 """The key of the yokes of the shaft between a double joint and a single one."""
@@ -85,7 +88,7 @@ class Form:
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
-_SINGLE = ("single_bend_deg", "single_twist_deg", SINGLE_PHASE)
+_SINGLE = (SINGLE_BEND, SINGLE_TWIST, SINGLE_PHASE)
 _DOUBLE_JOINT = (DOUBLE_JOINT, "joint_distance_mm", SYNCHRONOUS)
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
@@ -139,7 +142,10 @@ def _from_double_joint(
     double = Driveline.from_double_joint(bend, distance, pivot, degrees=degrees)
     if single is None:
         return double
-    factor = np.pi / 180.0 if degrees else 1.0
+    factor, end, unit = (np.pi / 180.0, 90.0, "deg") if degrees else (1.0, 0.5 * np.pi, "rad")
+    bends = np.asarray(single, dtype=np.float64)[..., 0]
+    right = (bends >= 0.0) & (bends < end)
+    check_elements("single", bends, right, f" {unit}; a bend must lie in [0, {end:g}) {unit}")
     own = (factor * np.asarray(value, dtype=np.float64)[..., 0] for value in (single, twist, phase))
     joints = np.moveaxis(double.bends, -1, 0)
     first, second, third, turn, yoke = np.broadcast_arrays(*joints, *own)
@@ -492,12 +498,12 @@ DRIVELINE: Section[Described] = Section(
             "of a double joint: how far its pivot is off, away from joint 0; default 0",
             "wear",
         ),
-        "single_bend_deg": Key(
+        SINGLE_BEND: Key(
             rules.numbers(rules.BEND, 1),
             "of a double joint: bend of a single joint behind it",
             "single",
         ),
-        "single_twist_deg": Key(
+        SINGLE_TWIST: Key(
             rules.numbers(None, 1),
             "of that joint: angle from the plane of the double joint to its own; default 0",
             "twist",

@@ -90,6 +90,27 @@ def _meant(key: str, value: Any) -> str:  # noqa: ANN401 - whatever the file has
     return f"give equivalent_bend_deg = {math.degrees(low):.4g}, which is the same, or {other}"
 
 
+_JUDGED_BY_PRESETS = {
+    "torsional_excitation_rad_s2": "excitations",
+    "inertia_excitation_rad_s2": "excitations",
+    "bend_difference_deg": "difference of bends",
+    "difference_deg": "difference of bends",
+    "bend_deg": "bends",
+    "least_bend_deg": "bends",
+    "two_piece_deg": "two-piece shaft",
+    "bend_by_length_deg": "bends by length",
+}
+
+
+def _presets() -> str:
+    """The names of the presets by what they limit."""
+    names: dict[str, list[str]] = {}
+    for name, preset in PRESETS.items():
+        figures = dict.fromkeys(_JUDGED_BY_PRESETS[rule.figure] for rule in preset.rules)
+        names.setdefault(" and ".join(figures), []).append(name)
+    return "; ".join(f"{', '.join(each)} ({figures})" for figures, each in names.items())
+
+
 LIMITS: Section[GivenLimits] = Section(
     "limits",
     "limits of check; a figure is a number or [limit, maximum]: within up to the limit, "
@@ -99,7 +120,7 @@ LIMITS: Section[GivenLimits] = Section(
             rules.OneOrMore(
                 rules.ListOf(rules.OneOf(tuple(PRESETS), unknown_preset), "names", distinct=True)
             ),
-            f"limits of a kind of machine or of a maker, or of several: {', '.join(PRESETS)}; "
+            f"limits of a kind of machine or of a maker, or of several: {_presets()}; "
             "default: the limit of the catalogues alone, an equivalent bend of 3 deg",
         ),
         "equivalent_bend_deg": Key(

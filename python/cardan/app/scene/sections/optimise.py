@@ -28,7 +28,9 @@ from cardan.app.scene.sections.bearing import POSITIONS
 from cardan.app.scene.sections.driveline import (
     DOUBLE_JOINT,
     DRIVELINE,
+    SINGLE_BEND,
     SINGLE_PHASE,
+    SINGLE_TWIST,
     SYNCHRONOUS,
 )
 from cardan.app.scene.study.axes import ENTRIES
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
 FREE = "free"
 """The range of a phase that may take any value."""
 
-_OF_DOUBLE = (DOUBLE_JOINT, SYNCHRONOUS, "single_bend_deg", "single_twist_deg")
+_OF_DOUBLE = (DOUBLE_JOINT, SYNCHRONOUS, SINGLE_BEND, SINGLE_TWIST)
 
 _RANGE = ListOf(Number(), "two numbers, least and largest change", count=2)
 

@@ -19,6 +19,7 @@ from cardan.app.scene.language.units import si_key, size_of, split
 from cardan.app.scene.sections.bearing import BEARING
 from cardan.app.scene.sections.driveline import (
     DRIVELINE,
+    SINGLE_BEND,
     SINGLE_PHASE,
     SYNCHRONOUS,
     make_driveline,
@@ -190,10 +191,14 @@ class Optimisation:
         """Return the values of the scene's keys that change, as plain data by path.
 
         The path begins with the section: ``"driveline.points_mm"``, ``"states.points_mm.3.y"``.
+        Ranges of changes end at the same values as before.
         """
         found: dict[str, Any] = {}
         for variable, change in zip(self.variables, changes, strict=True):
             axis = variable.axis
+            if math.isfinite(variable.low):
+                ends = [variable.low - change, variable.high - change]
+                found[f"optimise.vary.{axis.key}"] = ends
             if axis.section == "bearing":
                 found[axis.key] = variable.base + change
                 continue
@@ -349,6 +354,8 @@ def _candidates(
         yield f"phases_deg.{place}", None
     if SINGLE_PHASE in own:
         yield SINGLE_PHASE, None
+        # All of it may be what remains.
+        yield SINGLE_BEND, (0.0 - float(own[SINGLE_BEND][0]), _TILT)
 
 
 def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
