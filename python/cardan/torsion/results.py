@@ -139,7 +139,7 @@ class Coexisting(Searched):
         torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ..., orbits)``.
         torque_min: least torque.
         torque_max: largest torque.
-        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``; one more of a free drive.
+        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``; a free drive has one more.
         speed_multiplier: the one with which the speed of the whole driveline returns, ``(...,
             orbits)``; NaN of a held drive.
         drive_slope: of the system.
@@ -155,7 +155,7 @@ class Coexisting(Searched):
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether a motion is stable as of ``Stability``, ``(..., orbits)``; false where missing."""
+        """Whether it is stable, as in ``Stability``, ``(..., orbits)``; false where missing."""
         return _returns(self)
 
 

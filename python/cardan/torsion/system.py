@@ -441,8 +441,9 @@ class TorsionalSystem:
         ``speed = natural frequency`` is unstable only if ``tan(bend/2)**2`` of the equivalent bend
         exceeds the damping ratio (leading order; Mathieu's first region).
 
-        A constant loss factor is no law in time: viscous damping takes its place in the multipliers,
-        with the loss of a vibration at the natural frequency that is nearest to the speed.
+        A constant loss factor is no law in time. In the multipliers a viscous damping takes its
+        place, with the loss of a vibration at a natural frequency, or at the geometric mean of two,
+        whose sum is nearest to twice the speed.
 
         The whole driveline with a free drive is slowed down and comes back to its speed with the
         ``speed_multiplier``. Where ``drive_torque_slope`` plus the slope of the drive is negative,
