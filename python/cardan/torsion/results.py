@@ -139,7 +139,8 @@ class Coexisting(Searched):
         torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ..., orbits)``.
         torque_min: least torque.
         torque_max: largest torque.
-        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``; a free drive has one more.
+        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``; one more of a free
+            drive.
         speed_multiplier: the one with which the speed of the whole driveline returns, ``(...,
             orbits)``; NaN of a held drive.
         drive_slope: of the system.
