@@ -236,19 +236,29 @@ def test_ordinary_scenes_have_none() -> None:
     assert remarks(RIGHT + TUBES) == {}
 
 
-def test_a_margin_at_speeds_beyond_the_load_is_remarked_on() -> None:
-    tubes = TUBES + "shafts = [1]\nleast_margin = 1.5\n"
-    text = f"{RIGHT}[load]\nspeed_rpm = 2000\n{tubes}[lateral]\n"
+@pytest.mark.parametrize(
+    "section",
+    ["[lateral]\n", '[torsion]\ndrive = "free"\ninertias_kgm2 = [[1, 0], 0, [0, 1]]\n'],
+)
+@pytest.mark.parametrize(
+    ("limit", "is_said", "below"),
+    [("least_margin = 1.5\n", "is judged", ", below 1.5"), ("", "is that", "")],
+)
+def test_a_margin_at_speeds_beyond_the_load_is_remarked_on(
+    section: str, limit: str, is_said: str, below: str
+) -> None:
+    tubes = f"{TUBES}shafts = [1]\n{limit}"
+    text = f"{RIGHT}[load]\nspeed_rpm = 2000\n{tubes}{section}"
     (tube,) = Answer(Scene.parse(RIGHT + tubes))["tubes"]
     highest = tube.critical.value / RPM
-    for margin, said in (
-        (1.6, ""),
-        (1.4, "the margin of the tube of shaft 1 is judged at 2000 rpm"),
-    ):
+    name = section.partition("\n")[0]
+    said = f"the margin of the tube of shaft 1 {is_said} at 2000 rpm; at "
+    then = f", up to which {name} looks, it is 1.40{below}"
+    for margin, is_remarked in ((1.6, False), (1.4, True)):
         speeds = f"speed_rpm = {{from = 300, to = {highest / margin}, steps = 10}}\n"
         found = remarks(text + speeds).get("[tubes]", "")
-        assert found.startswith(said)
-        assert ("up to which [lateral] looks, it is 1.40, below 1.5" in found) == bool(said)
+        assert (found.startswith(said) and found.endswith(then)) == is_remarked
+        assert bool(found) == is_remarked
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,9 @@ _STIFF = 1e-3
 _FURTHER = 1.2
 """Vibration is looked for a little beyond the speeds of a machine; further, they are its speeds."""
 
+_LEAST_MARGIN = 1.5
+"""What the scenes of ``cardan new`` require of tubes, of which most others require nothing."""
+
 _LEAST_BEND = 0.5
 """Bend in degrees; if all bends are smaller, they are probably in radians."""
 
@@ -240,23 +243,26 @@ def _tubes(scene: Scene) -> Iterator[Remark]:
 
 
 def _beyond_the_speed(scene: Scene) -> Iterator[Remark]:
-    """Tubes are judged at the speed of the load; vibration is often looked for beyond it."""
+    """Margins of tubes are those at the speed of the load; vibration is looked for beyond it."""
     tubes, speed = scene.tubes, abs(scene.speed)
-    if tubes is None or tubes.least_margin is None or not speed or scene.layout is None:
+    if tubes is None or not speed or scene.layout is None:
         return
+    required = tubes.least_margin
+    least = _LEAST_MARGIN if required is None else required
+    judged = "is that" if required is None else "is judged"
+    below = "" if required is None else f", below {given(required, '')}"
     criticals = tubes.critical_speed(scene.drivelines()).reshape(-1, len(tubes.shafts))
     for name in ("torsion", "lateral"):
         case = getattr(scene, name)
         end = 0.0 if case is None else float(case.speed[-1])
         for shaft, critical in zip(tubes.shafts, np.min(criticals, axis=0).tolist(), strict=True):
-            least = tubes.least_margin
             if end > _FURTHER * speed and least * speed <= critical < least * end:
                 margin = quantity(critical / end, "", digits="margin")
                 yield Remark(
                     "[tubes]",
-                    f"the margin of the tube of shaft {shaft} is judged at "
+                    f"the margin of the tube of shaft {shaft} {judged} at "
                     f"{quantity(speed, 'rpm')}; at {quantity(end, 'rpm')}, up to which [{name}] "
-                    f"looks, it is {margin}, below {given(least, '')}",
+                    f"looks, it is {margin}{below}",
                 )
 
 
