@@ -23,7 +23,7 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice
 from cardan.app.report.live import live
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.sections.torsion import HARMONIC, TorsionCase
+from cardan.app.scene.sections.torsion import HARMONIC, TORSION, TorsionCase
 from engine_cases import ENGINE
 from example_scenes import ANSWERS
 
@@ -269,6 +269,36 @@ relative_damping = 0.6
 def test_the_help_says_where_gas_torques_come_from() -> None:
     said = HARMONIC.keys["cos_Nm"].meaning
     assert "tangential pressure, times the area of the piston and the radius of the crank" in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", ": damping_ratio is that of the lowest mode, and viscous damping grows"),
+        # Of the lowest mode it is what was given.
+        ("[0, 0.01, 0.01]", "[0, 0.004, 0.004]", ""),
+        ("damping_ratio = [0, 0.01, 0.01]", "dampings_Nms_per_rad = [0, 8, 2]", ""),
+    ],
+)
+def test_a_damping_ratio_that_grows_with_the_frequency_is_said(
+    old: str, new: str, said: str
+) -> None:
+    text = FOUR.replace("dampings_Nms_per_rad = [0, 0.5, 1]", "damping_ratio = [0, 0.01, 0.01]")
+    found = figures(text.replace(old, new))
+    ratio = found.modes[2].damping_ratio
+    start = f"the damping ratio is {quantity(ratio, 'percent')} in mode 2 at 239 Hz{said}"
+    for sentences in (torsion_advice(found), PARTS["torsion"].sentences(found)):
+        several = [each for each in sentences if "he damping ratio is" in each]
+        assert [each[:1].lower() + each[1 : len(start)] for each in several] == [start] * bool(said)
+    # Twenty times the frequency is twenty times the ratio.
+    assert (ratio > 0.1) == bool(said or "dampings" in new)
+    # A loss factor is the same at every frequency.
+    lossy = text.replace("0.01, 0.01", "0.001, 0.001").replace("damping = 0.6", "damping = 3")
+    lossy = lossy.replace("Nm_per_rad = 900\n", "Nm_per_rad = 60000\n")
+    assert basics(lossy).modes[2].damping_ratio > 0.1
+    assert "he damping ratio is" not in " ".join(torsion_advice(basics(lossy)))
+    help_text = TORSION.keys["damping_ratio"].meaning
+    assert "1 % at 12 Hz is 20 % at 240 Hz" in help_text
 
 
 def test_a_resonance_that_moves_no_torque_does_not_count() -> None:

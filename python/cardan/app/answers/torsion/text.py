@@ -33,6 +33,9 @@ _RULE_SOURCE = "first region of the Whittaker-Hill equation, one compliant shaft
 # A mean torque below this share of the largest is rounding.
 _ROUNDING = 1e-9
 
+# A damping ratio that steel shafts do not have.
+_MUCH_DAMPED = 0.1
+
 # A region of instability belongs to the rule of a bend if it is that near to its natural frequency.
 _NEAR = 0.1
 
@@ -79,6 +82,7 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
         yield from _runaway(found, runaway_of(found.search))
     yield from _running(found)
     yield from _held(found)
+    yield from _damped(found)
 
 
 def _negligible(found: TorsionBasics) -> Iterator[str]:
@@ -182,6 +186,30 @@ def _held(found: TorsionBasics) -> Iterator[str]:
         )
 
 
+def _damped(found: TorsionBasics) -> Iterator[str]:
+    """Say which modes the damping ratio of the lowest one damps much more than that one."""
+    couplings = found.torsion.system.couplings
+    lowest = min(mode.frequency for mode in found.modes)
+    high = [
+        mode
+        for mode in found.modes
+        if mode.damping_ratio > _MUCH_DAMPED
+        and mode.frequency > lowest
+        and not (mode.shaft in couplings and couplings[mode.shaft].loss_factor)
+    ]
+    if found.torsion.by_ratio and high:
+        several = [
+            f"{quantity(mode.damping_ratio, 'percent')} in mode {mode.number} at "
+            f"{quantity(mode.frequency, 'Hz')}"
+            for mode in high
+        ]
+        yield (
+            f"the damping ratio is {listed(several)}: damping_ratio is that of the lowest mode, "
+            "and viscous damping grows with the frequency; if this is too much, give "
+            "dampings_Nms_per_rad, or relative_damping of a coupling"
+        )
+
+
 def sentences(found: TorsionFigures) -> Iterator[str]:
     """Say what the torsional vibration means, the worst first."""
     yield from (_unstable(found, region) for region in found.unstable)
@@ -206,7 +234,7 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
     yield from _side_by_side(found)
     for missing in found.missing:
         yield f"{capital(_where(missing))} the torques are not known: {missing.reason}."
-    for said in (*(() if is_sloped else runaway), *_held(found)):
+    for said in (*(() if is_sloped else runaway), *_held(found), *_damped(found)):
         yield f"{capital(said)}."
 
 
