@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -299,6 +300,27 @@ def test_a_damping_ratio_that_grows_with_the_frequency_is_said(
     assert "he damping ratio is" not in " ".join(torsion_advice(basics(lossy)))
     help_text = TORSION.keys["damping_ratio"].meaning
     assert "1 % at 12 Hz is 20 % at 240 Hz" in help_text
+
+
+def test_critical_speeds_say_what_excites_them_and_why_no_amplitude_is_known() -> None:
+    mixed = FOUR.replace("[0.5, 1, 1.5, 2, 4, 6]", "[0.5, 1, 1.5, 2, 3, 6]")
+    mixed = mixed.replace("firing_order = [1, 3, 4, 2]\n", "")
+    found = figures(mixed.replace("resonance_margin", "orders = [4, 5]\nresonance_margin"))
+    by = {each.order: each.excited_by for each in found.critical_speeds}
+    assert by == {
+        **{0.5: "torques", 1.0: "torques", 1.5: "torques", 3.0: "torques"},
+        **{2.0: "both", 6.0: "both", 4.0: "joints", 5.0: "nothing"},
+    }
+    text = PARTS["torsion"].text(found)
+    assert "in the range    amplitude  excited by\n" in text
+    assert "no amplitude" not in text
+    slowest = min(found.critical_speeds, key=lambda each: each.speed)
+    unknown = tuple(
+        replace(each, amplitude=None) if each == slowest else each for each in found.critical_speeds
+    )
+    said = PARTS["torsion"].sentences(replace(found, critical_speeds=unknown))
+    where = f"{quantity(slowest.speed, 'rpm')} (order {slowest.order:g})"
+    assert f"At {where} no periodic motion was found, so the table has no amplitude." in said
 
 
 def test_a_resonance_that_moves_no_torque_does_not_count() -> None:

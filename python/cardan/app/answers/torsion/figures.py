@@ -130,14 +130,17 @@ class CriticalSpeed:
         "order", meaning="of the drive's rotation; joints excite even ones", digits="given"
     )
     speed: float = figure("drive speed", "rpm", source="natural frequency over the order")
-    shaft: int = count("shaft twisted most")
+    shaft: int = count("shaft", "that is twisted most")
     inside: bool = flag("in the range", "whether it lies in the speed range of the scene")
     amplitude: float | None = figure(
         "amplitude",
         "Nm",
         "of this order of the torque of the shaft; null without a periodic motion",
     )
-    excited_by: str = word("excited by", "joints, torques, both or nothing", is_detail=True)
+    excited_by: Literal["joints", "torques", "both", "nothing"] = word(
+        "excited by",
+        "what has this order: joints, torques of [[torsion.harmonic]], both or nothing",
+    )
     negligible: bool = flag(
         "negligible",
         "whether this order is known to be below 1 % of the mean torque of each shaft",
@@ -518,10 +521,13 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
     return None if found is None else whole(answer, found)
 
 
-def _excited_by(given: TorsionCase, order: float) -> str:
-    joints = ["joints"] if order % 2.0 == 0.0 else []
-    torques = ["torques"] if order in harmonic_orders(given.system) else []
-    return " and ".join([*joints, *torques]) or "nothing"
+def _excited_by(
+    given: TorsionCase, order: float
+) -> Literal["joints", "torques", "both", "nothing"]:
+    of_torques = order in harmonic_orders(given.system)
+    if order % 2.0 == 0.0:
+        return "both" if of_torques else "joints"
+    return "torques" if of_torques else "nothing"
 
 
 def largest_of(search: Search) -> tuple[LargestTorque, ...]:

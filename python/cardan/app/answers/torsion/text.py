@@ -223,6 +223,7 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
         yield f"{capital(said)}."
     yield _resonance(found)
     yield from (f"{capital(said)}." for said in _negligible(found))
+    yield from _unknown(found)
     yield from _largest(found)
     shapes = [
         f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
@@ -288,6 +289,17 @@ def _resonance(found: TorsionFigures) -> str:
     if known and unknown:
         text += f" At {listed(unknown)} no periodic motion was found."
     return text
+
+
+def _unknown(found: TorsionFigures) -> Iterator[str]:
+    """Say at which critical speeds outside the range the table has no amplitude."""
+    several = [
+        f"{_rpm(each.speed)} (order {each.order:g})"
+        for each in found.critical_speeds
+        if each.amplitude is None and not each.inside
+    ]
+    if several:
+        yield f"At {listed(several)} no periodic motion was found, so the table has no amplitude."
 
 
 def _largest(found: TorsionFigures) -> Iterator[str]:
