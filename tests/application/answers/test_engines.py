@@ -302,6 +302,40 @@ def test_a_damping_ratio_that_grows_with_the_frequency_is_said(
     assert "1 % at 12 Hz is 20 % at 240 Hz" in help_text
 
 
+@pytest.mark.parametrize(
+    ("start", "rating", "above"),
+    [
+        (900, "", "the largest torque in the speed range"),
+        (
+            900,
+            "largest_torque_Nm = 200\n",
+            "the largest torque that the coupling can carry, 200",
+        ),
+        # Those of higher orders are small.
+        (340, "", ""),
+    ],
+)
+def test_a_resonance_below_the_speeds_that_is_large_is_said(
+    start: float, rating: str, above: str
+) -> None:
+    text = FOUR.replace("from = 900", f"from = {start}")
+    found = figures(text + rating)
+    system = found.torsion.system
+    speed = system.natural_frequencies()[0] / 2.0
+    size = abs(system.steady(speed, 2.0).torque_orders[0, 0])
+    largest = max(each.size for each in found.largest)
+    assert (size > largest) == (start == 900)
+    said = (
+        f"he drive passes {quantity(speed, 'rpm')} (order 2) whenever it starts: in a steady "
+        f"state there this order of the torque of shaft 0 is ±{quantity(float(size), 'Nm')}, above "
+        f"{above}"
+    )
+    for each in (torsion_advice(found), PARTS["torsion"].sentences(found)):
+        assert " ".join(each).count(said) == bool(above)
+    if above and not rating:
+        assert f"{above}, {quantity(largest, 'Nm')};" in " ".join(torsion_advice(found))
+
+
 def test_critical_speeds_say_what_excites_them_and_why_no_amplitude_is_known() -> None:
     mixed = FOUR.replace("[0.5, 1, 1.5, 2, 4, 6]", "[0.5, 1, 1.5, 2, 3, 6]")
     mixed = mixed.replace("firing_order = [1, 3, 4, 2]\n", "")

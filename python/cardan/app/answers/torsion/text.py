@@ -78,6 +78,7 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
             )
     yield from _avoided(found)
     if found.search:
+        yield from _passed(found, largest_of(found.search))
         yield from _rattle(found, largest_of(found.search))
         yield from _runaway(found, runaway_of(found.search))
     yield from _running(found)
@@ -120,6 +121,36 @@ def _avoided(found: TorsionBasics) -> Iterator[str]:
             "puts its resonance below these speeds: none is then to be avoided for its vibratory "
             "torque"
         )
+
+
+def _passed(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
+    """Say which resonance below the speeds is large, although it is only passed."""
+    most = max((torque.size for torque in largest), default=math.inf)
+
+    def bound(critical: CriticalSpeed) -> tuple[float, str]:
+        rated = found.torsion.ratings.get(critical.shaft)
+        if rated and rated.largest and rated.largest < most:
+            return rated.largest, "the largest torque that the coupling can carry"
+        return most, "the largest torque in the speed range"
+
+    large = [
+        (critical.amplitude, critical)
+        for critical in found.critical_speeds
+        if critical.is_excited
+        and critical.speed < found.speed_range.start
+        and critical.amplitude is not None
+        and critical.amplitude > bound(critical)[0]
+    ]
+    if not large:
+        return
+    amplitude, critical = max(large, key=lambda each: each[0])
+    value, what = bound(critical)
+    size = quantity(amplitude, "Nm", bounds=[value])
+    yield (
+        f"the drive passes {_rpm(critical.speed)} (order {critical.order:g}) whenever it starts: "
+        f"in a steady state there this order of the torque of shaft {critical.shaft} is ±{size}, "
+        f"above {what}, {quantity(value, 'Nm')}; a quick passage stays below that"
+    )
 
 
 def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
@@ -223,6 +254,7 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
         yield f"{capital(said)}."
     yield _resonance(found)
     yield from (f"{capital(said)}." for said in _negligible(found))
+    yield from (f"{capital(said)}." for said in _passed(found, found.largest))
     yield from _unknown(found)
     yield from _largest(found)
     shapes = [
