@@ -12,7 +12,7 @@ import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
 from cardan.app.answers.printed import judged_text, quantity
-from cardan.app.answers.rows import Row
+from cardan.app.answers.rows import rows_of
 from cardan.app.answers.schema import answer, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
@@ -365,9 +365,12 @@ def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
         6.0: True,
     }
     assert found.margin.value == 0.0
-    assert judged_text(found.margin, Row("figure", "", "percent")) == (
-        "0% at 1669 rpm (order 2), 15% below the limit of 15%"
+    row = next(row for name, row, _ in rows_of(TorsionBasics) if name == "margin")
+    assert judged_text(found.margin, row) == (
+        "within the speed range, at 1669 rpm (order 2); at least 15%"
     )
+    near = replace(found.margin, value=0.05)
+    assert judged_text(near, row) == "5.00% at 1669 rpm (order 2), 10.00% below the limit of 15%"
     said = [*torsion_advice(found)]
     assert said[0].startswith("a critical speed lies within 900 to 4500 rpm: order 2 at 1669 rpm")
     assert said[1].startswith("order 4 at 3585 rpm with ±1.24 N m in shaft 1 and order 6 at 2390")
@@ -590,7 +593,7 @@ def test_shapes_have_the_names_of_shafts() -> None:
     # Two bodies of one shaft are its ends.
     ends = ENGINE.replace("[[0.8, 0], [0.05, 0.01], [0, 0.15]]", "[[0.8, 0.1], 0, [0, 0.15]]")
     shapes = [mode.shape for mode in basics(ends).modes]
-    assert shapes[1] == "the output end of the engine against the rest"
+    assert shapes[1] == "the output end of shaft 0 (engine) against the rest"
 
 
 def test_orders_may_be_halves() -> None:

@@ -307,6 +307,7 @@ class TorsionBasics:
         "critical speed; 0 within it. Negligible ones do not count",
         source="D. Thoma, 1920: joints bring new critical speeds",
         limit="[torsion] resonance_margin",
+        at_zero="within the speed range",
     )
     unstable_share: Judged | None = figure(
         "share of unstable speeds",
@@ -571,7 +572,9 @@ def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
         if body == [(0, 0)]:
             name = "the drive"
         elif shafts.count(shaft) > 1:
-            name = f"the {'output' if end else 'input'} end of {name}"
+            # A name is that of the whole shaft.
+            own = f"shaft {shaft} ({given.names[shaft]})" if given.names else name
+            name = f"the {'output' if end else 'input'} end of {own}"
         called.append((body, name))
     return called
 
