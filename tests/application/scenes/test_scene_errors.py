@@ -11,6 +11,7 @@ import pytest
 import cardan
 from cardan import ArgumentValueError
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import quantity
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.language.units import RPM
@@ -259,6 +260,38 @@ def test_a_margin_at_speeds_beyond_the_load_is_remarked_on(
         found = remarks(text + speeds).get("[tubes]", "")
         assert (found.startswith(said) and found.endswith(then)) == is_remarked
         assert bool(found) == is_remarked
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "load", "bends", "is_remarked"),
+    [
+        (0.2, 0.55, 0.3, "[10, 10]", True),
+        (0.2, 0.45, 0.3, "[10, 10]", False),
+        (0.55, 0.7, 0.3, "[10, 10]", False),
+        (0.2, 0.55, 0.3, "[0, 0]", False),
+        # Beyond its limit at the speed of the load.
+        (0.2, 0.55, 0.47, "[10, 10]", False),
+    ],
+)
+def test_half_a_critical_speed_among_those_of_torsion_is_remarked_on(
+    start: float, stop: float, load: float, bends: str, is_remarked: bool
+) -> None:
+    tubes = f"{TUBES}shafts = [1]\nresonance_margin = 0.15\n"
+    (tube,) = Answer(Scene.parse(RIGHT + tubes))["tubes"]
+    critical = tube.critical.value / RPM
+    text = f"""{RIGHT.replace("[10, 10]", bends)}
+    [load]
+    speed_rpm = {load * critical}
+    {tubes}
+    [torsion]
+    drive = "free"
+    inertias_kgm2 = [[1, 0], 0, [0, 1]]
+    speed_rpm = {{from = {start * critical}, to = {stop * critical}, steps = 10}}
+    """
+    found = remarks(text).get("[tubes]", "")
+    assert ("among the speeds of [torsion]" in found) == is_remarked
+    if is_remarked:
+        assert f"it is {quantity(0.5 * tube.critical.value, 'rpm')}, among" in found
 
 
 @pytest.mark.parametrize(

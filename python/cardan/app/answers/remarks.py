@@ -62,7 +62,8 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     scene = answer.scene
     found = (
         *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
-        *(_small, _speeds, _states, _planes, _torques, _units, _steady, _beyond_the_speed),
+        *(_small, _speeds, _states, _planes, _torques, _units, _steady),
+        *(_beyond_the_speed, _half_critical),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -264,6 +265,25 @@ def _beyond_the_speed(scene: Scene) -> Iterator[Remark]:
                     f"{quantity(speed, 'rpm')}; at {quantity(end, 'rpm')}, up to which [{name}] "
                     f"looks, it is {margin}{below}",
                 )
+
+
+def _half_critical(scene: Scene) -> Iterator[Remark]:
+    """Half a critical speed is judged at the speed of the load; [torsion] has all of operation."""
+    tubes, case, speed = scene.tubes, scene.torsion, abs(scene.speed)
+    if tubes is None or tubes.resonance_margin is None or case is None or not speed:
+        return
+    low, high = float(case.speed[0]), float(case.speed[-1])
+    halves = 0.5 * tubes.critical_speed(scene.line)
+    bends = np.pad(scene.line.bends, 1)
+    for shaft, half in zip(tubes.shafts, halves.tolist(), strict=True):
+        is_bent = bool(np.any(bends[shaft : shaft + 2]))
+        if is_bent and low <= half <= high and abs(speed - half) >= tubes.resonance_margin * half:
+            yield Remark(
+                "[tubes]",
+                f"half the critical bending speed of shaft {shaft} is judged at "
+                f"{quantity(speed, 'rpm')}; it is {quantity(half, 'rpm')}, among the speeds of "
+                "[torsion]",
+            )
 
 
 def _states(scene: Scene) -> Iterator[Remark]:
