@@ -453,7 +453,7 @@ def test_largest_torques() -> None:
     # The worst critical speed of the table, with the amplitude that stands there.
     amplitudes = {
         first_number(amplitude): speed
-        for _, _, speed, _, inside, amplitude in table(found, "Critical speeds")[1:]
+        for _, _, speed, _, inside, amplitude, _ in table(found, "Critical speeds")[1:]
         if inside == "yes"
     }
     worst = max(amplitudes)

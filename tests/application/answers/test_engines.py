@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import cardan
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
 from cardan.app.answers.printed import judged_text, quantity
-from cardan.app.answers.rows import Row
+from cardan.app.answers.rows import rows_of
 from cardan.app.answers.schema import answer, check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.torsion.figures import (
@@ -23,7 +24,7 @@ from cardan.app.answers.torsion.figures import (
 from cardan.app.answers.torsion.text import torsion_advice
 from cardan.app.report.live import live
 from cardan.app.scene import Scene, SceneError
-from cardan.app.scene.sections.torsion import HARMONIC, TorsionCase
+from cardan.app.scene.sections.torsion import HARMONIC, TORSION, TorsionCase
 from engine_cases import ENGINE
 from example_scenes import ANSWERS
 
@@ -271,6 +272,91 @@ def test_the_help_says_where_gas_torques_come_from() -> None:
     assert "tangential pressure, times the area of the piston and the radius of the crank" in said
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", ": damping_ratio is that of the lowest mode, and viscous damping grows"),
+        # Of the lowest mode it is what was given.
+        ("[0, 0.01, 0.01]", "[0, 0.004, 0.004]", ""),
+        ("damping_ratio = [0, 0.01, 0.01]", "dampings_Nms_per_rad = [0, 8, 2]", ""),
+    ],
+)
+def test_a_damping_ratio_that_grows_with_the_frequency_is_said(
+    old: str, new: str, said: str
+) -> None:
+    text = FOUR.replace("dampings_Nms_per_rad = [0, 0.5, 1]", "damping_ratio = [0, 0.01, 0.01]")
+    found = figures(text.replace(old, new))
+    ratio = found.modes[2].damping_ratio
+    start = f"the damping ratio is {quantity(ratio, 'percent')} in mode 2 at 239 Hz{said}"
+    for sentences in (torsion_advice(found), PARTS["torsion"].sentences(found)):
+        several = [each for each in sentences if "he damping ratio is" in each]
+        assert [each[:1].lower() + each[1 : len(start)] for each in several] == [start] * bool(said)
+    # Twenty times the frequency is twenty times the ratio.
+    assert (ratio > 0.1) == bool(said or "dampings" in new)
+    # A loss factor is the same at every frequency.
+    lossy = text.replace("0.01, 0.01", "0.001, 0.001").replace("damping = 0.6", "damping = 3")
+    lossy = lossy.replace("Nm_per_rad = 900\n", "Nm_per_rad = 60000\n")
+    assert basics(lossy).modes[2].damping_ratio > 0.1
+    assert "he damping ratio is" not in " ".join(torsion_advice(basics(lossy)))
+    help_text = TORSION.keys["damping_ratio"].meaning
+    assert "1 % at 12 Hz is 20 % at 240 Hz" in help_text
+
+
+@pytest.mark.parametrize(
+    ("start", "rating", "above"),
+    [
+        (900, "", "the largest torque in the speed range"),
+        (
+            900,
+            "largest_torque_Nm = 200\n",
+            "the largest torque that the coupling can carry, 200",
+        ),
+        # Those of higher orders are small.
+        (340, "", ""),
+    ],
+)
+def test_a_resonance_below_the_speeds_that_is_large_is_said(
+    start: float, rating: str, above: str
+) -> None:
+    text = FOUR.replace("from = 900", f"from = {start}")
+    found = figures(text + rating)
+    system = found.torsion.system
+    speed = system.natural_frequencies()[0] / 2.0
+    size = abs(system.steady(speed, 2.0).torque_orders[0, 0])
+    largest = max(each.size for each in found.largest)
+    assert (size > largest) == (start == 900)
+    said = (
+        f"he drive passes {quantity(speed, 'rpm')} (order 2) whenever it starts: in a steady "
+        f"state there this order of the torque of shaft 0 is ±{quantity(float(size), 'Nm')}, above "
+        f"{above}"
+    )
+    for each in (torsion_advice(found), PARTS["torsion"].sentences(found)):
+        assert " ".join(each).count(said) == bool(above)
+    if above and not rating:
+        assert f"{above}, {quantity(largest, 'Nm')};" in " ".join(torsion_advice(found))
+
+
+def test_critical_speeds_say_what_excites_them_and_why_no_amplitude_is_known() -> None:
+    mixed = FOUR.replace("[0.5, 1, 1.5, 2, 4, 6]", "[0.5, 1, 1.5, 2, 3, 6]")
+    mixed = mixed.replace("firing_order = [1, 3, 4, 2]\n", "")
+    found = figures(mixed.replace("resonance_margin", "orders = [4, 5]\nresonance_margin"))
+    by = {each.order: each.excited_by for each in found.critical_speeds}
+    assert by == {
+        **{0.5: "torques", 1.0: "torques", 1.5: "torques", 3.0: "torques"},
+        **{2.0: "both", 6.0: "both", 4.0: "joints", 5.0: "nothing"},
+    }
+    text = PARTS["torsion"].text(found)
+    assert "in the range    amplitude  excited by\n" in text
+    assert "no amplitude" not in text
+    slowest = min(found.critical_speeds, key=lambda each: each.speed)
+    unknown = tuple(
+        replace(each, amplitude=None) if each == slowest else each for each in found.critical_speeds
+    )
+    said = PARTS["torsion"].sentences(replace(found, critical_speeds=unknown))
+    where = f"{quantity(slowest.speed, 'rpm')} (order {slowest.order:g})"
+    assert f"At {where} no periodic motion was found, so the table has no amplitude." in said
+
+
 def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
     found = basics(FOUR)
     assert {each.order: each.negligible for each in found.resonances} == {
@@ -279,9 +365,12 @@ def test_a_resonance_that_moves_no_torque_does_not_count() -> None:
         6.0: True,
     }
     assert found.margin.value == 0.0
-    assert judged_text(found.margin, Row("figure", "", "percent")) == (
-        "0% at 1669 rpm (order 2), 15% below the limit of 15%"
+    row = next(row for name, row, _ in rows_of(TorsionBasics) if name == "margin")
+    assert judged_text(found.margin, row) == (
+        "within the speed range, at 1669 rpm (order 2); at least 15%"
     )
+    near = replace(found.margin, value=0.05)
+    assert judged_text(near, row) == "5.00% at 1669 rpm (order 2), 10.00% below the limit of 15%"
     said = [*torsion_advice(found)]
     assert said[0].startswith("a critical speed lies within 900 to 4500 rpm: order 2 at 1669 rpm")
     assert said[1].startswith("order 4 at 3585 rpm with ±1.24 N m in shaft 1 and order 6 at 2390")
@@ -504,7 +593,7 @@ def test_shapes_have_the_names_of_shafts() -> None:
     # Two bodies of one shaft are its ends.
     ends = ENGINE.replace("[[0.8, 0], [0.05, 0.01], [0, 0.15]]", "[[0.8, 0.1], 0, [0, 0.15]]")
     shapes = [mode.shape for mode in basics(ends).modes]
-    assert shapes[1] == "the output end of the engine against the rest"
+    assert shapes[1] == "the output end of shaft 0 (engine) against the rest"
 
 
 def test_orders_may_be_halves() -> None:

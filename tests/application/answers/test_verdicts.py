@@ -567,6 +567,51 @@ def test_the_worst_exceedance_is_advised_on_first(
     assert f"largest dynamic force of bearing 0{left}" in untried
 
 
+RESONANT = """
+[driveline]
+points_mm = [[0, 0, 0], [500, -15, 0], [1900, -130, 0], [2300, -150, 0]]
+[load]
+speed_rpm = 4500
+output_torque_Nm = 150
+[tubes]
+shafts = [1]
+outer_diameter_mm = 70
+wall_mm = 2
+least_margin = 1.5
+{tubes}
+[torsion]
+drive = "free"
+inertias_kgm2 = [[0.15, 0.03], 0, [0.02, 1.5]]
+stiffnesses_Nm_per_rad = [900, "tube", 6000]
+dampings_Nms_per_rad = [5, 1.6, 0.34]
+speed_rpm = {{from = {start}, to = 4500, steps = 10}}
+resonance_margin = 0.15
+"""
+
+
+@pytest.mark.parametrize(
+    ("tubes", "start", "said"),
+    [
+        ("", 900, ["distance of the nearest critical speed of the shafts", "Torsional vibration"]),
+        # 1.45 times 1669 rpm is further away than the limit.
+        ("", 2420, []),
+        # At 1.14 times it is nearer than that, but the tube is further from its limit.
+        ("", 1903, []),
+        ("resonance_margin = 0.9", 2420, ["distance from half critical of the tube of", "Tubes"]),
+    ],
+)
+def test_what_the_changes_leave_far_beyond_is_said_first(
+    tmp_path: Path, tubes: str, start: float, said: list[str]
+) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(RESONANT.format(tubes=tubes, start=start))
+    advice = json.loads(scripts.run("check", path, "--json").stdout)["advice"]
+    firsts = [each.startswith("No change below is tried for the ") for each in advice]
+    assert firsts == [bool(said), *([False] * (len(advice) - 1))]
+    assert all(each in advice[0] for each in said)
+    assert "everything tried is then within its limits" in advice[bool(said)]
+
+
 def test_recorded_runs_have_no_moves() -> None:
     assert Answer(Scene.load(example("recorded_run.toml")))["moves"] == ()
 

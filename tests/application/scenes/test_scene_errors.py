@@ -11,6 +11,7 @@ import pytest
 import cardan
 from cardan import ArgumentValueError
 from cardan.app.answers.answer import Answer
+from cardan.app.answers.printed import quantity
 from cardan.app.scene import Scene, SceneError
 from cardan.app.scene.language.errors import StudyPointError
 from cardan.app.scene.language.units import RPM
@@ -236,19 +237,61 @@ def test_ordinary_scenes_have_none() -> None:
     assert remarks(RIGHT + TUBES) == {}
 
 
-def test_a_margin_at_speeds_beyond_the_load_is_remarked_on() -> None:
-    tubes = TUBES + "shafts = [1]\nleast_margin = 1.5\n"
-    text = f"{RIGHT}[load]\nspeed_rpm = 2000\n{tubes}[lateral]\n"
+@pytest.mark.parametrize(
+    "section",
+    ["[lateral]\n", '[torsion]\ndrive = "free"\ninertias_kgm2 = [[1, 0], 0, [0, 1]]\n'],
+)
+@pytest.mark.parametrize(
+    ("limit", "is_said", "below"),
+    [("least_margin = 1.5\n", "is judged", ", below 1.5"), ("", "is that", "")],
+)
+def test_a_margin_at_speeds_beyond_the_load_is_remarked_on(
+    section: str, limit: str, is_said: str, below: str
+) -> None:
+    tubes = f"{TUBES}shafts = [1]\n{limit}"
+    text = f"{RIGHT}[load]\nspeed_rpm = 2000\n{tubes}{section}"
     (tube,) = Answer(Scene.parse(RIGHT + tubes))["tubes"]
     highest = tube.critical.value / RPM
-    for margin, said in (
-        (1.6, ""),
-        (1.4, "the margin of the tube of shaft 1 is judged at 2000 rpm"),
-    ):
+    name = section.partition("\n")[0]
+    said = f"the margin of the tube of shaft 1 {is_said} at 2000 rpm; at "
+    then = f", up to which {name} looks, it is 1.40{below}"
+    for margin, is_remarked in ((1.6, False), (1.4, True)):
         speeds = f"speed_rpm = {{from = 300, to = {highest / margin}, steps = 10}}\n"
         found = remarks(text + speeds).get("[tubes]", "")
-        assert found.startswith(said)
-        assert ("up to which [lateral] looks, it is 1.40, below 1.5" in found) == bool(said)
+        assert (found.startswith(said) and found.endswith(then)) == is_remarked
+        assert bool(found) == is_remarked
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "load", "bends", "is_remarked"),
+    [
+        (0.2, 0.55, 0.3, "[10, 10]", True),
+        (0.2, 0.45, 0.3, "[10, 10]", False),
+        (0.55, 0.7, 0.3, "[10, 10]", False),
+        (0.2, 0.55, 0.3, "[0, 0]", False),
+        # Beyond its limit at the speed of the load.
+        (0.2, 0.55, 0.47, "[10, 10]", False),
+    ],
+)
+def test_half_a_critical_speed_among_those_of_torsion_is_remarked_on(
+    start: float, stop: float, load: float, bends: str, is_remarked: bool
+) -> None:
+    tubes = f"{TUBES}shafts = [1]\nresonance_margin = 0.15\n"
+    (tube,) = Answer(Scene.parse(RIGHT + tubes))["tubes"]
+    critical = tube.critical.value / RPM
+    text = f"""{RIGHT.replace("[10, 10]", bends)}
+    [load]
+    speed_rpm = {load * critical}
+    {tubes}
+    [torsion]
+    drive = "free"
+    inertias_kgm2 = [[1, 0], 0, [0, 1]]
+    speed_rpm = {{from = {start * critical}, to = {stop * critical}, steps = 10}}
+    """
+    found = remarks(text).get("[tubes]", "")
+    assert ("among the speeds of [torsion]" in found) == is_remarked
+    if is_remarked:
+        assert f"it is {quantity(0.5 * tube.critical.value, 'rpm')}, among" in found
 
 
 @pytest.mark.parametrize(

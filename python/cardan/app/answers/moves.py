@@ -25,7 +25,7 @@ from cardan.design.quantities import MOTION_QUANTITIES
 # Points, bearings and the engaged length are tried up to this share of the length of the driveline.
 _REACH = 0.05
 
-TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
+_TRIED = ("limits", "states", "forces", "spline", "steering", "backlash", "life", "tubes")
 """The parts of an answer that a machine has."""
 
 # Their figures that it does not have: its heat is that of each step, its tubes have no half of a
@@ -81,11 +81,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
         return ()
     scene = answer.scene
     found = machine.suggest(**search(scene))
-    untried = {
-        each.name: each
-        for each in answer.judged
-        if each.value.limit is not None and not is_tried(each) and not _is_implied(each, scene)
-    }
+    untried = {each.name: each for each in untried_of(answer)}
     left_out = ", ".join(map(_as_it_is, untried.values()))
     held = held_in(scene)
     moves: Iterator[Move] = (
@@ -100,7 +96,15 @@ def find(answer: Answer) -> tuple[Move, ...]:
 
 def is_tried(each: JudgedFigure) -> bool:
     """Whether the search knows a figure, so that its changes keep the limit of it."""
-    return each.part.name in TRIED and each.entry.path.rpartition(".")[2] not in _UNTRIED
+    return each.part.name in _TRIED and each.entry.path.rpartition(".")[2] not in _UNTRIED
+
+
+def untried_of(answer: Answer) -> Iterator[JudgedFigure]:
+    """Yield the figures with a limit that the changes of the search need not keep."""
+    for each in answer.judged:
+        is_kept = is_tried(each) or _is_implied(each, answer.scene)
+        if each.value.limit is not None and not is_kept:
+            yield each
 
 
 def _as_it_is(each: JudgedFigure) -> str:

@@ -225,6 +225,8 @@ def judged_text(value: Judged, row: Row) -> str:
         return f"{figure}, not judged: {value.why or 'no limit is given'}"
     if value.verdict == "within":
         return f"{figure}, within the limit of {given(value.limit, row.unit)}"
+    if row.at_zero and not value.value:
+        return f"{row.at_zero},{place_of(value)}; {bound_of(value, row)}"
     bound, limit = "limit", value.limit
     if value.maximum is not None and value.verdict == "beyond":
         bound, limit = "maximum", value.maximum

@@ -42,6 +42,9 @@ _STIFF = 1e-3
 _FURTHER = 1.2
 """Vibration is looked for a little beyond the speeds of a machine; further, they are its speeds."""
 
+_LEAST_MARGIN = 1.5
+"""What the scenes of ``cardan new`` require of tubes, of which most others require nothing."""
+
 _LEAST_BEND = 0.5
 """Bend in degrees; if all bends are smaller, they are probably in radians."""
 
@@ -59,7 +62,8 @@ def find(answer: Answer) -> tuple[Remark, ...]:
     scene = answer.scene
     found = (
         *(_commas, _lengths, _angles, _recorded, _tubes, _wind_up),
-        *(_small, _speeds, _states, _planes, _torques, _units, _steady, _beyond_the_speed),
+        *(_small, _speeds, _states, _planes, _torques, _units, _steady),
+        *(_beyond_the_speed, _half_critical),
     )
     return tuple(remark for own in found for remark in own(scene))
 
@@ -240,24 +244,46 @@ def _tubes(scene: Scene) -> Iterator[Remark]:
 
 
 def _beyond_the_speed(scene: Scene) -> Iterator[Remark]:
-    """Tubes are judged at the speed of the load; vibration is often looked for beyond it."""
+    """Margins of tubes are those at the speed of the load; vibration is looked for beyond it."""
     tubes, speed = scene.tubes, abs(scene.speed)
-    if tubes is None or tubes.least_margin is None or not speed or scene.layout is None:
+    if tubes is None or not speed or scene.layout is None:
         return
+    required = tubes.least_margin
+    least = _LEAST_MARGIN if required is None else required
+    judged = "is that" if required is None else "is judged"
+    below = "" if required is None else f", below {given(required, '')}"
     criticals = tubes.critical_speed(scene.drivelines()).reshape(-1, len(tubes.shafts))
     for name in ("torsion", "lateral"):
         case = getattr(scene, name)
         end = 0.0 if case is None else float(case.speed[-1])
         for shaft, critical in zip(tubes.shafts, np.min(criticals, axis=0).tolist(), strict=True):
-            least = tubes.least_margin
             if end > _FURTHER * speed and least * speed <= critical < least * end:
                 margin = quantity(critical / end, "", digits="margin")
                 yield Remark(
                     "[tubes]",
-                    f"the margin of the tube of shaft {shaft} is judged at "
+                    f"the margin of the tube of shaft {shaft} {judged} at "
                     f"{quantity(speed, 'rpm')}; at {quantity(end, 'rpm')}, up to which [{name}] "
-                    f"looks, it is {margin}, below {given(least, '')}",
+                    f"looks, it is {margin}{below}",
                 )
+
+
+def _half_critical(scene: Scene) -> Iterator[Remark]:
+    """Half a critical speed is judged at the speed of the load; [torsion] has all of operation."""
+    tubes, case, speed = scene.tubes, scene.torsion, abs(scene.speed)
+    if tubes is None or tubes.resonance_margin is None or case is None or not speed:
+        return
+    low, high = float(case.speed[0]), float(case.speed[-1])
+    halves = 0.5 * tubes.critical_speed(scene.line)
+    bends = np.pad(scene.line.bends, 1)
+    for shaft, half in zip(tubes.shafts, halves.tolist(), strict=True):
+        is_bent = bool(np.any(bends[shaft : shaft + 2]))
+        if is_bent and low <= half <= high and abs(speed - half) >= tubes.resonance_margin * half:
+            yield Remark(
+                "[tubes]",
+                f"half the critical bending speed of shaft {shaft} is judged at "
+                f"{quantity(speed, 'rpm')}; it is {quantity(half, 'rpm')}, among the speeds of "
+                "[torsion]",
+            )
 
 
 def _states(scene: Scene) -> Iterator[Remark]:

@@ -116,6 +116,7 @@ class Row:
     limit: str = ""  # the key of the scene that gives its limit: "[slip] travel_mm"
     digits: str = ""  # a key of DIGITS, where that is not the unit
     rounds: Rounds = "nearest"  # "up" or "down" where the figure must do what it promises
+    at_zero: str = ""  # what it is if it is 0 and must not be: "within the speed range"
     apart: str = ""  # the field of the same part that it is told apart from
     end: str = ""  # the field of the same part at the other end of a range
     is_detail: bool = False  # whether it is left out of printed text

@@ -10,7 +10,7 @@ from cardan.app.answers.answer import Answer
 from cardan.app.answers.lateral.text import lateral_remedies
 from cardan.app.answers.life.text import life_remedies
 from cardan.app.answers.limits import check_text
-from cardan.app.answers.moves import TRIED, several_at_once
+from cardan.app.answers.moves import is_tried, several_at_once, untried_of
 from cardan.app.answers.schema import check_data
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import scene_advice
@@ -18,6 +18,9 @@ from cardan.app.answers.yokes.text import improvement, keeps_limit, remedies
 from cardan.app.command import options, terminal
 from cardan.app.scene import load_scene
 from cardan.app.scene.scene import Scene
+
+_VIBRATIONS = ("tubes", "torsion", "lateral")
+"""The parts whose figures that no change is tried for are those of vibration."""
 
 
 @click.command()
@@ -57,7 +60,7 @@ def check(scene: Path, output: options.Output) -> int:
 def _advice(answer: Answer) -> list[str]:
     """Return the changes that bring a driveline within its limits, a sentence each.
 
-    Those that concern the worst exceedance come first.
+    Those that concern the worst exceedance come first, or the part of the answer that is about it.
     """
     if not isinstance(answer.of, Scene) or answer.verdict == "within":
         return []
@@ -71,17 +74,21 @@ def _advice(answer: Answer) -> list[str]:
         sentences.insert(0 if keeps_limit(advised) else len(sentences), better)
     sentences += life_remedies(life) if life else []
     shudder = lateral_remedies(answer["lateral"]) if answer["lateral"] else []
-    is_worst = _exceedance(answer, "lateral") > _exceedance(answer, *TRIED)
-    return [*shudder, *sentences] if is_worst else [*sentences, *shudder]
-
-
-def _exceedance(answer: Answer, *parts: str) -> float:
-    """How many times its limit the worst figure of some parts is; infinity if it is not known."""
-    return max(
-        (
-            each.value.share_of_limit
-            for each in answer.judged
-            if each.part.name in parts and each.value.limit is not None
-        ),
-        default=0.0,
-    )
+    limited = (each for each in answer.judged if each.value.limit is not None)
+    most = max((each.value.share_of_limit for each in limited if is_tried(each)), default=0.0)
+    worse = [
+        each
+        for each in untried_of(answer)
+        if each.part.name in _VIBRATIONS and each.value.share_of_limit > most
+    ]
+    is_shudder = any(each.part.name == "lateral" for each in worse)
+    others = [
+        each
+        for each in worse
+        if each.value.verdict == "beyond" and not (shudder and each.part.name == "lateral")
+    ]
+    if sentences and others:
+        worst = max(others, key=lambda each: each.value.share_of_limit)
+        where = f'further from its limit: see "{worst.part.title}"'
+        sentences.insert(0, f"No change below is tried for the {worst.name}, which is {where}.")
+    return [*shudder, *sentences] if is_shudder else [*sentences, *shudder]

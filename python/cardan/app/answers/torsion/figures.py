@@ -130,14 +130,17 @@ class CriticalSpeed:
         "order", meaning="of the drive's rotation; joints excite even ones", digits="given"
     )
     speed: float = figure("drive speed", "rpm", source="natural frequency over the order")
-    shaft: int = count("shaft twisted most")
+    shaft: int = count("shaft", "that is twisted most")
     inside: bool = flag("in the range", "whether it lies in the speed range of the scene")
     amplitude: float | None = figure(
         "amplitude",
         "Nm",
         "of this order of the torque of the shaft; null without a periodic motion",
     )
-    excited_by: str = word("excited by", "joints, torques, both or nothing", is_detail=True)
+    excited_by: Literal["joints", "torques", "both", "nothing"] = word(
+        "excited by",
+        "what has this order: joints, torques of [[torsion.harmonic]], both or nothing",
+    )
     negligible: bool = flag(
         "negligible",
         "whether this order is known to be below 1 % of the mean torque of each shaft",
@@ -304,6 +307,7 @@ class TorsionBasics:
         "critical speed; 0 within it. Negligible ones do not count",
         source="D. Thoma, 1920: joints bring new critical speeds",
         limit="[torsion] resonance_margin",
+        at_zero="within the speed range",
     )
     unstable_share: Judged | None = figure(
         "share of unstable speeds",
@@ -518,10 +522,13 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
     return None if found is None else whole(answer, found)
 
 
-def _excited_by(given: TorsionCase, order: float) -> str:
-    joints = ["joints"] if order % 2.0 == 0.0 else []
-    torques = ["torques"] if order in harmonic_orders(given.system) else []
-    return " and ".join([*joints, *torques]) or "nothing"
+def _excited_by(
+    given: TorsionCase, order: float
+) -> Literal["joints", "torques", "both", "nothing"]:
+    of_torques = order in harmonic_orders(given.system)
+    if order % 2.0 == 0.0:
+        return "both" if of_torques else "joints"
+    return "torques" if of_torques else "nothing"
 
 
 def largest_of(search: Search) -> tuple[LargestTorque, ...]:
@@ -565,7 +572,9 @@ def bodies_of(given: TorsionCase) -> list[tuple[list[tuple[int, int]], str]]:
         if body == [(0, 0)]:
             name = "the drive"
         elif shafts.count(shaft) > 1:
-            name = f"the {'output' if end else 'input'} end of {name}"
+            # A name is that of the whole shaft.
+            own = f"shaft {shaft} ({given.names[shaft]})" if given.names else name
+            name = f"the {'output' if end else 'input'} end of {own}"
         called.append((body, name))
     return called
 

@@ -33,6 +33,9 @@ _RULE_SOURCE = "first region of the Whittaker-Hill equation, one compliant shaft
 # A mean torque below this share of the largest is rounding.
 _ROUNDING = 1e-9
 
+# A damping ratio that steel shafts do not have.
+_MUCH_DAMPED = 0.1
+
 # A region of instability belongs to the rule of a bend if it is that near to its natural frequency.
 _NEAR = 0.1
 
@@ -75,10 +78,12 @@ def torsion_advice(found: TorsionBasics) -> Iterator[str]:
             )
     yield from _avoided(found)
     if found.search:
+        yield from _passed(found, largest_of(found.search))
         yield from _rattle(found, largest_of(found.search))
         yield from _runaway(found, runaway_of(found.search))
     yield from _running(found)
     yield from _held(found)
+    yield from _damped(found)
 
 
 def _negligible(found: TorsionBasics) -> Iterator[str]:
@@ -116,6 +121,36 @@ def _avoided(found: TorsionBasics) -> Iterator[str]:
             "puts its resonance below these speeds: none is then to be avoided for its vibratory "
             "torque"
         )
+
+
+def _passed(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
+    """Say which resonance below the speeds is large, although it is only passed."""
+    most = max((torque.size for torque in largest), default=math.inf)
+
+    def bound(critical: CriticalSpeed) -> tuple[float, str]:
+        rated = found.torsion.ratings.get(critical.shaft)
+        if rated and rated.largest and rated.largest < most:
+            return rated.largest, "the largest torque that the coupling can carry"
+        return most, "the largest torque in the speed range"
+
+    large = [
+        (critical.amplitude, critical)
+        for critical in found.critical_speeds
+        if critical.is_excited
+        and critical.speed < found.speed_range.start
+        and critical.amplitude is not None
+        and critical.amplitude > bound(critical)[0]
+    ]
+    if not large:
+        return
+    amplitude, critical = max(large, key=lambda each: each[0])
+    value, what = bound(critical)
+    size = quantity(amplitude, "Nm", bounds=[value])
+    yield (
+        f"the drive passes {_rpm(critical.speed)} (order {critical.order:g}) whenever it starts: "
+        f"in a steady state there this order of the torque of shaft {critical.shaft} is ±{size}, "
+        f"above {what}, {quantity(value, 'Nm')}; a quick passage stays below that"
+    )
 
 
 def _rattle(found: TorsionBasics, largest: Sequence[LargestTorque]) -> Iterator[str]:
@@ -182,6 +217,30 @@ def _held(found: TorsionBasics) -> Iterator[str]:
         )
 
 
+def _damped(found: TorsionBasics) -> Iterator[str]:
+    """Say which modes the damping ratio of the lowest one damps much more than that one."""
+    couplings = found.torsion.system.couplings
+    lowest = min(mode.frequency for mode in found.modes)
+    high = [
+        mode
+        for mode in found.modes
+        if mode.damping_ratio > _MUCH_DAMPED
+        and mode.frequency > lowest
+        and not (mode.shaft in couplings and couplings[mode.shaft].loss_factor)
+    ]
+    if found.torsion.by_ratio and high:
+        several = [
+            f"{quantity(mode.damping_ratio, 'percent')} in mode {mode.number} at "
+            f"{quantity(mode.frequency, 'Hz')}"
+            for mode in high
+        ]
+        yield (
+            f"the damping ratio is {listed(several)}: damping_ratio is that of the lowest mode, "
+            "and viscous damping grows with the frequency; if this is too much, give "
+            "dampings_Nms_per_rad, or relative_damping of a coupling"
+        )
+
+
 def sentences(found: TorsionFigures) -> Iterator[str]:
     """Say what the torsional vibration means, the worst first."""
     yield from (_unstable(found, region) for region in found.unstable)
@@ -195,6 +254,8 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
         yield f"{capital(said)}."
     yield _resonance(found)
     yield from (f"{capital(said)}." for said in _negligible(found))
+    yield from (f"{capital(said)}." for said in _passed(found, found.largest))
+    yield from _unknown(found)
     yield from _largest(found)
     shapes = [
         f"at {quantity(mode.frequency, 'Hz')} {mode.shape}"
@@ -206,7 +267,7 @@ def sentences(found: TorsionFigures) -> Iterator[str]:
     yield from _side_by_side(found)
     for missing in found.missing:
         yield f"{capital(_where(missing))} the torques are not known: {missing.reason}."
-    for said in (*(() if is_sloped else runaway), *_held(found)):
+    for said in (*(() if is_sloped else runaway), *_held(found), *_damped(found)):
         yield f"{capital(said)}."
 
 
@@ -260,6 +321,17 @@ def _resonance(found: TorsionFigures) -> str:
     if known and unknown:
         text += f" At {listed(unknown)} no periodic motion was found."
     return text
+
+
+def _unknown(found: TorsionFigures) -> Iterator[str]:
+    """Say at which critical speeds outside the range the table has no amplitude."""
+    several = [
+        f"{_rpm(each.speed)} (order {each.order:g})"
+        for each in found.critical_speeds
+        if each.amplitude is None and not each.inside
+    ]
+    if several:
+        yield f"At {listed(several)} no periodic motion was found, so the table has no amplitude."
 
 
 def _largest(found: TorsionFigures) -> Iterator[str]:

@@ -161,6 +161,7 @@ class TorsionCase:
         apart: inertias without those of tubes in kg m², ``(shafts, 2)``.
         springs: the shafts with the stiffness of their tube.
         is_loaded: whether the load torque is that of [load].
+        by_ratio: whether damping_ratio gives its viscous damping.
     """
 
     system: TorsionalSystem
@@ -176,6 +177,7 @@ class TorsionCase:
     apart: FloatArray = field(default_factory=lambda: np.zeros(0))
     springs: tuple[int, ...] = ()
     is_loaded: bool = False
+    by_ratio: bool = False
 
     @property
     def excited(self) -> tuple[float, ...]:
@@ -272,6 +274,7 @@ def _torsion(values: Mapping[str, Any], scene: Reading) -> TorsionCase:
         apart=apart,
         springs=tuple(i for i, own in enumerate(by_shaft) if own == _TUBE),
         is_loaded="load_torque_Nm" not in values and scene.load is not None,
+        by_ratio="damping_ratio" in values,
     )
 
 
@@ -561,7 +564,9 @@ TORSION: Section[TorsionCase | None] = Section(
         ),
         "damping_ratio": Key(
             each(Number(0, 100, what="a ratio")),
-            "damping ratio of the lowest vibration: one number, or one per shaft; default 0",
+            "damping ratio of the lowest vibration: one number, or one per shaft; default 0. It is "
+            "viscous, so that of others is greater in proportion to their frequency: 1 % at 12 Hz "
+            "is 20 % at 240 Hz",
             "damping_ratios",
             per="shaft",
         ),
