@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,10 +16,10 @@ from cardan.app.answers.lateral.vibration import KNOWN
 from cardan.app.answers.table import PARTS
 from cardan.app.plots import plot_part
 from cardan.app.scene import Scene, SceneError
+from example_scenes import example
 
 RPM = math.pi / 30.0
-TRUCK = Path(__file__).parents[3] / "examples" / "shudder.toml"
-TEXT = TRUCK.read_text(encoding="utf-8")
+TEXT = example("shudder.toml").read_text(encoding="utf-8")
 RIGID = RUBBER.format(limits="", lateral="")
 # A tube between two machines, whose joints are bent alike.
 ONE = """
