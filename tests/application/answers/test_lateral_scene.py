@@ -296,6 +296,19 @@ def test_a_limit_that_a_band_reaches_is_not_judged_within() -> None:
     assert figures(below).bearings[0].displacement.verdict == "within"
 
 
+def test_what_is_not_judged_names_the_keys_that_are_missing() -> None:
+    """Rubber in a bearing, or tubes where these have the energy."""
+    wide = ("displacement_mm = 1 ", "displacement_mm = 30 ")
+    bare = changed(TEXT, wide, ("loss_factor = 0.12", ""))
+    rubber, tube = "loss_factor in [[bearing]], 0.05 to 0.2 for rubber", "tube_loss_factor in"
+    assert f"is too small or not known ({tube} [lateral]; {rubber})." in said(bare)
+    assert f"is too small ({tube} [lateral])" in said(changed(TEXT, wide))
+    within = changed(
+        bare, ("from = 300, to = 2500, steps = 221", "from = 600, to = 700, steps = 3")
+    )
+    assert f"the damping is not known at any of the speeds ({rubber})." in said(within)
+
+
 def test_the_loss_factor_decides_whether_there_is_a_peak() -> None:
     """That of a resonance is by its energies: 98 % of the first one are in the rubber."""
     for loss, known in ((KNOWN - 0.001, False), (KNOWN + 0.003, True)):

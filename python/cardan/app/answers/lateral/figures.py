@@ -454,7 +454,7 @@ def _over_speeds(
     for one in found:
         if np.all(one.unknown):
             why = "the damping is not known at any of the speeds"
-            return Judged(None, why=why, **limit)
+            return Judged(None, why=f"{why} ({_needs(one.bands)})", **limit)
         values.append(float(np.max(one.response.largest(name)[bearing, ~one.unknown])))
         bands += one.bands
     judged = over(scene, np.array(values), names=_names(scene), **limit)
@@ -474,10 +474,12 @@ def _why(judged: Judged, bands: Sequence[Met], case: LateralCase) -> str:
     kept = "kept" if judged.verdict == "within" else judged.verdict
     # Bands of several states may reach all speeds.
     where = f"it is {kept} from {listed(ranges)}; at the other speeds " if ranges else ""
-    return (
-        f"{where}the damping of the {resonances} of {called} is {lack} (loss_factor in "
-        "[[bearing]], tube_loss_factor in [lateral])"
-    )
+    return f"{where}the damping of the {resonances} of {called} is {lack} ({_needs(bands)})"
+
+
+def _needs(bands: Sequence[Met]) -> str:
+    """Name the keys that would make the damping of resonances known, that of tubes first."""
+    return "; ".join(sorted({each.needs for each in bands}, reverse=True))
 
 
 def _outside(bands: Sequence[Met], case: LateralCase) -> Iterator[tuple[float, float]]:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.app.scene.sections.bearing import OF_RUBBER, RUBBER
 from cardan.app.scene.sections.lateral import LateralCase
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -84,6 +85,13 @@ class Met(NamedTuple):
     def lack(self) -> str:
         """What its damping is where it is not known well enough."""
         return "too small" if self.loss else "not known"
+
+    @property
+    def needs(self) -> str:
+        """The key that would make it known: of bearings, if rubber in them may damp enough."""
+        if float(np.sum(self.group.shares)) * RUBBER[1] >= KNOWN:
+            return f"loss_factor in [[bearing]], {OF_RUBBER}"
+        return "tube_loss_factor in [lateral]"
 
     @property
     def band(self) -> tuple[float, float]:
