@@ -88,10 +88,15 @@ class Met(NamedTuple):
 
     @property
     def needs(self) -> str:
-        """The key that would make it known: of bearings, if rubber in them may damp enough."""
-        if float(np.sum(self.group.shares)) * RUBBER[1] >= KNOWN:
-            return f"loss_factor in [[bearing]], {OF_RUBBER}"
-        return "tube_loss_factor in [lateral]"
+        """The key that would make it known."""
+        if self.is_of_tubes:
+            return "tube_loss_factor in [lateral]"
+        return f"loss_factor in [[bearing]], {OF_RUBBER}"
+
+    @property
+    def is_of_tubes(self) -> bool:
+        """Whether bearings have so little of its energy that no rubber in them damps enough."""
+        return float(np.sum(self.group.shares)) * RUBBER[1] < KNOWN
 
     @property
     def band(self) -> tuple[float, float]:
@@ -184,13 +189,14 @@ class Vibration:
 
     @cached_property
     def excited(self) -> tuple[int, ...]:
-        """The orders that are excited: 1 by any unbalance, 2 and 4 by the moments of joints."""
+        """The orders that are excited: 1 by unbalance, 2 and 4 by the moments of joints."""
+        once = (1,) if self.case.unbalance else ()
         if self.load is None:
-            return (1, 2)
+            return (*once, 2)
         forces = [self.response.of_order(f"{name}_force") for name in ("bearing", "joint")]
         most = np.max([np.max(own, axis=(0, 1), initial=0.0) for own in forces], axis=0)
         beyond = dict(zip(ALL, most > _COUNTS * np.max(most), strict=True))
-        return (1, *(order for order in (2, 4) if beyond[order]))
+        return (*once, *(order for order in (2, 4) if beyond[order]))
 
     @cached_property
     def unknown(self) -> NDArray[np.bool_]:
