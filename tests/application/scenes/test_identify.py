@@ -232,6 +232,7 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
     np.savez(path, drive=angles, driven=driven, noisy=driven + noise)
     text = identify(path, "--drive", "drive", "--driven", "noisy").output
     assert "The noise hides order 4" in text
+    assert "An ovality of an encoder has order 2 as well." in " ".join(text.split())
     assert "order 4 does not fit order 2" not in " ".join(text.split())
     assert (
         "order 4"
@@ -239,6 +240,24 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
             1
         ]
     )
+
+
+@pytest.mark.parametrize(("noise", "shows"), [(0.004, True), (0.02, True), (0.12, False)])
+def test_a_purity_that_shows_joints_is_said(*, noise: float, shows: bool, tmp_path: Path) -> None:
+    """It excludes an ovality alone, and none beside the joints."""
+    angles = np.linspace(0.0, 3600.0, 5000)
+    driven = Driveline.from_bends([13], degrees=True).evaluate(angles, "angle", degrees=True).angle
+    path = tmp_path / "run.npz"
+    random = np.random.default_rng(3).normal(0.0, noise, angles.size)
+    oval = np.degrees(np.tan(np.radians(6.5)) ** 2) * np.sin(2.0 * np.radians(angles))
+    np.savez(path, drive=angles, driven=driven + random, oval=angles + oval + random)
+    text = " ".join(identify(path, "--drive", "drive", "--driven", "driven").output.split())
+    told = "The purity is 1 as far as the noise tells"
+    assert (told in text) is shows
+    assert ("An ovality of an encoder beside the joints changes order 2." in text) is shows
+    assert ("The noise hides order 4" in text) is not shows
+    text = identify(path, "--drive", "drive", "--driven", "oval").output
+    assert told not in " ".join(text.split())
 
 
 @pytest.mark.parametrize(

@@ -322,6 +322,7 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
             f"The catalogues permit an equivalent bend of {limit}; 'cardan check' of a scene "
             "compares its driveline with this and with the limits of machines."
         )
+    shows_joints = False
     if found.detected and found.purity is not None:
         noise = _SIGMAS * (found.purity_standard_deviation or 0.0)
         if abs(found.purity - 1.0) > max(_PURE, noise):
@@ -329,7 +330,12 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
                 "The purity is not 1: order 4 does not fit order 2, so the recording shows "
                 "something besides universal joints."
             )
-        elif noise > 1.0:
+        elif shows_joints := noise <= 1.0 and found.purity > noise:
+            yield (
+                "The purity is 1 as far as the noise tells, as that of joints is; an ovality of an "
+                "encoder alone has 0."
+            )
+        else:
             yield (
                 "The noise hides order 4, so the purity does not tell whether order 2 comes from "
                 "joints. A longer recording, with more samples, does."
@@ -352,10 +358,11 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
             "resonance does that, or a drive angle that drifts. The interval does not cover it. "
             "Record well below the lowest natural frequency."
         )
+    adds = "beside the joints changes order 2" if shows_joints else "has order 2 as well"
     yield (
-        "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
-        "from a bend. Torsional vibration changes order 2 unless the drive turns well below the "
-        "lowest natural frequency."
+        f"An ovality of an encoder {adds}. A recording with straight joints tells it from a bend. "
+        "Torsional vibration changes order 2 unless the drive turns well below the lowest natural "
+        "frequency."
     )
     if found.phase_less_twist is not None:
         yield (
