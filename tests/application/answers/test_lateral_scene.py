@@ -424,6 +424,40 @@ def test_each_change_of_the_layout_is_said_once() -> None:
     assert "All changes hold for the stiffness and the masses given:" in said(TEXT)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [TEXT, SHARED.format(stiffness=220, loss="loss_factor = 0.1")],
+    ids=["with yokes", "without"],
+)
+def test_what_a_change_leaves_with_other_stiffnesses_is_said(text: str) -> None:
+    """As the whole answer of the changed scene has it."""
+    told = re.search(
+        r"At half the stiffness the first leaves ([\d.]+) N in place of ([\d.]+) N, and at twice "
+        r"([\d.]+) N in place of ([\d.]+) N\.",
+        said(text),
+    )
+    assert told
+    (first,) = re.findall(r"\. ([^.:]+(?:\.\d[^.:]*)*): this ends the shudder", said(text))
+    found = figures(text)
+    best = next(each for each in found.remedies if each.change[1:] == first[1:])
+    line = best.made(found.vibration.line)
+    steps = np.cumsum(1e3 * line.directions * line.lengths().each[:, np.newaxis], axis=0)
+    points = f"points_mm = {[[0.0, 0.0, 0.0], *steps.tolist()]}"
+    points += f"\nphases_deg = {np.degrees(line.phases).tolist()}\n"
+    changed_line = re.sub(r"points_mm = \[.*?\]\n?\]?\n(?=\n?\[load)", points, text, flags=re.S)
+    assert points in changed_line
+    # The bearing stays where it is while its shaft becomes longer.
+    place_now = f"position_mm = {1e3 * float(line.bearings[0][1])!r}"
+    changed_line = re.sub(r"from_end_mm = \d+", place_now, changed_line, count=1)
+    for place, factor in enumerate((0.5, 2.0)):
+        for number, own in enumerate((changed_line, text)):
+            (old,) = re.findall(r"stiffness_N_per_mm = (\d+)", own)
+            stiffness = f"stiffness_N_per_mm = {factor * float(old)}"
+            after = figures(own.replace(f"stiffness_N_per_mm = {old}", stiffness))
+            peak = next(each.peak for each in after.resonances if each.order == 2)
+            assert float(told[1 + 2 * place + number]) == pytest.approx(peak, rel=3e-3)
+
+
 def test_the_peak_has_its_own_speed() -> None:
     """Damping and the flank of the next resonance move it from that of the resonance."""
     text = SHARED.format(stiffness=440, loss="loss_factor = 0.1")

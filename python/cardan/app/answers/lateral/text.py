@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from cardan.app.answers.forces.figures import length
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
-from cardan.app.answers.lateral.remedy import Remedy
+from cardan.app.answers.lateral.remedy import Remedy, left_with
 from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR
 from cardan.app.answers.printed import bullets, capital, given, items_text, listed, quantity
 
@@ -253,16 +253,20 @@ def _size(each: Remedy) -> str:
 
 def _stiffness(found: LateralFigures) -> Iterator[str]:
     """Say what half and twice the stiffness of a bearing do."""
-    softer, stiffer = (
-        next((each for each in found.remedies if each.stiffness == factor), None)
-        for factor in (0.5, 2.0)
-    )
-    if softer and stiffer and (less := _peak(softer)) and (more := _peak(stiffer)):
+    if not found.remedies:
+        return
+    softer, stiffer = _others(found)
+    if (less := _peak(softer)) and (more := _peak(stiffer)):
         yield (
             f"half the stiffness of bearing {softer.bearing} moves the peak of order 2 to "
             f"{quantity(softer.resonance, 'rpm')}, with {less}, and twice the stiffness to "
             f"{quantity(stiffer.resonance, 'rpm')}, with {more}"
         )
+
+
+def _others(found: LateralFigures) -> list[Remedy]:
+    """Return the changes to half and to twice the stiffness, which are there if any change is."""
+    return [each for each in found.remedies if each.stiffness != 1.0]
 
 
 def _peak(each: Remedy) -> str:
@@ -285,8 +289,22 @@ def _changes(found: LateralFigures) -> Iterator[str]:
     if found.remedies:
         yield (
             "All changes hold for the stiffness and the masses given: try them with the least and "
-            "the largest stiffness that the rubber may have."
+            f"the largest stiffness that the rubber may have{_at_others(found)}."
         )
+
+
+def _at_others(found: LateralFigures) -> str:
+    """Say what the best layout leaves where the stiffness is another; "" if it is not known."""
+    best, others = _best(found), _others(found)
+    if best is None or found.state or not all(each.peak for each in others):
+        return ""
+    left = [
+        f"{quantity(left_with(found.vibration, best, each), 'N')} in place of "
+        f"{quantity(each.peak, 'N')}"
+        for each in others
+        if each.peak
+    ]
+    return f". At half the stiffness the first leaves {left[0]}, and at twice {left[1]}"
 
 
 def _limits(found: LateralFigures) -> Iterator[str]:
