@@ -169,7 +169,7 @@ assert vibration is not None
 save("boat_response", plots.plot_torsion(vibration))
 
 # A light truck that shudders: force over the speed, shapes, and force over the stiffness.
-scene = cardan.Scene.load(Path(__file__).with_name("shudder.toml"))
+scene = cardan.Scene.parse(STARTERS["shudder"].text)
 save("lateral", plots.plot_part(scene, "lateral"))
 save("lateral_shapes", plots.plot_part(scene, "shapes"))
 save("lateral_stiffness", plots.plot_part(scene, "stiffness"))

@@ -33,7 +33,7 @@ import pyarrow.parquet as pq
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "examples"
-PATHS = [*EXAMPLES.glob("*.toml"), *ROOT.glob("python/cardan/app/scene/machines/*.toml")]
+PATHS = [*EXAMPLES.glob("*.toml"), *ROOT.glob("python/cardan/app/scene/**/*.toml")]
 TEXTS = [path.read_bytes() for path in sorted(PATHS)]
 # Pictures take long and are not what is answered.
 SCENES = [tomllib.loads(text.decode()) | {"output": {}} for text in TEXTS]

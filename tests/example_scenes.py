@@ -20,9 +20,9 @@ from cardan.app.scene import Scene, load_scene
 from tiers import few
 
 _ROOT = Path(__file__).parents[1]
-_MACHINES = _ROOT / "python" / "cardan" / "app" / "scene" / "machines"
-EXAMPLES = sorted([*(_ROOT / "examples").glob("*.toml"), *_MACHINES.glob("*.toml")])
-"""The scenes of the folder of examples and those of the machines."""
+_PACKAGED = _ROOT / "python" / "cardan" / "app" / "scene"
+EXAMPLES = sorted([*(_ROOT / "examples").glob("*.toml"), *_PACKAGED.rglob("*.toml")])
+"""The scenes of the folder of examples and those that the package has, as of machines."""
 
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 """Those of a driveline; one is a ball joint alone."""
@@ -46,9 +46,8 @@ SCENES = jsonschema.Draft202012Validator(Scene.schema())
 
 
 def example(name: str) -> Path:
-    """Return the path of an example or of the scene of a machine."""
-    machine = _MACHINES / name
-    return machine if machine.exists() else _ROOT / "examples" / name
+    """Return the path of an example or of a scene that the package has."""
+    return next(_PACKAGED.rglob(name), _ROOT / "examples" / name)
 
 
 def replaced(text: str, *pairs: tuple[str, str]) -> str:

@@ -170,7 +170,8 @@ class TwoJoints:
         std: their standard deviations in rad, ``(2,)``.
         intervals: the least and the largest bend of their 95 % intervals in rad, ``(2, 2)``.
         phase_less_twist: phase of the intermediate shaft less its twist in rad, within
-            (-pi/2, pi/2]. The twist follows from the drawing; a yoke looks the same after pi.
+            (-pi/2, pi/2], positive in the sense in which the angles increase. The twist follows
+            from the drawing; a yoke looks the same after pi.
     """
 
     first: Identification

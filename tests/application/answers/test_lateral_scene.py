@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,10 +16,10 @@ from cardan.app.answers.lateral.vibration import KNOWN
 from cardan.app.answers.table import PARTS
 from cardan.app.plots import plot_part
 from cardan.app.scene import Scene, SceneError
+from example_scenes import example
 
 RPM = math.pi / 30.0
-TRUCK = Path(__file__).parents[3] / "examples" / "shudder.toml"
-TEXT = TRUCK.read_text(encoding="utf-8")
+TEXT = example("shudder.toml").read_text(encoding="utf-8")
 RIGID = RUBBER.format(limits="", lateral="")
 # A tube between two machines, whose joints are bent alike.
 ONE = """
@@ -291,10 +290,28 @@ def test_a_limit_that_a_band_reaches_is_not_judged_within() -> None:
         assert figures(text).bearings[0].displacement.verdict == verdict
     why = figures(text).bearings[0].displacement.why
     assert why.startswith("it is kept from 300 rpm to 2213 rpm; at the other speeds the damping of")
-    assert "the resonance of order 2 at 2634 rpm is too small" in why
+    assert why.endswith(
+        "the resonance of order 2 at 2634 rpm (of tubes, above the speed range) is too small "
+        "(tube_loss_factor in [lateral]); a speed range up to 2212 rpm is judged"
+    )
+    below = changed(text, ("to = 2500, steps = 221", "to = 2212, steps = 191"))
+    assert figures(below).bearings[0].displacement.verdict == "within"
     assert "largest displacement, at most 3 mm, not judged 1.92 mm or more" in said(text)
     below = changed(text, ("to = 2500, steps = 221", "to = 2200, steps = 191"))
     assert figures(below).bearings[0].displacement.verdict == "within"
+
+
+def test_what_is_not_judged_names_the_keys_that_are_missing() -> None:
+    """Rubber in a bearing, or tubes where these have the energy."""
+    wide = ("displacement_mm = 1 ", "displacement_mm = 30 ")
+    bare = changed(TEXT, wide, ("loss_factor = 0.12", ""))
+    rubber, tube = "loss_factor in [[bearing]], 0.05 to 0.2 for rubber", "tube_loss_factor in"
+    assert f"is too small or not known ({tube} [lateral]; {rubber})." in said(bare)
+    assert f"is too small ({tube} [lateral])" in said(changed(TEXT, wide))
+    within = changed(
+        bare, ("from = 300, to = 2500, steps = 221", "from = 600, to = 700, steps = 3")
+    )
+    assert f"the damping is not known at any of the speeds ({rubber})." in said(within)
 
 
 def test_the_loss_factor_decides_whether_there_is_a_peak() -> None:
@@ -331,6 +348,8 @@ def test_a_range_between_bands_is_kept() -> None:
     why = figures(text).bearings[0].displacement.why
     assert why.startswith("it is kept from 300 rpm to 537 rpm, 741 rpm to 1074 rpm and 1483 rpm to")
     assert "resonances of order 2 at 639 rpm, order 1 at 1278 rpm and order 2 at 2634 rpm" in why
+    # Some lie within the speeds.
+    assert "is judged" not in why
     assert figures(text).bearings[0].displacement.verdict == "not judged"
     force = figures(text).bearings[0].largest
     assert force.limit is None
@@ -363,6 +382,82 @@ def test_frequencies_of_resonances_give_their_speeds(stiffness: int) -> None:
         assert f"{60.0 * float(frequency) / int(order):.0f}" == speed
 
 
+def test_order_1_without_an_unbalance_excites_nothing() -> None:
+    """Neither force nor band, but the margin counts it: no shaft is balanced exactly."""
+    text = SHARED.format(stiffness=440, loss="").replace("to = 2600", "to = 3200")
+    found = figures(text)
+    (first,) = (each for each in found.resonances if each.order == 1 and not each.mode)
+    assert first.inside
+    assert not first.excited
+    assert not first.known
+    assert {each.order for each in found.vibration.bands} == {2}
+    assert found.bearings[0].order_1 == 0.0
+    told = re.findall(r"Order 1 is in resonance at \d+ rpm \([^)]*\)(.*?\w)\. ", said(text))
+    assert told == ["; no [[lateral.unbalance]] is given"]
+    alone = figures(text.replace("from = 300", "from = 2600"))
+    assert [each.order for each in alone.resonances if each.inside and not each.mode] == [1]
+    assert alone.margin
+    assert alone.margin.value == 0.0
+    unbalance = "shaft = 1\nposition_mm = 900\nunbalance_gmm = 50\ndirection = [0, 1, 0]\n"
+    given = f"{text}[[lateral.unbalance]]\n{unbalance}"
+    assert {each.order for each in figures(given).vibration.bands} == {1, 2}
+    assert "no [[lateral.unbalance]]" not in said(given)
+
+
+def test_a_shaft_without_yokes_is_told_what_their_mass_does() -> None:
+    text = SHARED.format(stiffness=220, loss="loss_factor = 0.1")
+    told = "No mass of yokes is given ([[lateral.mass]]): resonances are lower with them."
+    assert told in said(text)
+    given = f"{text}[[lateral.mass]]\nshaft = 1\nfrom_end_mm = 0\nmass_kg = 7\n"
+    assert told not in said(given)
+    assert figures(given).modes[0].frequency < 0.8 * figures(text).modes[0].frequency
+    # Rigid shafts have their mass.
+    assert told not in said(RIGID)
+
+
+def test_each_change_of_the_layout_is_said_once() -> None:
+    changes = [each.change for each in figures(TEXT).remedies if each.stiffness == 1.0]
+    assert len(changes) > 3
+    assert [said(TEXT).count(f"{each[0].upper()}{each[1:]}:") for each in changes] == [1] * len(
+        changes
+    )
+    assert "All changes hold for the stiffness and the masses given:" in said(TEXT)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [TEXT, SHARED.format(stiffness=220, loss="loss_factor = 0.1")],
+    ids=["with yokes", "without"],
+)
+def test_what_a_change_leaves_with_other_stiffnesses_is_said(text: str) -> None:
+    """As the whole answer of the changed scene has it."""
+    told = re.search(
+        r"At half the stiffness the first leaves ([\d.]+) N in place of ([\d.]+) N, and at twice "
+        r"([\d.]+) N in place of ([\d.]+) N\.",
+        said(text),
+    )
+    assert told
+    (first,) = re.findall(r"\. ([^.:]+(?:\.\d[^.:]*)*): this ends the shudder", said(text))
+    found = figures(text)
+    best = next(each for each in found.remedies if each.change[1:] == first[1:])
+    line = best.made(found.vibration.line)
+    steps = np.cumsum(1e3 * line.directions * line.lengths().each[:, np.newaxis], axis=0)
+    points = f"points_mm = {[[0.0, 0.0, 0.0], *steps.tolist()]}"
+    points += f"\nphases_deg = {np.degrees(line.phases).tolist()}\n"
+    changed_line = re.sub(r"points_mm = \[.*?\]\n?\]?\n(?=\n?\[load)", points, text, flags=re.S)
+    assert points in changed_line
+    # The bearing stays where it is while its shaft becomes longer.
+    place_now = f"position_mm = {1e3 * float(line.bearings[0][1])!r}"
+    changed_line = re.sub(r"from_end_mm = \d+", place_now, changed_line, count=1)
+    for place, factor in enumerate((0.5, 2.0)):
+        for number, own in enumerate((changed_line, text)):
+            (old,) = re.findall(r"stiffness_N_per_mm = (\d+)", own)
+            stiffness = f"stiffness_N_per_mm = {factor * float(old)}"
+            after = figures(own.replace(f"stiffness_N_per_mm = {old}", stiffness))
+            peak = next(each.peak for each in after.resonances if each.order == 2)
+            assert float(told[1 + 2 * place + number]) == pytest.approx(peak, rel=3e-3)
+
+
 def test_the_peak_has_its_own_speed() -> None:
     """Damping and the flank of the next resonance move it from that of the resonance."""
     text = SHARED.format(stiffness=440, loss="loss_factor = 0.1")
@@ -372,7 +467,7 @@ def test_the_peak_has_its_own_speed() -> None:
 def test_other_stiffnesses_say_their_forces() -> None:
     soft = "454 rpm, with 555 N at the bearing and ±3.67 mm of the shaft"
     stiff = "894 rpm, with 421 N at the bearing and ±0.696 mm of the shaft"
-    assert f"resonance to {soft}, and twice the stiffness to {stiff}." in said(TEXT)
+    assert f"moves the peak of order 2 to {soft}, and twice the stiffness to {stiff}." in said(TEXT)
 
 
 def test_without_a_stiffness_the_couples_and_static_forces_are_said() -> None:

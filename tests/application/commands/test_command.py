@@ -153,7 +153,7 @@ def test_examples_of_the_help_work(
         for needed in ("conveyor.toml", "joint_sizes.csv"):
             shutil.copy(TRUCK.with_name(needed), ".")
     if name == "lateral":
-        shutil.copy(TRUCK.with_name("shudder.toml"), "shaft.toml")
+        shutil.copy(example("shudder.toml"), "shaft.toml")
     if name == "torsion":
         with Path("shaft.toml").open("a") as scene:
             scene.write(TORSION)
@@ -578,7 +578,7 @@ def test_new_names_the_command_that_a_starter_names() -> None:
     # The shaft shows what its yokes do before they are set.
     assert own.pop("z-shaft") == "phase"
     assert own == {kind: STARTERS[kind].command for kind in own}
-    assert set(own.values()) == {"run", "check", "phase"}
+    assert set(own.values()) == {"run", "check", "phase", "lateral"}
 
 
 # The scenes of the other machines are examples, which `new` copies.
@@ -641,8 +641,8 @@ def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> 
     failed(
         run("new", "jiont", "c.toml"),
         "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'multi-joint', "
-        "'wide-angle', 'readings', 'recorded', 'ball-joint', 'truck-shaft', 'steering-column', "
-        "'pto-shaft', 'mill-spindle', 'test-rig', 'ship-shaft'.",
+        "'wide-angle', 'readings', 'shudder', 'recorded', 'ball-joint', 'truck-shaft', "
+        "'steering-column', 'pto-shaft', 'mill-spindle', 'test-rig', 'ship-shaft'.",
     )
     assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
         "a.toml": "mine",

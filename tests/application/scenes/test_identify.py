@@ -92,7 +92,13 @@ def test_both_joints_of_a_recording(recording: Path) -> None:
     assert bends == pytest.approx([14.0, 9.0], abs=1e-7)
     assert data["phase_less_twist_deg"] == pytest.approx(-10.0, abs=1e-6)
     text = identify(recording, *options).output
-    assert text.startswith(f"{recording}\n  samples ")
+    title, verdict, figures = text.split("\n\n")[:3]
+    assert title == str(recording)
+    assert " ".join(verdict.split()) == (
+        "The joints do not cancel each other: the equivalent bend is 11.13°, and driveshaft "
+        "catalogues permit 3°."
+    )
+    assert figures.startswith("  samples ")
     said = dict(line.strip().split("  ", 1) for line in text.splitlines() if "  " in line.strip())
     said = {label: value.strip() for label, value in said.items()}
     assert (said["samples"], said["missing samples"]) == ("1499", "1")
@@ -103,7 +109,63 @@ def test_both_joints_of_a_recording(recording: Path) -> None:
     assert amplitudes[1] == f"{LINE.harmonics([2]).angle_error_deg[0]:.4f}°"
     assert float(said["purity"]) == pytest.approx(1.0, abs=1e-3)
     assert max(map(len, text.splitlines()[1:])) <= 79
-    assert "permit an equivalent bend of 3°; 'cardan check'" in " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    ("phase", "noise", "said"),
+    [
+        (3.0, 1e-4, "The joints cancel each other well enough: the equivalent bend is 2.9"),
+        (3.17, 0.05, "Whether the joints cancel each other is not certain: the equivalent bend"),
+        (3.2, 1e-4, "The joints do not cancel each other: the equivalent bend is 3.0"),
+    ],
+)
+def test_whether_two_joints_cancel_is_judged(
+    phase: float, noise: float, said: str, tmp_path: Path
+) -> None:
+    line = Driveline.from_bends([9, 9], twists=180, phases=phase, degrees=True)
+    drive = np.linspace(0.0, 7200.0, 4000)
+    middle, driven = line.evaluate(drive, "angle", shafts=[1, 2], degrees=True).angle
+    random = np.random.default_rng(5).normal(0.0, noise, (2, drive.size))
+    path = tmp_path / "run.npz"
+    np.savez(path, drive=drive, middle=middle + random[0], driven=driven + random[1])
+    columns = ("--drive", "drive", "--driven", "driven")
+    text = " ".join(identify(path, *columns, "--intermediate", "middle").output.split())
+    assert said in text
+    one = " ".join(identify(path, *columns).output.split())
+    assert "other" not in one
+    assert "permit an equivalent bend of 3°; 'cardan check'" in one
+
+
+def scene_of(text: str) -> str:
+    """The scene at the end of an answer."""
+    return text[text.index("    [driveline]") :]
+
+
+@pytest.mark.parametrize("twist", [30, 180, -75])
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_scene_of_two_joints_has_the_turn_that_helps(
+    sense: int, twist: int, tmp_path: Path
+) -> None:
+    """A recording counts upwards whichever way the shaft turns; the advice is from the joints."""
+    line = Driveline.from_bends([14, 9], twists=twist, phases=twist - 12, degrees=True)
+    recorded = np.linspace(0.0, 3600.0, 2000)
+    angles = line.evaluate(sense * recorded, "angle", shafts=[1, 2], degrees=True).angle
+    path = tmp_path / "run.npz"
+    np.savez(path, drive=recorded, middle=sense * angles[0], driven=sense * angles[1])
+    columns = ("--drive", "drive", "--intermediate", "middle", "--driven", "driven")
+    answer = identify(path, *columns).output
+    text = " ".join(answer.split())
+    assert "If the shaft turned counter-clockwise, change its sign, also in phases_deg" in text
+    scene = scene_of(answer).replace("[-12]" if sense > 0 else "[12]", "[-12]")
+    found = Scene.parse(scene)
+    assert float(found.line.equivalent().bend) == pytest.approx(float(line.equivalent().bend))
+    (tmp_path / "a.toml").write_text(scene)
+    advice = scripts.run("phase", tmp_path / "a.toml").output
+    assert "turn it 12.0° clockwise" in advice
+    # As drawn it is the same turn.
+    drawn = f"twists_deg = [{twist}]\nphases_deg = [{twist - 12}]"
+    (tmp_path / "a.toml").write_text(f"[driveline]\nbends_deg = [14, 9]\n{drawn}\n")
+    assert "turn it 12.0° clockwise" in scripts.run("phase", tmp_path / "a.toml").output
 
 
 def test_both_joints_of_recorded_speeds(tmp_path: Path) -> None:
@@ -121,6 +183,9 @@ def test_both_joints_of_recorded_speeds(tmp_path: Path) -> None:
     bends = [entry["bend_deg"] for entry in data["joints"]]
     assert bends == pytest.approx([14.0, 9.0], abs=1e-3)
     assert data["phase_less_twist_deg"] == pytest.approx(-10.0, abs=0.01)
+    scene = Scene.parse(scene_of(identify(path, *drive_options, *speeds).output))
+    assert scene.load_case
+    assert scene.load_case.speed == pytest.approx(1220.0 * np.pi / 30.0, rel=2e-3)
 
 
 def test_the_ends_of_an_interval_differ(tmp_path: Path) -> None:
@@ -167,6 +232,7 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
     np.savez(path, drive=angles, driven=driven, noisy=driven + noise)
     text = identify(path, "--drive", "drive", "--driven", "noisy").output
     assert "The noise hides order 4" in text
+    assert "An ovality of an encoder has order 2 as well." in " ".join(text.split())
     assert "order 4 does not fit order 2" not in " ".join(text.split())
     assert (
         "order 4"
@@ -174,6 +240,24 @@ def test_noise_that_hides_order_4_is_said(tmp_path: Path) -> None:
             1
         ]
     )
+
+
+@pytest.mark.parametrize(("noise", "shows"), [(0.004, True), (0.02, True), (0.12, False)])
+def test_a_purity_that_shows_joints_is_said(*, noise: float, shows: bool, tmp_path: Path) -> None:
+    """It excludes an ovality alone, and none beside the joints."""
+    angles = np.linspace(0.0, 3600.0, 5000)
+    driven = Driveline.from_bends([13], degrees=True).evaluate(angles, "angle", degrees=True).angle
+    path = tmp_path / "run.npz"
+    random = np.random.default_rng(3).normal(0.0, noise, angles.size)
+    oval = np.degrees(np.tan(np.radians(6.5)) ** 2) * np.sin(2.0 * np.radians(angles))
+    np.savez(path, drive=angles, driven=driven + random, oval=angles + oval + random)
+    text = " ".join(identify(path, "--drive", "drive", "--driven", "driven").output.split())
+    told = "The purity is 1 as far as the noise tells"
+    assert (told in text) is shows
+    assert ("An ovality of an encoder beside the joints changes order 2." in text) is shows
+    assert ("The noise hides order 4" in text) is not shows
+    text = identify(path, "--drive", "drive", "--driven", "oval").output
+    assert told not in " ".join(text.split())
 
 
 @pytest.mark.parametrize(

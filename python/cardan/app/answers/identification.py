@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from os import PathLike, fspath
+from statistics import fmean
 from typing import Literal
 
 import numpy as np
 
 from cardan._core import Integral
-from cardan.app.answers.printed import given, quantity
+from cardan.app.answers.printed import filled, given, part_text, plain_text, quantity
 from cardan.app.answers.rows import count, figure, flag, item, optional, parts, taken, word
 from cardan.app.files.recording import read_columns
 from cardan.app.scene.language.units import RPM
@@ -259,6 +260,53 @@ def _ranges(found: Identified, *, radians: bool) -> str:
     return f"from part to part the bend is {ends[0]}, and the offset of its plane {ends[1]}"
 
 
+def identified_text(found: Identified, *, radians: bool = False) -> str:
+    """Return the answer as plain text, of two joints from their verdict to a scene of them."""
+    verdict = filled(_verdict(found, radians=radians))
+    heading = "\n".join([found.path, "", *verdict, ""] if verdict else [found.path])
+    text = part_text(heading, found, sentences(found, radians=radians), radians=radians)
+    return "\n    ".join([text, *_scene(found)])
+
+
+def _scene(found: Identified) -> Iterator[str]:
+    """Yield the lines of a scene of two joints, at the mean speed of the parts if it is known."""
+    if found.phase_less_twist is None:
+        return
+    bends, phase = (
+        ", ".join(plain_text(math.degrees(angle), "measured") for angle in angles)
+        for angles in ([joint.bend for joint in found.joints], [found.phase_less_twist])
+    )
+    yield "[driveline]"
+    yield f"bends_deg = [{bends}]"
+    yield "twists_deg = [0]"
+    yield f"phases_deg = [{phase}]"
+    speeds = [part.speed for part in found.by_part if part.speed is not None]
+    if speeds:
+        yield "[load]"
+        yield f"speed_rpm = {plain_text(abs(fmean(speeds)) / RPM, 'rpm')}"
+
+
+def _verdict(found: Identified, *, radians: bool) -> Iterator[str]:
+    """Say whether two joints cancel each other, by the interval of the equivalent bend."""
+    if not found.joints:
+        return
+    if found.interval_low > MAX_EQUIVALENT_BEND:
+        said = "The joints do not cancel each other"
+    elif found.interval_high <= MAX_EQUIVALENT_BEND:
+        said = "The joints cancel each other well enough"
+    else:
+        said = "Whether the joints cancel each other is not certain"
+    limit = given(MAX_EQUIVALENT_BEND, "deg", radians=radians)
+    bend = quantity(
+        found.equivalent_bend,
+        "deg",
+        radians=radians,
+        digits="measured",
+        bounds=[MAX_EQUIVALENT_BEND],
+    )
+    yield f"{said}: the equivalent bend is {bend}, and driveshaft catalogues permit {limit}."
+
+
 def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
     """Say what the recording shows and what it cannot show."""
     if not found.detected:
@@ -268,11 +316,13 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
             "The offset is what to add to the recorded drive angle so that the driving pin lies in "
             "the bend plane of the equivalent joint at 0°."
         )
+    if found.detected and not found.joints:
         limit = given(MAX_EQUIVALENT_BEND, "deg", radians=radians)
         yield (
             f"The catalogues permit an equivalent bend of {limit}; 'cardan check' of a scene "
             "compares its driveline with this and with the limits of machines."
         )
+    shows_joints = False
     if found.detected and found.purity is not None:
         noise = _SIGMAS * (found.purity_standard_deviation or 0.0)
         if abs(found.purity - 1.0) > max(_PURE, noise):
@@ -280,7 +330,12 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
                 "The purity is not 1: order 4 does not fit order 2, so the recording shows "
                 "something besides universal joints."
             )
-        elif noise > 1.0:
+        elif shows_joints := noise <= 1.0 and found.purity > noise:
+            yield (
+                "The purity is 1 as far as the noise tells, as that of joints is; an ovality of an "
+                "encoder alone has 0."
+            )
+        else:
             yield (
                 "The noise hides order 4, so the purity does not tell whether order 2 comes from "
                 "joints. A longer recording, with more samples, does."
@@ -303,14 +358,26 @@ def sentences(found: Identified, *, radians: bool = False) -> Iterator[str]:
             "resonance does that, or a drive angle that drifts. The interval does not cover it. "
             "Record well below the lowest natural frequency."
         )
+    adds = "beside the joints changes order 2" if shows_joints else "has order 2 as well"
     yield (
-        "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
-        "from a bend. Torsional vibration changes order 2 unless the drive turns well below the "
-        "lowest natural frequency."
+        f"An ovality of an encoder {adds}. A recording with straight joints tells it from a bend. "
+        "Torsional vibration changes order 2 unless the drive turns well below the lowest natural "
+        "frequency."
     )
-    if found.joints:
-        yield "Phase and twist cannot be told apart: only their difference shows."
-    else:
+    if found.phase_less_twist is not None:
+        yield (
+            "Phase and twist cannot be told apart: only their difference shows. It is positive in "
+            "the sense in which the recorded angle or speed increases, here taken for clockwise, "
+            "looking from the drive towards the output. If the shaft turned counter-clockwise, "
+            "change its sign, also in phases_deg below."
+        )
+        yield (
+            "The turn of a yoke that helps depends on this difference alone, so a scene may take 0 "
+            "for the twist; if you give that of the drawing, add it to phases_deg as well. 'cardan "
+            "check' of these lines judges the driveline, and 'cardan phase' says which way to turn "
+            "the yoke:"
+        )
+    elif not found.joints:
         yield (
             "Bends and phases of several joints cannot be told apart by two encoders: only the "
             "equivalent bend shows."

@@ -10,11 +10,11 @@ import click
 
 from cardan.app.answers.answer import Answer
 from cardan.app.answers.data import data_of
-from cardan.app.answers.identification import identified, sentences
+from cardan.app.answers.identification import identified, identified_text
 from cardan.app.answers.life.figures import needed
 from cardan.app.answers.optimise.figures import optimised
 from cardan.app.answers.optimise.picture import plot_optimise
-from cardan.app.answers.printed import listed, part_text, wherever_text
+from cardan.app.answers.printed import listed, wherever_text
 from cardan.app.answers.schema import Kind
 from cardan.app.answers.table import PARTS
 from cardan.app.answers.yokes.figures import yoke_settings
@@ -238,7 +238,7 @@ def identify(file: Path, radians: bool, output: Output, **columns: str | None) -
     output.say(
         "identify",
         found.path,
-        lambda: part_text(found.path, found, sentences(found, radians=radians), radians=radians),
+        lambda: identified_text(found, radians=radians),
         data_of(found, radians=radians),
     )
 

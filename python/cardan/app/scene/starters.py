@@ -28,13 +28,15 @@ class Starter:
     command: str = "run"
 
 
+def _shown(kind: str, *folder: str) -> str:
+    """Return the text of a scene that a page shows under the name of its kind."""
+    file = resources.files("cardan.app.scene").joinpath(*folder, f"{kind}.toml")
+    return file.read_text(encoding="utf-8").replace(f"{kind}.", "{name}.")
+
+
 def _machine(kind: str, meaning: str) -> Starter:
-    """Return the scene of a machine, whose output files are named like it, as a starter."""
-    file = resources.files("cardan.app.scene").joinpath("machines", f"{kind}.toml")
-    text = file.read_text(encoding="utf-8")
-    return Starter(
-        meaning, text.replace(f'= "{kind}.', '= "{name}.'), machine=True, command="check"
-    )
+    """Return the scene of a machine as a starter."""
+    return Starter(meaning, _shown(kind, "machines"), machine=True, command="check")
 
 
 _FILES = """\
@@ -213,6 +215,11 @@ torsional_excitation_rad_s2 = 500
 """
             + _FILES,
             command="check",
+        ),
+        "shudder": Starter(
+            "a light truck whose centre bearing in rubber shakes",
+            _shown("shudder"),
+            command="lateral",
         ),
         "recorded": Starter(
             "recorded drive angles and bends from a file",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -18,7 +19,7 @@ from cardan.app.answers.lateral.vibration import (
     Vibration,
 )
 from cardan.app.answers.over import limit_of, over
-from cardan.app.answers.printed import listed, quantity
+from cardan.app.answers.printed import given, listed, quantity
 from cardan.app.answers.rows import (
     Judged,
     count,
@@ -31,6 +32,7 @@ from cardan.app.answers.rows import (
     word,
 )
 from cardan.app.answers.torsion.figures import SpeedRange
+from cardan.app.scene.language.units import RPM
 from cardan.app.scene.scene import Scene
 from cardan.app.scene.sections.lateral import LateralCase
 from cardan.arrays import FloatArray
@@ -205,8 +207,8 @@ class LateralFigures:
     margin: Judged | None = figure(
         "distance of the nearest resonance",
         "percent",
-        "of an excited order of 1, 2 and 4 from the speed range, in shares of the resonance; 0 "
-        "within it",
+        "of order 1, which any unbalance excites, or of 2 and 4 if joints excite them, from the "
+        "speed range, in shares of the resonance; 0 within it",
         source=_THOMA,
         limit="[lateral] resonance_margin",
     )
@@ -350,8 +352,7 @@ def _resonance(found: Vibration, met: Met) -> Resonance:
     low, high = found.case.speed[0], found.case.speed[-1]
     inside, excited = bool(low <= met.speed <= high), met.order in found.excited
     peak = None
-    has_size = met.order > 1 or bool(found.case.unbalance)
-    if found.load is not None and inside and excited and met.is_known and has_size:
+    if found.load is not None and inside and excited and met.is_known:
         peak = found.peak(met)
     bearing, speed, force, moved = peak or (None, None, None, None)
     return Resonance(
@@ -369,7 +370,7 @@ def _at_steady_speed(load: Load) -> Load:
 
 
 def _margin(scene: Scene, found: Sequence[Vibration]) -> Judged:
-    """The distance of the nearest resonance of an excited order."""
+    """The distance of the nearest resonance of order 1 or another order that is excited."""
     case = found[0].case
     low, high = case.speed[0], case.speed[-1]
     away = []
@@ -377,7 +378,7 @@ def _margin(scene: Scene, found: Sequence[Vibration]) -> Judged:
         every = [
             max(low - speed, speed - high, 0.0) / speed
             for group in one.groups
-            for order in one.excited
+            for order in {1, *one.excited}
             for speed in [group.frequency / order]
         ]
         away.append(min(every))
@@ -438,8 +439,8 @@ def _bearings(
             speed = float(worst.speed[outside][np.argmax(own)])
             sizes = np.max(worst.response.of_order("bearing_force")[i, outside], axis=0)
             found_orders = dict(zip(ALL, sizes.tolist(), strict=True))
-            known = set(worst.excited) - (set() if worst.case.unbalance else {1})
-            most = {order: found_orders[order] * (order in (0, *known)) for order in ALL}
+            known = (0, *worst.excited)
+            most = {order: found_orders[order] * (order in known) for order in ALL}
         yield BearingVibration(
             number, shaft, size, force, speed, most[0], most[1], most[2], most[4], moved
         )
@@ -454,7 +455,7 @@ def _over_speeds(
     for one in found:
         if np.all(one.unknown):
             why = "the damping is not known at any of the speeds"
-            return Judged(None, why=why, **limit)
+            return Judged(None, why=f"{why} ({_needs(one.bands)})", **limit)
         values.append(float(np.max(one.response.largest(name)[bearing, ~one.unknown])))
         bands += one.bands
     judged = over(scene, np.array(values), names=_names(scene), **limit)
@@ -466,8 +467,10 @@ def _over_speeds(
 
 def _why(judged: Judged, bands: Sequence[Met], case: LateralCase) -> str:
     """Say at which speeds a limit is kept, and why it is not judged at the others."""
-    met = {(each.order, quantity(each.speed, "rpm")): each.lack for each in bands}
-    called = listed([f"order {order} at {speed}" for order, speed in met])
+    met = {
+        (each.order, quantity(each.speed, "rpm"), _place(each, case)): each.lack for each in bands
+    }
+    called = listed([f"order {order} at {speed}{place}" for order, speed, place in met])
     resonances = "resonance" if len(met) == 1 else "resonances"
     lack = " or ".join(sorted(set(met.values()), reverse=True))
     ranges = [" to ".join(quantity(end, "rpm") for end in ends) for ends in _outside(bands, case)]
@@ -475,9 +478,29 @@ def _why(judged: Judged, bands: Sequence[Met], case: LateralCase) -> str:
     # Bands of several states may reach all speeds.
     where = f"it is {kept} from {listed(ranges)}; at the other speeds " if ranges else ""
     return (
-        f"{where}the damping of the {resonances} of {called} is {lack} (loss_factor in "
-        "[[bearing]], tube_loss_factor in [lateral])"
+        f"{where}the damping of the {resonances} of {called} is {lack} ({_needs(bands)})"
+        f"{_free(bands, case)}"
     )
+
+
+def _place(met: Met, case: LateralCase) -> str:
+    """Say whether a resonance is that of tubes, and above the speeds."""
+    said = {"of tubes": met.is_of_tubes, "above the speed range": met.speed > case.speed[-1]}
+    words = ", ".join(word for word, holds in said.items() if holds)
+    return words and f" ({words})"
+
+
+def _free(bands: Sequence[Met], case: LateralCase) -> str:
+    """Say how far the speeds may go where only resonances above them reach into them."""
+    if min(each.speed for each in bands) <= case.speed[-1]:
+        return ""
+    stop = math.floor(min(each.band[0] for each in bands) / RPM) * RPM
+    return f"; a speed range up to {given(stop, 'rpm')} is judged" if stop > case.speed[0] else ""
+
+
+def _needs(bands: Sequence[Met]) -> str:
+    """Name the keys that would make the damping of resonances known, that of tubes first."""
+    return "; ".join(sorted({each.needs for each in bands}, reverse=True))
 
 
 def _outside(bands: Sequence[Met], case: LateralCase) -> Iterator[tuple[float, float]]:

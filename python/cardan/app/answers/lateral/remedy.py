@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import combinations
 from typing import NamedTuple, TypeAlias
@@ -41,10 +41,18 @@ _STEEP = 0.9
 _EVEN = math.tan(math.radians(1.5)) ** 2
 
 
+_Change: TypeAlias = Callable[[Driveline], Driveline]
+
+
 @dataclass(frozen=True)
 class Remedy:
-    """One change, and what order 2 then does at the bearing that bears most of it."""
+    """One change, and what order 2 then does at the bearing that bears most of it.
 
+    Attributes:
+        made: makes the changed driveline.
+    """
+
+    made: _Change = field(repr=False)
     change: str = item("change")
     bearing: int = count("bearing", is_detail=True)
     stiffness: float = figure(
@@ -70,9 +78,6 @@ class Remedy:
     bend: float = figure(
         "equivalent bend", "deg", "of the driveline: how unevenly the last shaft turns"
     )
-
-
-_Change: TypeAlias = Callable[[Driveline], Driveline]
 
 
 def remedies(
@@ -118,6 +123,7 @@ def remedies(
             continue
         is_some = left >= _ROUNDING
         yield Remedy(
+            change,
             words,
             bears if is_layout else number,
             stiffer,
@@ -129,6 +135,13 @@ def remedies(
             _elsewhere(after, met) / others if others and is_layout else None,
             max(float(each.line.equivalent().bend) for each in after),
         )
+
+
+def left_with(found: Vibration, layout: Remedy, other: Remedy) -> float:
+    """Return order 2 in N at the bearing of another stiffness, in resonance in a changed layout."""
+    case = found.case.stiffened(other.bearing, other.stiffness)
+    peak = _peak(Vibration(case, layout.made(found.line), found.load), other.resonance)
+    return float(peak.forces[case.elastic.index(other.bearing)])
 
 
 def _same(line: Driveline) -> Driveline:

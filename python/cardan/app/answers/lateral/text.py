@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from cardan.app.answers.forces.figures import length
 from cardan.app.answers.lateral.figures import LateralFigures, Resonance
-from cardan.app.answers.lateral.remedy import Remedy
+from cardan.app.answers.lateral.remedy import Remedy, left_with
 from cardan.app.answers.lateral.vibration import ALL, KNOWN, NEAR
 from cardan.app.answers.printed import bullets, capital, given, items_text, listed, quantity
 
@@ -111,9 +111,12 @@ def _resonances(found: LateralFigures) -> Iterator[str]:
         elif not each.known:
             yield f"{_met(found, each)}; {_stay_out(found, each)}"
         else:
-            is_silent = each.order == 1 and not found.vibration.case.unbalance
-            why = "; no [[lateral.unbalance]] is given" if is_silent else ""
-            yield f"{_met(found, each)}{why}"
+            yield _met(found, each)
+    for each in found.resonances:
+        if each.inside and each.order == 1 and not each.excited:
+            yield f"{_met(found, each)}; no [[lateral.unbalance]] is given"
+    if found.modes and found.vibration.case.bending and not found.vibration.case.masses:
+        yield "no mass of yokes is given ([[lateral.mass]]): resonances are lower with them"
     for each in found.resonances:
         bands = () if each.inside else found.vibration.bands
         if any(band.speed == each.speed for band in bands):
@@ -157,7 +160,7 @@ def _running(found: LateralFigures) -> Iterator[str]:
         parts = [
             f"order {k} alone {quantity(x, 'N')}"
             for k, x in zip(ALL, each, strict=True)
-            if k in one.excited and (k > 1 or one.case.unbalance)
+            if k in one.excited
         ]
         said = f" ({listed(parts)})" if parts else ""
         yield f"{at}, bearing {number} bears up to {quantity(force, 'N')}{said}"
@@ -217,37 +220,53 @@ def _help(found: LateralFigures) -> Iterator[str]:
 
 def _layout(found: LateralFigures) -> Iterator[str]:
     """Say which change of the layout helps most."""
-    layouts = [each for each in found.remedies if each.stiffness == 1.0]
-    ends = [each for each in layouts if each.left <= _ENDS]
-    in_all = " in all states" if found.state else ""
-    if ends:
-        best = min(ends, key=lambda each: each.bend)
+    best, in_all = _best(found), " in all states" if found.state else ""
+    if best is None:
+        return
+    left = f"{quantity(best.left, 'percent')} of order 2 at bearing {best.bearing}{_size(best)}"
+    if best.left <= _ENDS:
         now = quantity(float(found.vibration.line.equivalent().bend), "deg")
         yield (
-            f"{best.change}: this ends the shudder{in_all} and leaves "
-            f"{quantity(best.left, 'percent')} of order 2 at bearing {best.bearing}; the "
-            f"equivalent bend is then {quantity(best.bend, 'deg')} in place of {now}"
+            f"{best.change}: this ends the shudder{in_all} and leaves {left}; the equivalent bend "
+            f"is then {quantity(best.bend, 'deg')} in place of {now}"
         )
-    elif layouts:
-        best = min(layouts, key=lambda each: each.left)
-        yield (
-            f"{best.change}: this leaves {quantity(best.left, 'percent')} of order 2 at "
-            f"bearing {best.bearing}{in_all}, the least of what was tried"
-        )
+    else:
+        yield f"{best.change}: this leaves {left}{in_all}, the least of what was tried"
+
+
+def _best(found: LateralFigures) -> Remedy | None:
+    """Return the change of the layout that ends the shudder most evenly, or leaves least of it."""
+    layouts = [each for each in found.remedies if each.stiffness == 1.0]
+    ends = [each for each in layouts if each.left <= _ENDS]
+    if ends:
+        return min(ends, key=lambda each: each.bend)
+    return min(layouts, key=lambda each: each.left, default=None)
+
+
+def _size(each: Remedy) -> str:
+    """Say how large the force is that is left, and what a change makes worse."""
+    size = "" if each.peak is None else f", {quantity(each.peak, 'N')}"
+    if each.elsewhere is not None and each.elsewhere > _MORE:
+        size += f", but {quantity(each.elsewhere, 'percent')} of it in another resonance"
+    return size
 
 
 def _stiffness(found: LateralFigures) -> Iterator[str]:
     """Say what half and twice the stiffness of a bearing do."""
-    softer, stiffer = (
-        next((each for each in found.remedies if each.stiffness == factor), None)
-        for factor in (0.5, 2.0)
-    )
-    if softer and stiffer and (less := _peak(softer)) and (more := _peak(stiffer)):
+    if not found.remedies:
+        return
+    softer, stiffer = _others(found)
+    if (less := _peak(softer)) and (more := _peak(stiffer)):
         yield (
-            f"half the stiffness of bearing {softer.bearing} moves the resonance to "
+            f"half the stiffness of bearing {softer.bearing} moves the peak of order 2 to "
             f"{quantity(softer.resonance, 'rpm')}, with {less}, and twice the stiffness to "
             f"{quantity(stiffer.resonance, 'rpm')}, with {more}"
         )
+
+
+def _others(found: LateralFigures) -> list[Remedy]:
+    """Return the changes to half and to twice the stiffness, which are there if any change is."""
+    return [each for each in found.remedies if each.stiffness != 1.0]
 
 
 def _peak(each: Remedy) -> str:
@@ -259,16 +278,33 @@ def _peak(each: Remedy) -> str:
 
 
 def _changes(found: LateralFigures) -> Iterator[str]:
-    """Say what each change of the layout leaves."""
+    """Say what each other change of the layout leaves, and for what all of them hold."""
+    best = _best(found)
     for each in found.remedies:
-        if each.stiffness == 1.0:
-            size = "" if each.peak is None else f", {quantity(each.peak, 'N')}"
-            if each.elsewhere is not None and each.elsewhere > _MORE:
-                size += f", but {quantity(each.elsewhere, 'percent')} of it in another resonance"
+        if each.stiffness == 1.0 and each is not best:
             yield (
-                f"{capital(each.change)}: {quantity(each.left, 'percent')} of order 2 left{size}, "
-                f"equivalent bend {quantity(each.bend, 'deg')}."
+                f"{capital(each.change)}: {quantity(each.left, 'percent')} of order 2 left"
+                f"{_size(each)}, equivalent bend {quantity(each.bend, 'deg')}."
             )
+    if found.remedies:
+        yield (
+            "All changes hold for the stiffness and the masses given: try them with the least and "
+            f"the largest stiffness that the rubber may have{_at_others(found)}."
+        )
+
+
+def _at_others(found: LateralFigures) -> str:
+    """Say what the best layout leaves where the stiffness is another; "" if it is not known."""
+    best, others = _best(found), _others(found)
+    if best is None or found.state or not all(each.peak for each in others):
+        return ""
+    left = [
+        f"{quantity(left_with(found.vibration, best, each), 'N')} in place of "
+        f"{quantity(each.peak, 'N')}"
+        for each in others
+        if each.peak
+    ]
+    return f". At half the stiffness the first leaves {left[0]}, and at twice {left[1]}"
 
 
 def _limits(found: LateralFigures) -> Iterator[str]:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.app.scene.sections.bearing import OF_RUBBER, RUBBER
 from cardan.app.scene.sections.lateral import LateralCase
 from cardan.arrays import FloatArray
 from cardan.arrays.errors import ArgumentValueError
@@ -84,6 +85,18 @@ class Met(NamedTuple):
     def lack(self) -> str:
         """What its damping is where it is not known well enough."""
         return "too small" if self.loss else "not known"
+
+    @property
+    def needs(self) -> str:
+        """The key that would make it known."""
+        if self.is_of_tubes:
+            return "tube_loss_factor in [lateral]"
+        return f"loss_factor in [[bearing]], {OF_RUBBER}"
+
+    @property
+    def is_of_tubes(self) -> bool:
+        """Whether bearings have so little of its energy that no rubber in them damps enough."""
+        return float(np.sum(self.group.shares)) * RUBBER[1] < KNOWN
 
     @property
     def band(self) -> tuple[float, float]:
@@ -176,13 +189,14 @@ class Vibration:
 
     @cached_property
     def excited(self) -> tuple[int, ...]:
-        """The orders that are excited: 1 by any unbalance, 2 and 4 by the moments of joints."""
+        """The orders that are excited: 1 by unbalance, 2 and 4 by the moments of joints."""
+        once = (1,) if self.case.unbalance else ()
         if self.load is None:
-            return (1, 2)
+            return (*once, 2)
         forces = [self.response.of_order(f"{name}_force") for name in ("bearing", "joint")]
         most = np.max([np.max(own, axis=(0, 1), initial=0.0) for own in forces], axis=0)
         beyond = dict(zip(ALL, most > _COUNTS * np.max(most), strict=True))
-        return (1, *(order for order in (2, 4) if beyond[order]))
+        return (*once, *(order for order in (2, 4) if beyond[order]))
 
     @cached_property
     def unknown(self) -> NDArray[np.bool_]:

@@ -27,6 +27,12 @@ POSITIONS = ("position_mm", "position_m", "from_end_mm", "from_end_m")
 STIFFNESS = "stiffness_N_per_mm"
 """The key that makes a bearing elastic."""
 
+RUBBER = (0.05, 0.2)
+"""The least and the largest usual loss factor of rubber."""
+
+OF_RUBBER = "{:g} to {:g} for rubber".format(*RUBBER)
+"""The range in words."""
+
 SUPPORT = (STIFFNESS, "axis", "loss_factor", "damping_Ns_per_m")
 """The keys that describe an elastic bearing."""
 
@@ -227,8 +233,8 @@ BEARING: Section[Mounted] = Section(
         ),
         "loss_factor": Key(
             each(Number(0, 1, what="a loss factor"), "two numbers", 2),
-            "tangent of the loss angle of the bearing; rubber: 0.05 to 0.2; default: damping "
-            "unknown",
+            f"tangent of the loss angle of the bearing, {OF_RUBBER}; without damping the force in "
+            "resonance is not known, and limits are not judged there",
             "loss_factor",
         ),
         "damping_Ns_per_m": Key(
