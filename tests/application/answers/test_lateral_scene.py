@@ -284,6 +284,17 @@ def test_the_band_of_a_tube_begins_in_the_speeds() -> None:
     assert figures(text).middles[1].moved == pytest.approx(1.34e-3, abs=6e-6)
 
 
+def test_a_change_says_where_nothing_is_judged_after_it() -> None:
+    left = "; from 2213 rpm to 2500 rpm the limit then stays not judged, as the damping there"
+    assert left in said(TEXT)
+    for text in (
+        changed(TEXT, ("bearing_displacement_mm = 1 ", "equivalent_bend_deg = 3 ")),
+        changed(TEXT, ("to = 2500, steps = 221", "to = 2200, steps = 191")),
+    ):
+        assert "this ends the shudder" in said(text)
+        assert "stays not judged" not in said(text)
+
+
 def test_a_limit_that_a_band_reaches_is_not_judged_within() -> None:
     for limit, verdict in ((1.0, "beyond"), (3.0, "not judged")):
         text = changed(TEXT, ("displacement_mm = 1 ", f"displacement_mm = {limit} "))

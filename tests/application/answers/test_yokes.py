@@ -462,7 +462,9 @@ def remedy(text: str) -> str:
 
 def test_a_straight_single_joint_is_said_where_its_bend_remains() -> None:
     text = WIDE_ANGLE.format(rest="[states]\ndouble_joint_deg = [5, 50]")
-    (said,) = re.findall(r"A straight single joint would leave at most (\S+)°\.", remedy(text))
+    (said,) = re.findall(
+        r"with a straight single joint, it would leave at most (\S+)°\.", remedy(text)
+    )
     level = text.replace("single_bend_deg = 10", "single_bend_deg = 0")
     pivot = re.findall(r"leaves at most (\S+)° with", remedy(f"{level}\n[limits]\n{LOW}"))
     assert [said] == pivot

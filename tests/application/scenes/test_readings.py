@@ -371,6 +371,12 @@ def test_where_no_tilt_is_certain_the_likeliest_is_named() -> None:
     text += "[limits]\nequivalent_bend_deg = 9\nbend_difference_deg = 1\n"
     moves = Answer(cardan.Scene.parse(text.format(5)))["moves"]
     (engine,) = (move for move in moves if move.tilt is not None)
+    # A spacer at joint 1 would tilt the shaft that has no feet.
+    assert [move.of for move in moves if move.axis == "up"] == ["joint 0"]
+    assert {
+        "A shim is computed for a joint that stays where it is.",
+        "A spacer at a joint tilts the shafts on both sides of it.",
+    } < {*moves_in_words(moves)}
     assert engine.certain is None
     assert engine.likeliest is not None
     tilt = -math.degrees(engine.likeliest)
@@ -416,7 +422,7 @@ def test_without_lengths_no_spacer_is_advised() -> None:
 def test_a_shim_suffices_in_every_state_as_it_is_printed() -> None:
     """A point that moves alike tilts its shaft by another angle where that slopes more."""
     text = (EXAMPLES / "launch.toml").read_text()
-    words, _ = moves_in_words(Answer(cardan.Scene.parse(text))["moves"])
+    words, *_ = moves_in_words(Answer(cardan.Scene.parse(text))["moves"])
     found = re.match(r"Tilt shaft 2 down towards the output by (\d\.\d\d)° with a shim", words)
     assert found
     for size, verdict in ((float(found[1]), "within"), (float(found[1]) - 0.02, "beyond")):

@@ -263,7 +263,7 @@ def _ranges(found: Identified, *, radians: bool) -> str:
 def identified_text(found: Identified, *, radians: bool = False) -> str:
     """Return the answer as plain text, of two joints from their verdict to a scene of them."""
     verdict = filled(_verdict(found, radians=radians))
-    heading = "\n".join([found.path, "", *verdict, ""] if verdict else [found.path])
+    heading = "\n".join([*verdict, "", found.path] if verdict else [found.path])
     text = part_text(heading, found, sentences(found, radians=radians), radians=radians)
     return "\n    ".join([text, *_scene(found)])
 

@@ -179,7 +179,10 @@ def _in_workshop(moves: Iterable[Move], machine: Machine, scene: Scene) -> Itera
             move = replace(move, feet=feet[-1 if shaft else 0])
             yield replace(move, of=f"shaft {shaft}", axis=None, shift=None, tilt=tilt)
         elif move.axis == "y" and has_lengths(scene.line):
-            yield replace(move, axis="up")
+            # A spacer at a joint beside an end shaft tilts what bears that shaft.
+            ends = {1: feet[0], last: feet[-1]}
+            if ends.get(move.number) != 0.0:
+                yield replace(move, axis="up")
 
 
 def _least_tilt(scene: Scene, shaft: int, near: float) -> float:
@@ -300,6 +303,10 @@ def sentences(found: Iterable[Move]) -> Iterator[str]:
             f"The distance between the feet, {FEET} in [driveline], gives the thickness of each "
             "shim."
         )
+    if any(move.tilt is not None for move in shown):
+        yield "A shim is computed for a joint that stays where it is."
+    if any(move.axis == "up" for move in shown):
+        yield "A spacer at a joint tilts the shafts on both sides of it."
     edges = [
         move for move in shown if move.verdict == "within" and not (move.certain or move.likeliest)
     ]

@@ -228,10 +228,25 @@ def _layout(found: LateralFigures) -> Iterator[str]:
         now = quantity(float(found.vibration.line.equivalent().bend), "deg")
         yield (
             f"{best.change}: this ends the shudder{in_all} and leaves {left}; the equivalent bend "
-            f"is then {quantity(best.bend, 'deg')} in place of {now}"
+            f"is then {quantity(best.bend, 'deg')} in place of {now}{_still_unjudged(found)}"
         )
     else:
         yield f"{best.change}: this leaves {left}{in_all}, the least of what was tried"
+
+
+def _still_unjudged(found: LateralFigures) -> str:
+    """Say at which speeds no change makes the damping known, if a bearing has a limit."""
+    has_limit = any(
+        each.limit is not None for one in found.bearings for each in (one.largest, one.displacement)
+    )
+    low, high = (float(end) for end in found.vibration.case.speed[[0, -1]])
+    bands = [each.band for each in found.vibration.bands]
+    ends = sorted({(max(low, first), min(high, last)) for first, last in bands})
+    ends = [(first, last) for first, last in ends if first < last]
+    if not has_limit or not ends:
+        return ""
+    said = listed([f"{quantity(start, 'rpm')} to {quantity(stop, 'rpm')}" for start, stop in ends])
+    return f"; from {said} the limit then stays not judged, as the damping there is not known"
 
 
 def _best(found: LateralFigures) -> Remedy | None:

@@ -56,7 +56,11 @@ OF_SIZE = {
         "torque that seals or a preload add about the pins of each yoke; default 0",
         "seal_torque",
     ),
-    "max_bend_deg": Key(each(ACUTE), "largest bend that the type permits", "max_bend_deg"),
+    "max_bend_deg": Key(
+        each(ACUTE),
+        "largest bend that the type permits; the crosses of a double joint count one by one",
+        "max_bend_deg",
+    ),
     "max_speed_bend_rpm_deg": Key(
         each(POSITIVE),
         "largest permitted product of speed in rpm and bend in deg",
