@@ -102,6 +102,18 @@ def test_with_a_loss_factor_all_analyses_tell_of_one_motion() -> None:
     )
 
 
+def test_motions_side_by_side_have_the_damping_of_the_steady_one() -> None:
+    """Straight shafts vibrate at the order of the torque alone, with the loss at its frequency."""
+    speed, pulses = 120.0, [cardan.TorqueHarmonic(0, "input", 2, 6.0, 2.0)]
+    lossy = with_damper(0.0, loss_factors=[LOSS, 0.0, 0.0], harmonics=pulses)
+    dampings = [DAMPER * LOSS / (2.0 * speed), 0.5, 0.0]
+    viscous = with_damper(0.0, dampings=dampings, harmonics=pulses)
+    found, known = lossy.coexisting(speed), viscous.coexisting(speed)
+    assert found.multipliers[0] == pytest.approx(known.multipliers[0], abs=1e-8)
+    # A little of order 4 comes from the turn of the engine itself.
+    np.testing.assert_allclose(found.torque_max[:, 0], known.torque_max[:, 0], rtol=1e-6)
+
+
 @pytest.mark.parametrize("pair", [(0, 0), (1, 1), (0, 1)])
 def test_a_loss_factor_damps_what_joints_make_grow(pair: tuple[int, int]) -> None:
     system = with_damper(25.0, loss_factors=[LOSS, 0.0, 0.0])
