@@ -462,12 +462,15 @@ def remedy(text: str) -> str:
 
 def test_a_straight_single_joint_is_said_where_its_bend_remains() -> None:
     text = WIDE_ANGLE.format(rest="[states]\ndouble_joint_deg = [5, 50]")
-    (said,) = re.findall(
-        r"with a straight single joint, it would leave at most (\S+)°\.", remedy(text)
+    said = re.findall(
+        r"With a straight single joint, (\S+)° would leave at most (\S+)°\.", remedy(text)
     )
     level = text.replace("single_bend_deg = 10", "single_bend_deg = 0")
-    pivot = re.findall(r"leaves at most (\S+)° with", remedy(f"{level}\n[limits]\n{LOW}"))
-    assert [said] == pivot
+    pivot = re.findall(
+        r"synchronous_deg of (\S+)° leaves at most (\S+)° with", remedy(f"{level}\n[limits]\n{LOW}")
+    )
+    assert said == pivot
+    assert len(said) == 1
     # Where the pivot suffices, or the states set the bend, nothing is said of it.
     assert "straight" not in remedy(f"{text}\n[limits]\nequivalent_bend_deg = 9.8\n")
     assert "straight" not in remedy(f"{text}\nsingle_bend_deg = [9, 10]\n")

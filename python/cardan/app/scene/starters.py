@@ -169,6 +169,7 @@ equivalent_bend_deg = [6, 8]
 source = "our own trials"
 
 [optimise]
+# Least and largest change of each value.
 vary = {synchronous_deg = [-30, 40], single_phase_deg = "free"}
 
 [output]

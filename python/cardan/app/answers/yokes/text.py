@@ -344,7 +344,8 @@ def _of_pivot(found: Advice) -> str:
     rest = found.pivot.equivalent_bend_deg
     if rest > found.limit_deg and found.straight and found.straight.equivalent_bend_deg < rest:
         left = bend_text(found, found.straight.equivalent_bend_deg)
-        said += f" Together with a straight single joint, it would leave {most}{left}."
+        value = in_unit([number_text(found.straight.synchronous_deg, "given")], "deg")
+        said += f" With a straight single joint, {value} would leave {most}{left}."
     return said
 
 
