@@ -184,6 +184,7 @@ def test_fingers_step_numbers_by_buttons(
     assert js(phone, "return cardanPage.model.loadOf('torque')") == 1510.0
     for _ in range(2):
         phone.find_element(By.ID, "live-undo").click()
+        settled(phone)
     assert js(phone, "return cardanPage.model.isDrawn")
     phone.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
     screen(phone, 1280, 900)
