@@ -473,7 +473,7 @@ YOKES_OFF: dict[str, Any] = {
 
 
 def test_yokes_that_help_are_named(tmp_path: Path) -> None:
-    """Points that move less far come first, and a turn of one yoke is among what is said."""
+    """The answer lists the smallest moves of points first and includes the turn of a yoke."""
     data = checked({"driveline": YOKES_OFF}, tmp_path / "a.toml")
     advice = data["advice"]
     said = re.match(
@@ -561,7 +561,7 @@ def test_the_worst_exceedance_is_advised_on_first(
     assert (sum(ends), ends[0]) == ((0, False) if first is None else (1, first))
     if first is False:
         assert ends[-1]
-    # What the changes leave out is said once.
+    # One sentence names all figures that the search leaves out.
     (untried,) = (each for each in advice if "ot tried" in each)
     assert untried.startswith("Not tried with these changes: ")
     assert f"largest dynamic force of bearing 0{left}" in untried

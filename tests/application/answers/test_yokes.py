@@ -471,7 +471,7 @@ def test_a_straight_single_joint_is_said_where_its_bend_remains() -> None:
     )
     assert said == pivot
     assert len(said) == 1
-    # Where the pivot suffices, or the states set the bend, nothing is said of it.
+    # The answer omits it where the pivot suffices or the states set the bend.
     assert "straight" not in remedy(f"{text}\n[limits]\nequivalent_bend_deg = 9.8\n")
     assert "straight" not in remedy(f"{text}\nsingle_bend_deg = [9, 10]\n")
 

@@ -95,7 +95,7 @@ def find(answer: Answer) -> tuple[Move, ...]:
 
 
 def is_tried(each: JudgedFigure) -> bool:
-    """Whether the search knows a figure, so that its changes keep the limit of it."""
+    """Return whether the search computes a figure, so that its changes keep the limit."""
     return each.part.name in _TRIED and each.entry.path.rpartition(".")[2] not in _UNTRIED
 
 
